@@ -99,7 +99,7 @@ int orl_genbox(const char *const *words, size_t count, struct orl_text *text, st
         code = read_option(&rest, &box, &segments, err);
     if (code < 0)
         return code;
-    /* From without, cylinders and spheres look round; from within they would stand in the way. */
+    /* Cylinders and spheres look right from outside only; from inside they would be in the way. */
     if (box.inverted && segments == 1)
         segments = 32;
     while (box.rounded && (1 << box.level) < segments)

@@ -1,7 +1,7 @@
 /*
  * A box whose round edges are flat pieces: strips along the edges, and at the corners eighths of a
- * sphere, each cut into four triangles again and again. The program that this is after collects its
- * faces and lists them from the last to the first, numbered, without those of no area.
+ * sphere, each recursively divided into four triangles. As in Radiance's program, faces are
+ * collected and listed from the last to the first, numbered, without those of zero area.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,7 +29,7 @@ static struct orl_vec3 along(unsigned axis, double length)
     return orl_v3(axis == 0 ? length : 0, axis == 1 ? length : 0, axis == 2 ? length : 0);
 }
 
-/* The way out of the box at right angles to an edge, as far as its radius. */
+/* Returns the vector out of the box perpendicular to an edge, of the radius' length. */
 static struct orl_vec3 outward(const struct orl_genbox *box, struct orl_vec3 point, unsigned axis)
 {
     const double at = axis == 0 ? point.x : axis == 1 ? point.y : point.z;
@@ -59,7 +59,7 @@ static struct orl_vec3 middle(struct orl_vec3 a, struct orl_vec3 b)
     return orl_normalize(orl_add(a, b));
 }
 
-/* The part of a sphere between three directions. */
+/* Adds the part of a sphere between three directions. */
 static void add_part(struct pieces *pieces, struct orl_vec3 center, double radius,
                      const struct orl_vec3 d[3], unsigned level)
 {

@@ -1,6 +1,6 @@
 /*
  * genbranch: a branch of a fir tree. Each branch is a stick with shoots to its right and left,
- * which are branches themselves, down to leaves; a stick is a cone with a sphere at its tip.
+ * which are branches themselves, down to leaves. A stick is a cone with a sphere at its tip.
  */
 #include <stdio.h>
 #include <string.h>
@@ -9,7 +9,7 @@
 
 #include "scene/generate/solids.h"
 
-/* Sticks of one branch, and levels of branches on branches. */
+/* Limits: sticks of one branch, and nested levels of branches. */
 enum {
     STICKS_MAX = ORL_LIMIT_SURFACES < 500000 ? (int)ORL_LIMIT_SURFACES : 500000,
     LEVELS_MAX = 16
@@ -20,12 +20,12 @@ struct branch {
     struct orl_vec3 start, end;
     double radius, narrowing, ratio, variation;
     int shoots, levels;
-    uint64_t state; /* of its random numbers */
-    size_t sticks;  /* so far */
+    uint64_t state; /* state of its random number generator */
+    size_t sticks;  /* written so far */
     struct orl_text *text;
 };
 
-/* POSIX's drand48: x' = 25214903917 x + 11 modulo 2^48, from 0 as the C library starts. */
+/* POSIX's drand48: x' = 25214903917 x + 11 modulo 2^48, starting from 0 like the C library. */
 #define MULTIPLIER 25214903917U
 #define MODULUS ((uint64_t)1 << 48)
 
@@ -40,7 +40,7 @@ static double spread(struct branch *branch)
     return branch->variation * (0.5 - draw(branch));
 }
 
-/* Passes over n numbers, by squaring. */
+/* Skips n random numbers, by repeated squaring. */
 static void skip(struct branch *branch, int n)
 {
     uint64_t a = MULTIPLIER, c = 11;
@@ -130,7 +130,7 @@ static void add_stick(struct branch *branch, const char *material, struct orl_ve
 static void add_branch(struct branch *branch, struct orl_vec3 from, struct orl_vec3 to,
                        double radius, int level);
 
-/* A shoot to one side; which: from 1. Every draw has its place in the sequence. */
+/* Adds a shoot to one side; which: from 1. Every draw has a fixed position in the sequence. */
 static void add_shoot(struct branch *branch, struct orl_vec3 from, struct orl_vec3 to,
                       double radius, int level, int which, double side)
 {

@@ -29,7 +29,7 @@ static bool make_room(struct orl_text *text, size_t more)
     return true;
 }
 
-/* Into the room there is; into what is needed, where that was too little. */
+/* Prints into the usual room first; grows it if the text is longer. */
 void orl_text_add(struct orl_text *text, const char *format, ...)
 {
     enum { USUAL = 512 };

@@ -1,6 +1,6 @@
 /*
- * genprism: an outline in the plane z = 0, extruded. With -r its edges are rounded: its flat faces
- * are moved in by the radius, and cylinders and spheres fill what that leaves.
+ * genprism: an outline in the plane z = 0, extruded. With -r its edges are rounded: the flat faces
+ * are moved inwards by the radius, and cylinders and spheres fill the gaps.
  */
 #include <ctype.h>
 #include <stdio.h>
@@ -12,13 +12,13 @@
 #include "base/number.h"
 #include "scene/generate/solids.h"
 
-/* Lengths and shares below this are none. */
+/* Lengths and shares below this count as 0. */
 static const double tiny = 1e-6;
 
 struct corner {
     double x, y;
-    double back[2]; /* unit, towards the corner before */
-    double turn;    /* tangent of half the angle that the outline turns by, to the left positive */
+    double back[2]; /* unit, towards the previous corner */
+    double turn;    /* tangent of half the outline's turning angle, positive to the left */
 };
 
 struct prism {
@@ -26,7 +26,7 @@ struct prism {
     struct corner *corners;
     size_t n, room;
     struct orl_vec3 extrusion;
-    double radius; /* of edges; negative when extruded downwards; 0: sharp */
+    double radius; /* of edges; negative if extruded downwards; 0: sharp */
     bool open, bare;
 };
 
@@ -49,7 +49,7 @@ static int add_corner(struct prism *prism, double x, double y, struct orl_error 
     return 0;
 }
 
-/* The next two numbers of a file: 1, 0 at its end, or a negative error. */
+/* Reads the next two numbers of a file: returns 1, 0 at its end, or a negative error. */
 static int next_pair(const char **at, double pair[2], const char *name, struct orl_error *err)
 {
     for (int k = 0; k < 2; k++) {
@@ -149,7 +149,8 @@ static struct orl_vec3 plain(const struct prism *prism, size_t i, bool top)
     return top ? orl_add(at, prism->extrusion) : at;
 }
 
-/* A corner of the ends of a round prism: lifted above the lower end, or below the upper one. */
+/* Returns a corner of the ends of a rounded prism, lifted above the lower end, or below the upper
+ * one. */
 static struct orl_vec3 moved(const struct prism *prism, size_t i, bool top, double lift)
 {
     const struct corner *c = &prism->corners[i];
@@ -229,7 +230,7 @@ static int measure(struct prism *prism, struct orl_error *err)
     return 0;
 }
 
-/* Along the rim of an end: a cylinder an edge, and a sphere where the outline turns outwards. */
+/* Adds the rim of an end: a cylinder per edge, and a sphere where the outline is convex. */
 static void add_rim(const struct prism *prism, bool top, struct orl_text *text)
 {
     const double radius = side_of(prism) * prism->radius;
@@ -247,7 +248,7 @@ static void add_rim(const struct prism *prism, bool top, struct orl_text *text)
     }
 }
 
-/* A side between its rounded edges, which it touches, and the upright edge behind it. */
+/* Adds a side between its rounded edges, tangent to them, and the vertical edge behind it. */
 static void add_round_side(const struct prism *prism, size_t i, size_t next, struct orl_text *text)
 {
     const struct corner *a = &prism->corners[i], *b = &prism->corners[next];

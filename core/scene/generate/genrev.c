@@ -1,26 +1,26 @@
 /*
- * genrev: a surface of revolution about the z axis, of cones, cylinders and rings along a curve of
- * heights and radii. Where the curve goes down it is seen from within. With -s each piece has a
- * texture of its own (rev.cal), which turns its normals towards those of its neighbours.
+ * genrev: a surface of revolution about the z axis, made of cones, cylinders and rings along a
+ * curve of heights and radii. Where the curve goes down, the front is inside. With -s each piece
+ * has a texture (rev.cal) that interpolates normals between neighbours.
  */
 #include <stdio.h>
 
 #include "scene/generate/curve.h"
 
-/* A piece of the curve: heights and radii of its ends, the normal there is (height, radius). */
+/* A segment of the curve: heights and radii of its ends, and its normal (height, radius). */
 struct piece {
     double from[2], to[2], normal[2];
 };
 
-/* The change from one step to the next: -1, 0 or 1. */
+/* Sign of the change from one step to the next: -1, 0 or 1. */
 static int direction(double from, double to)
 {
     const double tiny = 1e-9;
     return to < from - tiny ? -1 : to > from + tiny ? 1 : 0;
 }
 
-/* What is added to a coordinate of the normal along the piece: a line through what the neighbours'
- * normals are. Where the piece does not change, what is on the side that is seen. */
+/* Adds the coefficients of a normal's coordinate along the piece: a line through the neighbours'
+ * normals. If the piece does not change in that coordinate, the visible side. */
 static int add_line(double change, double start, double before, double after, int side,
                     struct orl_text *text, struct orl_error *err)
 {
@@ -75,7 +75,8 @@ static int add_piece(const struct orl_generator_curve *curve, int number,
     return code;
 }
 
-/* The piece behind one, up to the step; beyond the curve's end nothing, without a normal. */
+/* Returns the piece behind `before`, up to the step; beyond the curve's end it is empty, without a
+ * normal. */
 static int follow(const struct orl_generator_curve *curve, const struct piece *before, int step,
                   struct piece *ret_piece, struct orl_error *err)
 {
@@ -98,7 +99,7 @@ int orl_genrev(const char *const *words, size_t count, const struct orl_generato
 {
     struct orl_words rest = {"genrev", words + 1, count - 1};
     struct orl_generator_curve curve = {0};
-    struct piece pieces[3] = {{{0, 0}, {0, 0}, {0, 0}}}; /* the one before, it, the one behind */
+    struct piece pieces[3] = {{{0, 0}, {0, 0}, {0, 0}}}; /* previous, current and next piece */
     double start[ORL_CURVE_MOST];
     int code = orl_curve_read(&curve, &rest, 2, true, files, err);
     if (code == 0)

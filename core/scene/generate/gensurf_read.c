@@ -4,7 +4,7 @@
 #include "base/number.h"
 #include "scene/generate/gensurf.h"
 
-/* Fields along one side, and in all. */
+/* Limits of cells along one side, and in total. */
 enum { SIDE_MAX = 20000, FIELDS_MAX = 1000000 };
 
 void orl_gensurf_done(struct orl_gensurf *surface)
@@ -90,7 +90,8 @@ static int read_option(struct orl_gensurf *surface, struct orl_words *words,
     return 0;
 }
 
-/* Where z is a file's name, it is read: of all three, if those are the same. */
+/* Reads z's word as a file if it exists; it gives all three coordinates if their words are
+ * equal. */
 static int read_file(struct orl_gensurf *surface, const char *const texts[3],
                      const struct orl_generator_files *files, struct orl_error *err)
 {
@@ -172,7 +173,7 @@ int orl_gensurf_at(const struct orl_gensurf *surface, int i, int j,
     const double at[2] = {(double)i / surface->m, (double)j / surface->n};
     const struct orl_gensurf_data *data = &surface->data;
     double values[4] = {0}, place[3];
-    const size_t given = 3 - data->each; /* by expressions */
+    const size_t given = 3 - data->each; /* number of coordinates by expressions */
     const int code = surface->expressions.function
                          ? orl_expressions_at(&surface->expressions, at, values, err)
                          : 0;

@@ -1,5 +1,5 @@
-/* Entities of MGF, one after the other; transforms, which may repeat what they hold; other files.
- */
+/* Reads MGF entities in sequence; handles transforms, which may repeat their content, and included
+ * files. */
 #include "scene/generate/mgf.h"
 
 #include <stdio.h>
@@ -123,7 +123,7 @@ static int read_object(struct orl_mgf_reader *r)
     return 0;
 }
 
-/* One of the copies that a transform makes. */
+/* Adds one of the copies that a transform makes. */
 static int add_copy(void *ctx, const struct orl_xform_use *use, struct orl_error *err)
 {
     struct orl_mgf_frame *frame = ctx;
@@ -149,7 +149,7 @@ static int refuse_file(void *ctx, const char *name, char **ret_text, struct orl_
     return orl_error_set(err, ORL_ERR_UNSUPPORTED, "'%.60s': files are not read here", name);
 }
 
-/* Makes the frame's copy at hand the one that is under way. */
+/* Makes the frame's current copy the active transform. */
 static int use_copy(struct orl_mgf_reader *r, const struct orl_mgf_frame *frame)
 {
     const struct orl_mgf_copy *copy = &frame->copies[frame->copy];
@@ -158,7 +158,7 @@ static int use_copy(struct orl_mgf_reader *r, const struct orl_mgf_frame *frame)
     return copy->name[0] ? push_object(r, copy->name) : 0;
 }
 
-/* By words; of what lies between start, behind that line, and its end. */
+/* Starts a transform given by words; start: scanner behind its line, for repeating its content. */
 static int begin_xform(struct orl_mgf_reader *r, const char *const *words, size_t n,
                        const struct orl_scanner *start)
 {
@@ -183,7 +183,7 @@ static int begin_xform(struct orl_mgf_reader *r, const char *const *words, size_
     return use_copy(r, frame);
 }
 
-/* The next copy is read from the transform's start on, or it has ended. */
+/* Rewinds to the transform's start for the next copy, or ends it. */
 static int end_xform(struct orl_mgf_reader *r, bool *ret_ended)
 {
     struct orl_mgf_frame *frame = &r->frames[r->n_frames - 1];
@@ -245,7 +245,7 @@ static int begin_text(const struct orl_mgf_reader *r, const struct orl_mgf_text 
     return code;
 }
 
-/* "i file [transform]" */
+/* Handles "i file [transform]". */
 static int include(struct orl_mgf_reader *r)
 {
     struct orl_mgf_place place = {.placed = r->n_words > 2, .back = r->scanner};
@@ -265,7 +265,7 @@ static int include(struct orl_mgf_reader *r)
     return 0;
 }
 
-/* At the end of a text: it is repeated, or the one before goes on, if there is one. */
+/* At the end of a text: repeats it, or returns to the including one, if any. */
 static int leave_text(struct orl_mgf_reader *r, bool *ret_ended)
 {
     const struct orl_mgf_place *const place = &r->texts[r->n_texts - 1];
@@ -329,7 +329,7 @@ static int read_entity(struct orl_mgf_reader *r)
     return 0;
 }
 
-/* Behind the words that there are, each ended by NUL. Names that could not stand in scene text are
+/* Appends a word to the buffer, NUL-terminated. Names that are invalid in scene text are
  * refused. */
 static int add_word(struct orl_mgf_reader *r, struct orl_slice word, size_t *used)
 {
@@ -347,8 +347,8 @@ static int add_word(struct orl_mgf_reader *r, struct orl_slice word, size_t *use
     return 0;
 }
 
-/* The entity at hand, with lines that a backslash joins, into words; none of a comment or an empty
- * line. */
+/* Splits the current entity, with lines continued by a backslash, into words; comments and blank
+ * lines have none. */
 static int read_words(struct orl_mgf_reader *r)
 {
     const char *const start = r->scanner.at;

@@ -1,4 +1,4 @@
-/* Colours of MGF: by chromaticity, spectrum or temperature, and mixed. */
+/* Colours of MGF: by chromaticity, spectrum or temperature, and mixtures. */
 #include <math.h>
 
 #include "scene/generate/mgf_context.h"
@@ -52,7 +52,7 @@ int orl_mgf_cxy(struct orl_mgf_reader *r)
     return code;
 }
 
-/* Values at even distances, linear in between. */
+/* Evenly spaced values, linear in between. */
 int orl_mgf_cspec(struct orl_mgf_reader *r)
 {
     struct orl_tristimulus seen = {0};
@@ -78,7 +78,7 @@ int orl_mgf_cspec(struct orl_mgf_reader *r)
     return code == 0 ? set_seen(r, seen) : code;
 }
 
-/* A black body's, by Planck's law; K. */
+/* Colour of a black body by Planck's law; temperature in K. */
 int orl_mgf_cct(struct orl_mgf_reader *r)
 {
     const double second_radiation_constant = 1.4388e7; /* nm K */
@@ -98,7 +98,7 @@ int orl_mgf_cct(struct orl_mgf_reader *r)
     return code == 0 ? set_seen(r, seen) : code;
 }
 
-/* Colours added, each of a luminance. */
+/* Sum of colours, each weighted by a luminance. */
 int orl_mgf_cmix(struct orl_mgf_reader *r)
 {
     struct orl_tristimulus seen = {0};

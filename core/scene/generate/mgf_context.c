@@ -1,4 +1,4 @@
-/* What has a name in MGF, and what is current; words as numbers. */
+/* Named and current items of MGF; conversion of words to numbers. */
 #include "scene/generate/mgf_context.h"
 
 #include <search.h>
@@ -107,7 +107,7 @@ const struct orl_mgf_item *orl_mgf_find(struct orl_mgf_reader *r, enum orl_mgf_k
     return item;
 }
 
-/* One of that name, made if there is none. */
+/* Returns the item of that name, created if there is none. */
 static struct orl_mgf_item *provide(struct orl_mgf_reader *r, enum orl_mgf_kind kind, char *name)
 {
     struct orl_mgf_item *item = look_up(r, kind, name);

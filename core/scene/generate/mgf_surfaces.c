@@ -1,4 +1,4 @@
-/* Surfaces of MGF, written as polygons, spheres, cylinders, cones and rings. */
+/* MGF surfaces, written as polygons, spheres, cylinders, cones and rings. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,10 +15,10 @@ static const vertex_t *find_vertex(struct orl_mgf_reader *r, size_t word)
     return item ? &item->is.vertex : NULL;
 }
 
-/* What mgf2rad calls surfaces of a kind, before their number. */
+/* Kinds of surface by which mgf2rad numbers names. */
 enum counted { FACE, SPHERE, CYLINDER, CONE, RING };
 
-/* "material type objects.number", and its counts. */
+/* Writes "material type objects.number", and the argument counts. */
 static int begin(struct orl_mgf_reader *r, enum counted counted, const char *type, size_t n_reals)
 {
     static const char *const letters[] = {"f", "s", "cy", "c", "r"};
@@ -55,7 +55,7 @@ static int write_polygon(struct orl_mgf_reader *r, const struct orl_vec3 *corner
     return code;
 }
 
-/* Do normals of corners all look away from the side that their order says? */
+/* Returns true if all corner normals point away from the side that the corners' order gives. */
 static bool is_turned(const vertex_t *const *vertices, size_t n)
 {
     struct orl_vec3 normal = {0};
@@ -68,7 +68,7 @@ static bool is_turned(const vertex_t *const *vertices, size_t n)
     return n <= 4;
 }
 
-/* The words of that order as vertices. */
+/* Writes a polygon of the vertices in these words. */
 static int write_face(struct orl_mgf_reader *r, const size_t *order, size_t n)
 {
     static const size_t most = ORL_MGF_WORDS;
@@ -95,7 +95,7 @@ int orl_mgf_face(struct orl_mgf_reader *r)
     return code < 0 ? code : write_face(r, order, n);
 }
 
-/* How many of the words from first on come before the next '-'. */
+/* Returns the number of words from first on before the next '-'. */
 static size_t count_outline(const struct orl_mgf_reader *r, size_t first)
 {
     size_t n = 0;
@@ -105,8 +105,8 @@ static size_t count_outline(const struct orl_mgf_reader *r, size_t first)
 }
 
 /*
- * "fh a b c - d e f - ...": each hole becomes a way from the outline's last corner around it and
- * back, as polygons of the scene have holes.
+ * Handles "fh a b c - d e f - ...": each hole becomes a path from the outline's last corner around
+ * it and back, as holes of Radiance's polygons are written.
  */
 int orl_mgf_face_with_holes(struct orl_mgf_reader *r)
 {
@@ -160,9 +160,10 @@ int orl_mgf_prism(struct orl_mgf_reader *r)
     return code == 0 ? write_polygon(r, near, n, false) : code;
 }
 
-/* ---- Round ones ------------------------------------------------------------------------------ */
+/* ---- Quadrics and rings
+ * ----------------------------------------------------------------------- */
 
-/* The radius in word, in the scene's units. */
+/* Reads the radius in a word, and scales it to the scene's units. */
 static int read_radius(struct orl_mgf_reader *r, size_t word, double *ret_radius)
 {
     const int code = orl_mgf_number(r, word, ret_radius);
@@ -190,7 +191,7 @@ int orl_mgf_sphere(struct orl_mgf_reader *r)
     return code;
 }
 
-/* Both ends, which are words 1 and last, and what comes behind. */
+/* Writes both ends, which are words 1 and last, and the head before them. */
 static int write_ends(struct orl_mgf_reader *r, size_t last, enum counted counted, const char *type,
                       size_t n_reals)
 {

@@ -1,4 +1,4 @@
-/* A torus of MGF, as the cones that mgf2rad makes of it: ten outside, ten cups inside. */
+/* A torus of MGF, as mgf2rad approximates it: ten cones outside, ten cups inside. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 
 #include "scene/generate/mgf_context.h"
 
-/* A number as a word. */
+/* A number printed as a word. */
 struct word {
     char text[24];
 };
@@ -18,7 +18,7 @@ static struct word word_of(double value)
     return word;
 }
 
-/* Makes "v name [= template]" of the words. */
+/* Executes "v name [= template]". */
 static int name_vertex(struct orl_mgf_reader *r, const char *name, const char *from)
 {
     const char *const words[4] = {"v", name, "=", from};
@@ -27,7 +27,7 @@ static int name_vertex(struct orl_mgf_reader *r, const char *name, const char *f
     return orl_mgf_context(r, ORL_MGF_VERTEX);
 }
 
-/* The current vertex, so far from the centre along its normal. */
+/* Moves the current vertex along the centre's normal. */
 static void place(struct orl_mgf_reader *r, const struct orl_mgf_vertex *center, double along)
 {
     const struct orl_vec3 n = orl_normalize(center->normal);
@@ -45,7 +45,7 @@ static int add_cone(struct orl_mgf_reader *r, const struct word *first, const st
     return orl_mgf_cone(r);
 }
 
-/* radii: of the hole and of the whole, both below 0 for one that is seen from within. */
+/* radii: of the hole and of the whole; both negative if the front is inside. */
 static int write_torus(struct orl_mgf_reader *r, const char *name, const double radii[2])
 {
     enum { QUARTER = 5 };

@@ -28,7 +28,7 @@ static int bad(struct orl_error *err, int code, const char *option, const char *
     return orl_error_set(err, code, "xform: option '%.40s' %s", option, what);
 }
 
-/* The count numbers that must follow words[0]. */
+/* Reads the count numbers that must follow words[0]. */
 static int numbers_after(const char *const *words, size_t n_words, size_t count, double *ret_values,
                          struct orl_error *err)
 {
@@ -45,7 +45,7 @@ static int numbers_after(const char *const *words, size_t n_words, size_t count,
     return 0;
 }
 
-/* A right-handed turn about axis 0, 1 or 2. */
+/* Returns a right-handed rotation about axis 0, 1 or 2. */
 static struct orl_xform rotation(int axis, double angle_deg)
 {
     const double c = cos(angle_deg * ORL_DEG_TO_RAD), s = sin(angle_deg * ORL_DEG_TO_RAD);
@@ -74,13 +74,14 @@ static struct orl_xform scaling(double x, double y, double z)
     return t;
 }
 
-/* Which axis option -rx, -my, ... names; -1 if none. */
+/* Returns the axis that an option -rx, -my, ... names; -1 if none. */
 static int axis_of(const char *word)
 {
     return word[2] >= 'x' && word[2] <= 'z' && word[3] == '\0' ? word[2] - 'x' : -1;
 }
 
-/* One transform (not -i). Returns the words it took, 0 if words[0] is none, or a negative error. */
+/* Reads one transform (not -i). Returns the number of words it took, 0 if words[0] is none, or a
+ * negative error. */
 static int read_one(const char *const *words, size_t count, struct orl_xform *ret_one,
                     struct orl_error *err)
 {
@@ -127,7 +128,8 @@ int orl_xform_repeats(const char *word, int *ret_repeats, struct orl_error *err)
     return 0;
 }
 
-/* By squaring: an array of n copies repeats its block n^2 / 2 times in all. */
+/* Composes by repeated squaring, because an array of n copies repeats its block n^2 / 2 times in
+ * total. */
 void orl_xform_repeat(struct orl_xform *total, const struct orl_xform *block, int times)
 {
     struct orl_xform power = *block;
