@@ -204,7 +204,7 @@ struct orl_opposed {
 /* Surfaces that are instanced, stored once as they stand in the first of their places
  * (parse/repeats.h says which surfaces may be instanced). */
 struct orl_prototype {
-    struct orl_surface *surfaces; /* as in orl_description; the labels, too */
+    struct orl_surface *surfaces; /* surfaces and labels have the meaning of orl_description's */
     size_t n_surfaces;
     struct orl_surface_labels *labels;
     struct orl_opposed *opposed; /* coincident.h */

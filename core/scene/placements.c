@@ -135,11 +135,11 @@ static bool name_surface(const struct orl_description *d, const struct orl_place
     return true;
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- Expansion ------------------------------------------------------------------------------- */
 
 struct expansion {
     struct orl_description *d;
-    size_t *places; /* of each prototype: number of its places if it is expanded, else 0 */
+    size_t *places; /* by prototype: number of its places if it is expanded, else 0 */
     struct orl_surface *surfaces;
     size_t n;
     size_t placement, file, kept; /* next placement, next file; number of placements that stay */

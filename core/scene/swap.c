@@ -149,7 +149,7 @@ static int apply(const struct swapping *s, size_t which)
     return code;
 }
 
-/* ---- Parts ----------------------------------------------------------------------------------- */
+/* ---- Window groups --------------------------------------------------------------------------- */
 
 int orl_material_part(struct orl_description *d, uint32_t material, uint32_t part,
                       uint32_t *ret_index)
@@ -205,7 +205,7 @@ static int part_all(const struct swapping *s, size_t n_names)
     return code < 0 ? orl_error_set(s->err, code, "out of memory") : 0;
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- Entry points ---------------------------------------------------------------------------- */
 
 static bool is_named(const struct orl_swap *swap, const struct orl_description *d,
                      const struct orl_placement *placement, const struct orl_surface *surface)

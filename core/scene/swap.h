@@ -40,9 +40,9 @@ struct orl_swaps {
     bool parted;
 };
 
-/* n_names: number of files that the scene was read from. Returns 0, ORL_ERR_NOT_FOUND (a name that
- * no surface or no material has), ORL_ERR_INVALID (a surface in two swaps), ORL_ERR_RANGE (a BSDF
- * that does not fit), ORL_ERR_LIMIT (too many surfaces after instances are expanded) or
+/* n_names: number of files that the scene was read from. Returns 0 or: ORL_ERR_NOT_FOUND (a name
+ * that no surface or no material has); ORL_ERR_INVALID (a surface in two swaps); ORL_ERR_RANGE (a
+ * BSDF that does not fit); ORL_ERR_LIMIT (too many surfaces after instances are expanded) or
  * ORL_ERR_NOMEM. */
 int orl_swaps_apply(const struct orl_swaps *swaps, size_t n_names,
                     struct orl_description *description, struct orl_error *err);

@@ -13,7 +13,7 @@ struct blinds {
     const char *material, *name;
     double depth, width, height, angle_rad;
     int slats;
-    double radius; /* of the bend: positive with its middle up, negative with it down; 0: flat */
+    double radius; /* bend radius: positive with the middle up, negative with it down; 0: flat */
     int parts;     /* number of rectangles in a slat */
     double x[PARTS_MAX][2],
         z[PARTS_MAX][2]; /* long sides of each rectangle, from the slat's edge */

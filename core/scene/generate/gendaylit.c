@@ -34,7 +34,7 @@ struct gendaylit {
     struct orl_vec3 direction, true_direction;
     /* sine of the altitude, for converting between horizontal and normal irradiance */
     double height;
-    double zenith_deg; /* of the sun; at most 90 after air_mass() */
+    double zenith_deg; /* the sun's zenith angle; at most 90 after air_mass() */
     double clearness, brightness, water_cm;
     double direct_w, diffuse_w, direct_lx, diffuse_lx;
     struct orl_perez shape;

@@ -1,8 +1,7 @@
 /*
  * The generators that scene files call: genbox, gensky and gendaylit. Each reads the words of its
- * command and writes the scene text that Radiance's program of that name writes, with the same
- * printed digits, so that a command and its output mean the same scene. The text is then parsed
- * like any other.
+ * command and writes the scene text of Radiance's program of that name. The printed digits are
+ * equal, so a command and its output mean the same scene. The text is then parsed like any other.
  *
  * Errors: ORL_ERR_SYNTAX for invalid words, _RANGE for numbers out of range, _UNSUPPORTED for
  * options that Oriel does not support.

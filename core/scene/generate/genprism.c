@@ -26,7 +26,7 @@ struct prism {
     struct corner *corners;
     size_t n, room;
     struct orl_vec3 extrusion;
-    double radius; /* of edges; negative if extruded downwards; 0: sharp */
+    double radius; /* radius of edges; negative if extruded downwards; 0: sharp */
     bool open, bare;
 };
 
@@ -275,7 +275,7 @@ static void add_round_side(const struct prism *prism, size_t i, size_t next, str
                           moved(prism, next, true, r), side_of(prism) * r);
 }
 
-/* ---- All of it ------------------------------------------------------------------------------- */
+/* ---- Entry point ----------------------------------------------------------------------------- */
 
 static int check_radius(struct prism *prism, struct orl_error *err)
 {

@@ -83,7 +83,7 @@ static void write_row(struct orl_gensurf *surface, struct orl_gensurf_vertex *ro
     }
 }
 
-/* ---- All of it ------------------------------------------------------------------------------- */
+/* ---- Output ---------------------------------------------------------------------------------- */
 
 /* Adds the quadrilaterals between two rows, split along alternating diagonals, or along the one
  * that keeps a triangle if a corner is missing. */

@@ -13,7 +13,7 @@ void orl_gensurf_done(struct orl_gensurf *surface)
     free(surface->data.values);
 }
 
-/* ---- Numbers of a file ----------------------------------------------------------------------- */
+/* ---- Data files ------------------------------------------------------------------------------ */
 
 static int read_values(struct orl_gensurf_data *data, size_t most, const char *text,
                        const char *name, size_t *ret_n, struct orl_error *err)

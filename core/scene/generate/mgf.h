@@ -2,11 +2,11 @@
  * Geometry in the Materials and Geometry Format (MGF), as in BSDF files: read, and written as the
  * scene text of Radiance's mgf2rad, with the same numbers and kinds of material.
  *
- * Supported: colours (c cxy cspec cct cmix), materials (m rd td rs ts ed ir sides), vertices (v p
- * n), faces (f fh), prisms, spheres, cylinders, cones, rings, tori, names (o), transforms (xf, also
- * arrays) and included files (i), if there is a way to open them. Spectra become RGB
- * (material/observer.h). Corner normals are ignored with a warning: faces are flat. Luminaires
- * (ies) are refused; unknown entities are ignored with a warning, as the format requires.
+ * Supported: colours (c cxy cspec cct cmix); materials (m rd td rs ts ed ir sides); vertices (v p
+ * n); faces (f fh), prisms, spheres, cylinders, cones, rings, tori; names (o); transforms (xf, also
+ * arrays); included files (i), if orl_mgf.open is set. Spectra become RGB (material/observer.h).
+ * Corner normals are ignored with a warning: faces are flat. Luminaires (ies) are refused; unknown
+ * entities are ignored with a warning, as the format requires.
  *
  * Reference: "The Materials and Geometry Format", version 2.0, distributed with Radiance.
  */

@@ -77,7 +77,7 @@ struct orl_mgf_reader {
     struct orl_error *err;
     struct orl_mgf_place texts[ORL_LIMIT_INCLUDE_DEPTH];
     size_t n_texts;
-    struct orl_scanner scanner; /* of the innermost text */
+    struct orl_scanner scanner; /* position in the innermost text */
     int line;                   /* line of the current entity; the last of its continued lines */
     char *buffer;               /* storage for the words of the current entity */
     const char *words[ORL_MGF_WORDS];

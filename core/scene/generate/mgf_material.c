@@ -1,7 +1,7 @@
 /*
- * Conversion of MGF materials to Radiance's: lamps by their emission, panes and prisms by their
- * refractive index, trans by its transmission, plastic and metal by the colour of their specular
- * part, and WGMDfunc for parts whose colours or roughnesses none of these can represent.
+ * Conversion of MGF materials to Radiance's: lamps by their emission; panes and prisms by their
+ * refractive index; trans by its transmission; plastic and metal by the colour of their specular
+ * part. WGMDfunc is used for parts whose colours or roughnesses none of these can represent.
  */
 #include <math.h>
 

@@ -17,8 +17,8 @@
 #define ORL_PEREZ_BRIGHTNESS_MAX 0.6
 
 /*
- * Coefficients a..e of (1 + a exp(b / cos zenith)) (1 + c exp(d gamma) + e cos^2 gamma), in single
- * precision, as in the program whose digits are matched.
+ * Coefficients a..e of (1 + a exp(b / cos zenith)) (1 + c exp(d gamma) + e cos^2 gamma). The tables
+ * are in single precision, as in the program whose digits are matched.
  */
 struct orl_perez {
     double c[5];

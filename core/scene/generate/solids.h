@@ -1,7 +1,7 @@
 /*
  * The generators of solids that scene files call. Each reads the words of its command (words[0] is
- * its name) and writes the scene text that Radiance's program of that name writes, with the same
- * printed digits and the same names of surfaces; genbox -o and -s are refused.
+ * its name) and writes the scene text of Radiance's program of that name. The printed digits and
+ * the names of surfaces are equal. genbox -o and -s are refused.
  *
  * Units are the scene's. Errors: as in generate.h, and ORL_ERR_LIMIT for solids with too many
  * pieces. References: genbox(1), genprism(1), genblinds(1), genclock(1), genrev(1), genworm(1) and

@@ -60,9 +60,9 @@ double orl_sun_hours_apart(double hours, double others);
  * Returns the sun's position, at most 0.01 degrees off between these years. A moment without a
  * year, or outside this range, is computed for 2017, and 29 February for 2016: in these years the
  * declination on a date is in the middle of its range, which is 0.4 degrees wide. The position is
- * geometric: atmospheric refraction, which raises the sun by 0.57 degrees at the horizon, by 0.16
- * at 5 degrees and by 0.03 at 30 degrees, is left out, as in Radiance, EnergyPlus and EN 17037.
- * Ignores moment->solar.
+ * geometric: it leaves out atmospheric refraction, as do Radiance, EnergyPlus and EN 17037.
+ * Refraction raises the sun by 0.57 degrees at the horizon, by 0.16 at 5 degrees and by 0.03 at 30
+ * degrees. Ignores moment->solar.
  */
 enum { ORL_SUN_FIRST_YEAR = 1950, ORL_SUN_LAST_YEAR = 2100 };
 struct orl_sun_position orl_sun_accurate(const struct orl_location *site,

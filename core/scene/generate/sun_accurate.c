@@ -1,8 +1,8 @@
 /*
  * Position of the sun to 0.01 degrees, by the equations of the NREL report on its Solar Position
- * Algorithm (Reda and Andreas 2004), with the Earth's motion as mean elements, equation of the
- * centre (Meeus, "Astronomical Algorithms", 2nd edition 1998, chapters 7, 12, 22, 25, 40) and the
- * largest perturbations of its longitude (Bretagnon and Francou 1988, VSOP87).
+ * Algorithm (Reda and Andreas 2004). The Earth's motion is given by mean elements, the equation of
+ * the centre, and the largest perturbations of its longitude. Sources: Meeus, "Astronomical
+ * Algorithms", 2nd edition 1998, chapters 7, 12, 22, 25, 40; Bretagnon and Francou 1988, VSOP87.
  */
 #include "scene/generate/sun.h"
 

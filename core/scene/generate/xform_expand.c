@@ -198,8 +198,8 @@ static bool number_names(struct orl_xform_word *words, size_t count, char letter
 }
 
 /*
- * Expands a copy of the words in which item and its value are replaced by middle, and the copy's
- * number is appended to its names, or "-n <letter><number>" is put in front.
+ * Expands a copy of the words in which middle replaces item and its value. The copy's number is
+ * appended to its names, or "-n <letter><number>" is put in front.
  */
 static int expand_copy(struct expansion *e, const struct orl_xform_word *words, size_t count,
                        size_t item, const struct orl_xform_word *middle, size_t n_middle,

@@ -28,7 +28,7 @@ struct split {
 
 enum scratch { BOXES, SPLITS, SPARE, TABLE }; /* BOXES: also used as scratch by the sweep */
 
-/* ---- Room ------------------------------------------------------------------------------------ */
+/* ---- Memory ---------------------------------------------------------------------------------- */
 
 static bool grow(void *array, size_t *room, size_t wanted, size_t item)
 {
@@ -148,7 +148,7 @@ int orl_arrangement_add(struct orl_arrangement *a, const struct orl_vec3 *vertic
     return 0;
 }
 
-/* ---- Edges that lie on one another ----------------------------------------------------------- */
+/* ---- Coincident edges ------------------------------------------------------------------------ */
 
 static int compare_edges(const void *left, const void *right)
 {
@@ -173,7 +173,7 @@ static void cancel(struct orl_arrangement *a)
     a->n_edges = kept;
 }
 
-/* ---- Where edges meet ------------------------------------------------------------------------ */
+/* ---- Intersections --------------------------------------------------------------------------- */
 
 static void measure(const struct orl_node *n, int32_t ret_extent[AXES])
 {

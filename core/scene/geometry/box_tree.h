@@ -1,6 +1,6 @@
 /*
- * A binary tree of boxes that finds pairs which meet, in time n log n plus the number of pairs, for
- * boxes that are not long and skew. Leaves are in Morton order of the boxes' centres.
+ * A binary tree of boxes that finds pairs which meet. The time is n log n plus the number of pairs
+ * if the boxes are not long and skew. Leaves are in Morton order of the boxes' centres.
  */
 #ifndef ORL_SCENE_GEOMETRY_BOX_TREE_H
 #define ORL_SCENE_GEOMETRY_BOX_TREE_H

@@ -118,7 +118,7 @@ static int tell_open(struct settling *t, const struct orl_pairs *open)
     return code;
 }
 
-/* ---- Altogether ------------------------------------------------------------------------------ */
+/* ---- All pairs ------------------------------------------------------------------------------- */
 
 enum lot { LOSSES, OPPOSED, OPEN, NOTHING };
 

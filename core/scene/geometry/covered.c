@@ -15,8 +15,8 @@ static bool may_be_covered(const struct orl_description *d, const bool *is_cut,
            !orl_surface_is_proxy(d, s) && orl_coincidence_class(&d->materials[s->material]) == 2;
 }
 
-/* Returns true if all corners of the loser lie in the winner's plane and on the inner side of each
- * line through an edge of the winner. Inside a concave winner the test fails at some such line. */
+/* Returns true if all corners of the loser lie in the winner's plane, on the inner side of each
+ * line through its edges. Inside a concave winner the test fails at some such line. */
 static bool holds_corners(const struct orl_surface *winner, const struct orl_surface *loser,
                           double tolerance)
 {

@@ -1,12 +1,11 @@
 /*
- * Drops exact duplicates, surfaces with the same numbers as another, in n log n, before the search
- * for coincident pairs, which n duplicates would make quadratic.
+ * Drops exact duplicates, surfaces with the same numbers as another, in n log n. This precedes the
+ * search for coincident pairs, which n duplicates would make quadratic.
  *
  * Polygons with the same corners, wherever the outline begins and in either direction, form a
- * group. By the rule for coincident surfaces (coincidence_rule.h) all of a group lose to the
- * winners of the two orientations, at most two, and would be cut away. A winner cuts all that its
- * losers would cut. Quadrics and rings are dropped if they have the same kind and the same
- * two-sided material.
+ * group. By coincidence_rule.h all of a group lose to the winners of the two orientations, at most
+ * two, and would be cut away. A winner cuts all that its losers would cut. Quadrics and rings are
+ * dropped if they have the same kind and the same two-sided material.
  */
 #ifndef ORL_SCENE_GEOMETRY_DUPLICATES_H
 #define ORL_SCENE_GEOMETRY_DUPLICATES_H

@@ -98,7 +98,7 @@ struct orl_geometry {
     struct orl_facet *facets;  /* NULL if packed */
     size_t n_facets;
     size_t n_plain;            /* n_facets, or 0 if packed */
-    struct orl_curved *rounds; /* of the facets that are not polygons, in reverse order of facets */
+    struct orl_curved *rounds; /* quadrics of the facets that are not polygons, in reverse order */
     size_t n_rounds;
     struct orl_couple *couples;
     size_t n_couples;

@@ -134,7 +134,7 @@ void orl_facet_set_material(struct orl_geometry *geometry, size_t facet, uint32_
         geometry->packed->facets[facet].material = material & 0xffffffU;
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- Whole geometries ------------------------------------------------------------------------ */
 
 void orl_packed_free(struct orl_packed *packed)
 {

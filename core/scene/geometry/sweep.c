@@ -216,7 +216,7 @@ static bool visit(struct state *s, uint32_t node)
     return true;
 }
 
-/* ---- Room ------------------------------------------------------------------------------------ */
+/* ---- Memory ---------------------------------------------------------------------------------- */
 
 bool orl_sweep_reserve(void *array, size_t *room, size_t wanted, size_t item)
 {

@@ -4,8 +4,8 @@
  * either orientation, and outlines may cross and touch themselves.
  *
  * Convex outlines are cut at their corners, in double. All others go through arrangement.h and
- * sweep.h: places are exact to 2^-29 of the polygon's size, corners of triangles are corners of the
- * outline or its self-intersections, and no corner lies on the side of another triangle.
+ * sweep.h: places are exact to 2^-29 of the polygon's size. Corners of triangles are corners of the
+ * outline or its self-intersections. No corner lies on the side of another triangle.
  */
 #ifndef ORL_SCENE_GEOMETRY_TRIANGULATE_H
 #define ORL_SCENE_GEOMETRY_TRIANGULATE_H

@@ -10,7 +10,7 @@ enum { MOST_PLANE_POLYGONS = 512, MOST_LINES = 160, LEAST_LINES = 4, LEAST_CORNE
 static const double most_work = 2e8;      /* edges tested, for all planes together */
 static const double same_normal = 1e-6;   /* difference of coordinates of unit normals */
 static const double same_distance = 1e-6; /* relative to the size of the scene, or of a plane */
-/* of an opening's side, relative to the plane's polygons */
+/* length of an opening's side, relative to the plane's polygons */
 static const double least_side = 1e-3;
 /* Length relative to the scene below which polygons, such as leaves, are not taken for parts of
  * walls. */

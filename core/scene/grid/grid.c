@@ -122,7 +122,7 @@ int orl_grid_new_picture(const char *name, uint32_t width, uint32_t height, doub
         orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a picture");
         return ORL_ERR_NOMEM;
     }
-    const double up = aspect * height / width; /* of the picture's height, in units of its width */
+    const double up = aspect * height / width; /* height of the picture in units of its width */
     grid->n_axes = 2;
     grid->channels = ORL_GRID_CHANNELS;
     grid->n_values = values;

@@ -3,7 +3,7 @@
  *
  * A grid has one to five axes. The points of an axis are spaced evenly from origin to origin +
  * size, or lie at given coordinates in rising or falling order. Interpolation is multilinear.
- * Beyond the ends values are extrapolated for one more interval, and then fall off to zero as the
+ * Beyond the ends values are extrapolated for one more interval. Then they fall off to zero as the
  * inverse of the distance, as in Radiance (calcomp's datavalue).
  *
  * The first axis of a picture points up from the bottom, the second to the right. The shorter side

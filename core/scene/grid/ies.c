@@ -24,7 +24,7 @@ static int fail(const struct reading *r, int code, const char *what, struct orl_
     return code;
 }
 
-/* ---- Its head -------------------------------------------------------------------------------- */
+/* ---- Header ---------------------------------------------------------------------------------- */
 
 static bool next_line(struct orl_scanner *scanner, struct orl_slice *ret_line)
 {
@@ -154,7 +154,7 @@ static int read_head(struct reading *r, bool *ret_tilted, struct orl_error *err)
     return fail(r, ORL_ERR_SYNTAX, "no line begins with TILT=: this is no IES file", err);
 }
 
-/* ---- Its numbers ----------------------------------------------------------------------------- */
+/* ---- Numbers --------------------------------------------------------------------------------- */
 
 /* Reads the next cell of this line or a later one; false at the end. A comma at the end of a line
  * and the line's end are one separator. */
@@ -340,7 +340,7 @@ void orl_ies_done(struct orl_ies *ies)
     *ies = (struct orl_ies){.year = 0};
 }
 
-/* ---- As a grid ------------------------------------------------------------------------------- */
+/* ---- Conversion to a grid -------------------------------------------------------------------- */
 
 /* Range of angles that the photometry may cover, degrees: 0 to 180; for type B -90 to 90, or 0 to
  * 90 if it starts at 0 or above. */

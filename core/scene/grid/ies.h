@@ -25,7 +25,7 @@ struct orl_ies {
     int year;                     /* 1986, 1995 (a horizontal cylinder has a sign), 2002 */
     bool type_b;                  /* else C */
     double factor;                /* multiplies all intensities, to get candela */
-    double length, width, height; /* of the luminous opening, metres; the signs encode its shape */
+    double length, width, height; /* luminous opening, metres; the signs encode its shape */
     struct orl_ies_tilt tilt;
     char tilt_file[128]; /* file of the tilt table if it is not in this file; or "" */
     char geometry[128];  /* name of the luminaire's MGF file from [LUMINOUSGEOMETRY]; or "" */

@@ -4,8 +4,7 @@
 #include "base/rgbe.h"
 #include "scene/grid/grid.h"
 
-/* ---- Radiance's -------------------------------------------------------------------------------
- */
+/* ---- Radiance pictures ----------------------------------------------------------------------- */
 
 /* Reads the format and the pixels' aspect from the header. */
 static int take_line(void *ctx, const struct orl_rgbe *rgbe, const char *line,

@@ -128,7 +128,7 @@ static int open_tiff(struct reading *r, struct orl_error *err)
     return r->tiff ? 0 : fail(r, ORL_ERR_SYNTAX, err, "the TIFF is damaged");
 }
 
-/* ---- What is in it --------------------------------------------------------------------------- */
+/* ---- Header ---------------------------------------------------------------------------------- */
 
 static int look(struct reading *r, struct orl_error *err)
 {

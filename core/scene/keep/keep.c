@@ -20,7 +20,7 @@ static const struct orl_sealed_kind kind = {
          sizeof(struct orl_sky)),
     .what = "scene"};
 
-/* ---- The files that it was read from --------------------------------------------------------- */
+/* ---- Source files ---------------------------------------------------------------------------- */
 
 /* Fails with ORL_ERR_VERSION if the caller's file of that name is missing or has changed. */
 static void hold_against(struct orl_scene_keeping *k, const char *name,
@@ -84,7 +84,7 @@ static void pass_files(struct orl_scene_keeping *k)
     }
 }
 
-/* ---- The rest -------------------------------------------------------------------------------- */
+/* ---- Other contents -------------------------------------------------------------------------- */
 
 static void pass_prototypes(struct orl_scene_keeping *k)
 {
@@ -185,7 +185,7 @@ static void pass_all(struct orl_scene_keeping *k)
     pass_warnings(k);
 }
 
-/* ---- Whole ----------------------------------------------------------------------------------- */
+/* ---- Entry points ---------------------------------------------------------------------------- */
 
 bool orl_description_can_be_kept(const struct orl_description *description)
 {

@@ -140,7 +140,7 @@ static void read_surfaces(struct orl_scene_keeping *k, struct orl_surface **ret_
             orl_stream_fail(&k->stream, ORL_ERR_CORRUPT);
 }
 
-/* ---- Both ------------------------------------------------------------------------------------ */
+/* ---- Entry points ---------------------------------------------------------------------------- */
 
 void orl_keep_surfaces(struct orl_scene_keeping *k, struct orl_surface **surfaces, size_t *n)
 {

@@ -99,8 +99,7 @@ struct orl_rgb orl_ashikhmin_lobes(const struct orl_material *material, const st
     return material->texture ? orl_rgb_scale(f, turned / fabs(cos_light)) : f;
 }
 
-/* ---- Draws ------------------------------------------------------------------------------------
- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 static void weigh(const struct orl_draw *draw, double *ret_diffuse, double *ret_gloss)
 {

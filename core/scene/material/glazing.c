@@ -1,9 +1,9 @@
 /*
- * Glazing by functions of the angle (BRTDfunc without lobes). The functions give, for each channel,
- * the mirrored and the directly transmitted share, by the cosine between the outgoing direction and
- * the front normal (negative behind). The diffuse parts are constant: reflectances of the front and
- * the back, and one transmittance for both ways; these are lobes. Functions whose sum exceeds 1, as
- * approximations do at grazing, are scaled down to 1.
+ * Glazing by functions of the angle (BRTDfunc without lobes). The functions give the mirrored and
+ * the directly transmitted share of each channel. Their argument is the cosine between the outgoing
+ * direction and the front normal (negative behind). The diffuse parts are constant: reflectances of
+ * the front and the back, and one transmittance for both ways; these are lobes. Functions whose sum
+ * exceeds 1, as approximations do at grazing, are scaled down to 1.
  */
 #include "scene/material/kinds.h"
 
@@ -108,8 +108,7 @@ struct orl_rgb orl_glazing_albedo(const struct orl_material *material, const str
     return sum;
 }
 
-/* ---- Draws ------------------------------------------------------------------------------------
- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 static double sum_of(const struct glazing *g)
 {

@@ -228,8 +228,7 @@ static struct orl_vec3 draw_from(const struct table *t, const double u[2])
     return orl_to_world(&frame, orl_hemisphere_point((column + x) / side, (row + y) / side));
 }
 
-/* ---- Draws ------------------------------------------------------------------------------------
- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 struct parts {
     struct table sides[2]; /* reflected, transmitted */
@@ -318,8 +317,7 @@ double orl_lobed_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
     return sum / p.sum * fabs(cosine) / ORL_PI;
 }
 
-/* ---- Looked at before anything is rendered ----------------------------------------------------
- */
+/* ---- Tests before rendering ------------------------------------------------------------------ */
 
 /* Integral of the function alone over one side, by midpoints of side x side cells. */
 static double integral(const struct orl_material *m, const struct orl_hit *hit,

@@ -109,7 +109,7 @@ struct orl_rgb orl_panel_straight(const struct orl_material *material, const str
     return straight_from(material, orl_neg(orl_to_local(&frame, eye)));
 }
 
-/* ---- Draws ----------------------------------------------------------------------------------- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 /* The arguments of a draw in the surface's frame. */
 struct local {

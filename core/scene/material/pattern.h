@@ -58,7 +58,7 @@ struct orl_known_lobes {
 };
 
 struct orl_pattern {
-    const char *name; /* as in messages: "brightfunc dirt" */
+    const char *name; /* name in messages: "brightfunc dirt" */
     const char *file; /* file of the definition */
     int line;
     const unsigned char *key; /* contents of its definition; patterns with equal keys are one */

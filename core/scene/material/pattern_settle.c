@@ -12,8 +12,7 @@
 
 enum { PLACES = 1024, FEWEST = 64, ALL_PLACES = 1 << 22 };
 
-/* ---- Mean and most ----------------------------------------------------------------------------
- */
+/* ---- Mean and maximum ------------------------------------------------------------------------ */
 
 /* The facets of one pattern, over which places are spread by area. */
 struct spread {

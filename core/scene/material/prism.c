@@ -19,7 +19,7 @@
 /* Cosine above which two directions are a way and its inverse: allows for rounding in the
  * functions. */
 static const double same_way = 1 - 1e-7;
-static const double step = 1e-4; /* of finite differences, radians */
+static const double step = 1e-4; /* step of finite differences, radians */
 
 /* An outgoing direction and its share. */
 struct way {
@@ -46,8 +46,7 @@ static double seen_share(const struct orl_material *m, const struct orl_hit *hit
     return share;
 }
 
-/* ---- Eyes -------------------------------------------------------------------------------------
- */
+/* ---- Eye rays -------------------------------------------------------------------------------- */
 
 /* Ways of an eye ray travelling along ray that light takes too; returns their number. */
 static int ways_of_eye(const struct orl_material *m, const struct orl_hit *hit, struct orl_vec3 ray,
@@ -122,8 +121,7 @@ static int ways_of_light(const struct orl_material *m, const struct orl_hit *hit
     return n;
 }
 
-/* ---- Draws ------------------------------------------------------------------------------------
- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 static int ways_at(const struct orl_material *m, const struct orl_hit *hit, struct orl_vec3 from,
                    enum orl_transport transport, enum orl_lobes lobes,
@@ -191,8 +189,7 @@ struct orl_scatter orl_prism_sample(const struct orl_draw *draw, const double u[
     return scatter_of(&ways[n - 1], sum);
 }
 
-/* ---- Looked at before anything is rendered ----------------------------------------------------
- */
+/* ---- Tests before rendering ------------------------------------------------------------------ */
 
 void orl_prism_look(const struct orl_material *material, const struct orl_hit *hit,
                     struct orl_prism_findings *findings)

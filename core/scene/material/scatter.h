@@ -35,9 +35,9 @@
  * followed.
  *
  * Known difference: for smooth plastic, metal and trans of a specularity from 0.018 on, rpict adds
- * specular reflection towards grazing (an approximation of Fresnel's, by the eye's direction alone,
- * taken from the diffuse part). It is neither reciprocal nor equal for light and eye, and is left
- * out: such surfaces have the written specularity at all angles.
+ * specular reflection towards grazing. It is an approximation of Fresnel's equations by the eye's
+ * direction alone, taken from the diffuse part. It is neither reciprocal nor equal for light and
+ * eye, and is left out: such surfaces have the written specularity at all angles.
  */
 #ifndef ORL_SCENE_MATERIAL_SCATTER_H
 #define ORL_SCENE_MATERIAL_SCATTER_H

@@ -8,7 +8,7 @@
  * horizon, and it is reciprocal.
  *
  * Radiance's transmitted lobe takes the distance of the unit vectors instead, which is equal at
- * normal incidence (at 45 degrees lobes here are 8 % narrower one way and wider the other). It
+ * normal incidence. At 45 degrees lobes here are 8 % narrower one way and wider the other. It
  * divides by the root of the two cosines' product, whose albedo is unbounded at grazing; here it is
  * their mean, which agrees to second order and gains nothing.
  *

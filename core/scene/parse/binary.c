@@ -119,7 +119,7 @@ int orl_binary_skip_octree(struct orl_binary *binary, unsigned bytes, struct orl
 struct primitives {
     const char *types[TYPES_MAX];
     size_t n_types;
-    struct orl_binary_names *names; /* of the primitives read so far */
+    struct orl_binary_names *names; /* names of the primitives read so far */
     struct orl_text text;
 };
 

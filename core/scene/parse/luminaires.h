@@ -1,10 +1,10 @@
 /*
- * Luminaires: converts IES files (grid/ies.h) as Radiance's ies2rad does, to a light whose radiance
- * varies with direction, on a box, disc, cylinder or sphere of the luminous opening's size about
- * the origin; down is -z. The lamp's colour and depreciation come from a table (lamps.h), lamp.tab,
- * among the scene's files or in the user's library, by the words that the file has for its lamp;
- * without a table or such words it is white. The MGF file that [LUMINOUSGEOMETRY] names, next to
- * the IES file, is placed within an illum.
+ * Luminaires: converts IES files (grid/ies.h) as Radiance's ies2rad does. The result is a light
+ * whose radiance varies with direction, on a box, disc, cylinder or sphere of the luminous
+ * opening's size about the origin; down is -z. The lamp's colour and depreciation come from the
+ * table lamp.tab (lamps.h), among the scene's files or in the user's library. The words that the
+ * file has for its lamp select the entry; without a table or such words the lamp is white. The MGF
+ * file that [LUMINOUSGEOMETRY] names, next to the IES file, is placed within an illum.
  */
 #ifndef ORL_SCENE_PARSE_LUMINAIRES_H
 #define ORL_SCENE_PARSE_LUMINAIRES_H

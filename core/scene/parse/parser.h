@@ -32,9 +32,9 @@ struct orl_parser {
     size_t surfaces_room, materials_room, distants_room, skies_room, patterns_room, grids_room,
         warnings_room;
     struct orl_functions *functions; /* for all patterns; created with the first one */
-    size_t text_bytes;               /* read so far, repeats included */
-    size_t name_bytes;               /* of surface names, stored so far */
-    uint64_t vertices;               /* stored so far */
+    size_t text_bytes;               /* bytes of text read so far, repeats included */
+    size_t name_bytes;               /* bytes of surface names stored so far */
+    uint64_t vertices;               /* number stored so far */
     const double *places;            /* current mesh triangle: (u, v) of its corners; or NULL */
     /* current mesh triangle: unit normals of its corners; or NULL */
     const struct orl_vec3 *normals;

@@ -23,7 +23,7 @@ struct orl_patches {
     size_t n_patches;
     struct orl_patch_triangle *triangles;
     size_t n_triangles, triangles_room;
-    struct orl_vec3 *normals; /* of each vertex: unit, or 0 if it has none */
+    struct orl_vec3 *normals; /* normal of each vertex: unit, or 0 if it has none */
     size_t normals_room;
 };
 

@@ -13,7 +13,7 @@
 #include "function/ray_names.h"
 #include "function/standard.h"
 
-enum { MOST_EXPRESSIONS = 8 }; /* of any type: prism2 */
+enum { MOST_EXPRESSIONS = 8 }; /* largest number of any type: prism2's */
 
 /* ---- Function files ---------------------------------------------------------------------------
  */

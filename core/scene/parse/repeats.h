@@ -8,8 +8,8 @@
  * fewer places are copied to each, in the order of the files.
  *
  * Patterns and textures of such a file are evaluated where it was read first (geometry/placed.h).
- * Those from outside the file may only depend on a mesh's coordinates; its own must not depend on
- * the world's position in their frame (Ix, Tx and the like). Files with any are stored once from
+ * Patterns from outside the file may only depend on a mesh's coordinates; its own must not depend
+ * on the world's position in their frame (Ix, Tx and the like). Files with any are stored once from
  * two places on.
  */
 #ifndef ORL_SCENE_PARSE_REPEATS_H

@@ -62,7 +62,7 @@ void orl_sources_hint(struct orl_error *err);
 
 /*
  * Finds a file mentioned as name in a file of that folder ("" for none), or else in the user's
- * library (names that start with '.' or '/' are not searched there). ret_index stays valid;
+ * library. Names that start with '.' or '/' are not searched in the library. ret_index stays valid;
  * pointers to items only until the next call. Returns 0, ORL_ERR_NOT_FOUND, _IO, _LIMIT or _NOMEM.
  */
 int orl_sources_find(struct orl_sources *sources, const char *folder, const char *name,

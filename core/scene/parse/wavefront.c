@@ -17,8 +17,8 @@ struct places {
 
 struct reading {
     struct orl_scanner scanner;
-    struct places vertices, normals;       /* of the whole file */
-    struct places corners, corner_normals; /* of the current face */
+    struct places vertices, normals;       /* those of the whole file */
+    struct places corners, corner_normals; /* those of the current face */
     struct orl_wavefront_face face;
     struct orl_wavefront_rest *rest;
 };

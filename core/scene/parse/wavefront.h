@@ -19,10 +19,11 @@ enum { ORL_WAVEFRONT_NAME = 128, ORL_WAVEFRONT_GROUPS = 16 };
 
 struct orl_wavefront_face {
     const struct orl_vec3 *corners;
-    const struct orl_vec3 *normals; /* of the corners, of any length; NULL if some have none */
-    size_t n_corners;               /* at least three */
-    uint64_t number;                /* from 1 */
-    int line;                       /* 1-based */
+    const struct orl_vec3
+        *normals;     /* normals of the corners, of any length; NULL if some have none */
+    size_t n_corners; /* at least three */
+    uint64_t number;  /* from 1 */
+    int line;         /* 1-based */
     /* Names; "" if not given. Of too many groups the first are kept. */
     char material[ORL_WAVEFRONT_NAME], map[ORL_WAVEFRONT_NAME], object[ORL_WAVEFRONT_NAME];
     char groups[ORL_WAVEFRONT_GROUPS][ORL_WAVEFRONT_NAME];
