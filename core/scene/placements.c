@@ -191,7 +191,7 @@ static bool merge_at(struct expansion *e, size_t index)
     }
 }
 
-static bool merge(struct expansion *e)
+static bool merge_surfaces(struct expansion *e)
 {
     for (size_t i = 0; i <= e->d->n_surfaces; i++) {
         if (!merge_at(e, i))
@@ -203,7 +203,7 @@ static bool merge(struct expansion *e)
 }
 
 /* Drops the prototypes that have been expanded. */
-static void drop(struct expansion *e)
+static void drop_prototypes(struct expansion *e)
 {
     struct orl_description *const d = e->d;
     size_t kept = 0;
@@ -223,7 +223,7 @@ static void drop(struct expansion *e)
 }
 
 /* Chooses the prototypes to expand and returns the number of surfaces that this adds. */
-static uint64_t choose(struct expansion *e, size_t fewer_than)
+static uint64_t choose_prototypes(struct expansion *e, size_t fewer_than)
 {
     const struct orl_description *const d = e->d;
     uint64_t n = 0;
@@ -236,7 +236,7 @@ static uint64_t choose(struct expansion *e, size_t fewer_than)
     return n;
 }
 
-static int expand(struct expansion *e, uint64_t more, struct orl_error *err)
+static int expand_chosen(struct expansion *e, uint64_t more, struct orl_error *err)
 {
     struct orl_description *const d = e->d;
     const uint64_t n = d->n_surfaces + more;
@@ -246,14 +246,14 @@ static int expand(struct expansion *e, uint64_t more, struct orl_error *err)
                              "are allowed where instances are not kept once",
                              (unsigned long long)n, ORL_LIMIT_SURFACES);
     e->surfaces = malloc((n + 1) * sizeof *e->surfaces);
-    if (!e->surfaces || !merge(e)) {
+    if (!e->surfaces || !merge_surfaces(e)) {
         free(e->surfaces);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the scene");
     }
     free(d->surfaces);
     d->surfaces = e->surfaces;
     d->n_surfaces = e->n;
-    drop(e);
+    drop_prototypes(e);
     return 0;
 }
 
@@ -277,8 +277,8 @@ int orl_placements_expand(struct orl_description *description, size_t fewer_than
                           .places = calloc(description->n_prototypes, sizeof *e.places)};
     if (!e.places)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the scene");
-    const uint64_t more = choose(&e, fewer_than);
-    const int code = more > 0 ? expand(&e, more, err) : 0;
+    const uint64_t more = choose_prototypes(&e, fewer_than);
+    const int code = more > 0 ? expand_chosen(&e, more, err) : 0;
     free(e.places);
     return code;
 }

@@ -45,7 +45,7 @@ static const unsigned char *read_step(const unsigned char *from, int64_t *ret_st
     return from;
 }
 
-static void pack(struct orl_surface_labels *labels, const struct orl_surface *surfaces)
+static void pack_labels(struct orl_surface_labels *labels, const struct orl_surface *surfaces)
 {
     unsigned char *to = labels->packed;
     for (size_t i = 0; i < labels->n; i++) {
@@ -59,7 +59,7 @@ static void pack(struct orl_surface_labels *labels, const struct orl_surface *su
     labels->bytes = (size_t)(to - labels->packed);
 }
 
-static bool note_files(struct orl_surface_labels *labels, const struct orl_surface *surfaces)
+static bool record_files(struct orl_surface_labels *labels, const struct orl_surface *surfaces)
 {
     size_t room = 0;
     for (size_t i = 0; i < labels->n; i++) {
@@ -83,11 +83,11 @@ struct orl_surface_labels *orl_surface_labels_new(const struct orl_surface *surf
         most += strlen(surfaces[i].name) + 1 + MOST_LINE_BYTES;
     labels->packed = malloc(most);
     labels->rows = malloc((n / ROW + 1) * sizeof *labels->rows);
-    if (!labels->packed || !labels->rows || !note_files(labels, surfaces)) {
+    if (!labels->packed || !labels->rows || !record_files(labels, surfaces)) {
         orl_surface_labels_free(labels);
         return NULL;
     }
-    pack(labels, surfaces);
+    pack_labels(labels, surfaces);
     unsigned char *const fit = realloc(labels->packed, labels->bytes + 1);
     if (fit)
         labels->packed = fit;

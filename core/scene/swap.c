@@ -46,7 +46,7 @@ struct wanted {
     bool met;
 };
 
-static int compare(const void *a, const void *b)
+static int compare_names(const void *a, const void *b)
 {
     return strcmp(((const struct wanted *)a)->name, ((const struct wanted *)b)->name);
 }
@@ -54,7 +54,7 @@ static int compare(const void *a, const void *b)
 static bool is_wanted(struct wanted *names, size_t n, const char *name)
 {
     const struct wanted key = {.name = name};
-    struct wanted *found = name ? bsearch(&key, names, n, sizeof *names, compare) : NULL;
+    struct wanted *found = name ? bsearch(&key, names, n, sizeof *names, compare_names) : NULL;
     if (found)
         found->met = true;
     return found != NULL;
@@ -84,7 +84,7 @@ static int check_up(const struct orl_surface *surface, const struct orl_material
     return ORL_ERR_RANGE;
 }
 
-static int give_one(const struct swapping *s, size_t which, size_t i, uint32_t material)
+static int assign_to_surface(const struct swapping *s, size_t which, size_t i, uint32_t material)
 {
     struct orl_description *d = s->description;
     const struct orl_swap *swap = &s->swaps->at[which];
@@ -100,7 +100,8 @@ static int give_one(const struct swapping *s, size_t which, size_t i, uint32_t m
 }
 
 /* names: the names of the swap, sorted. */
-static int give(const struct swapping *s, size_t which, struct wanted *names, uint32_t material)
+static int assign_material(const struct swapping *s, size_t which, struct wanted *names,
+                           uint32_t material)
 {
     const struct orl_description *d = s->description;
     const size_t n = s->swaps->at[which].n_names;
@@ -108,7 +109,7 @@ static int give(const struct swapping *s, size_t which, struct wanted *names, ui
     for (size_t i = 0; i < d->n_surfaces && code == 0; i++) {
         const bool named = is_wanted(names, n, d->surfaces[i].name);
         if (is_wanted(names, n, d->materials[s->modifier[i]].name) || named)
-            code = give_one(s, which, i, material);
+            code = assign_to_surface(s, which, i, material);
     }
     for (size_t i = 0; i < n && code == 0; i++)
         if (!names[i].met)
@@ -131,7 +132,7 @@ static int find_new(const struct swapping *s, const struct orl_swap *swap, uint3
     return 0;
 }
 
-static int apply(const struct swapping *s, size_t which)
+static int apply_swap(const struct swapping *s, size_t which)
 {
     const struct orl_swap *swap = &s->swaps->at[which];
     uint32_t material = 0;
@@ -143,8 +144,8 @@ static int apply(const struct swapping *s, size_t which)
         return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < swap->n_names; i++)
         names[i].name = swap->names[i];
-    qsort(names, swap->n_names, sizeof *names, compare);
-    code = give(s, which, names, material);
+    qsort(names, swap->n_names, sizeof *names, compare_names);
+    code = assign_material(s, which, names, material);
     free(names);
     return code;
 }
@@ -168,7 +169,7 @@ int orl_material_part(struct orl_description *d, uint32_t material, uint32_t par
 }
 
 /* own: for each material, its copy in this part, or UINT32_MAX. */
-static int part_one(struct orl_description *d, size_t surface, uint32_t part, uint32_t *own)
+static int assign_part(struct orl_description *d, size_t surface, uint32_t part, uint32_t *own)
 {
     uint32_t *material = &d->surfaces[surface].material;
     const int code =
@@ -188,7 +189,7 @@ static bool is_of_files(const struct orl_swap *swap, const struct orl_descriptio
 }
 
 /* Copies only the materials that existed before: `n` excludes the copies. */
-static int part_all(const struct swapping *s, size_t n_names)
+static int assign_parts(const struct swapping *s, size_t n_names)
 {
     struct orl_description *d = s->description;
     const size_t n = d->n_materials;
@@ -199,7 +200,7 @@ static int part_all(const struct swapping *s, size_t n_names)
         for (size_t i = 0; i < d->n_surfaces && code == 0; i++)
             if (s->swap_of[i] == k + 1 ||
                 (s->swap_of[i] == 0 && is_of_files(&s->swaps->at[k], d, n_names, i)))
-                code = part_one(d, i, (uint32_t)k + 1, own);
+                code = assign_part(d, i, (uint32_t)k + 1, own);
     }
     free(own);
     return code < 0 ? orl_error_set(s->err, code, "out of memory") : 0;
@@ -219,8 +220,8 @@ static bool is_named(const struct orl_swap *swap, const struct orl_description *
 }
 
 /* Returns true if a swap concerns the surfaces of an instance. */
-static bool is_about(const struct orl_swap *swap, const struct orl_description *d,
-                     const struct orl_placement *placement)
+static bool concerns_placement(const struct orl_swap *swap, const struct orl_description *d,
+                               const struct orl_placement *placement)
 {
     const struct orl_prototype *const prototype = &d->prototypes[placement->prototype];
     if (placement->main_file >= swap->first_file &&
@@ -233,12 +234,12 @@ static bool is_about(const struct orl_swap *swap, const struct orl_description *
 }
 
 /* Expands all instances if a swap concerns one of them, so that it does not change the others. */
-static int part_places(const struct orl_swaps *swaps, struct orl_description *d,
-                       struct orl_error *err)
+static int expand_affected(const struct orl_swaps *swaps, struct orl_description *d,
+                           struct orl_error *err)
 {
     for (size_t i = 0; i < swaps->count; i++)
         for (size_t k = 0; k < d->n_placements; k++)
-            if (is_about(&swaps->at[i], d, &d->placements[k]))
+            if (concerns_placement(&swaps->at[i], d, &d->placements[k]))
                 return orl_placements_expand(d, ORL_ALL_PLACES, err);
     return 0;
 }
@@ -246,7 +247,7 @@ static int part_places(const struct orl_swaps *swaps, struct orl_description *d,
 int orl_swaps_apply(const struct orl_swaps *swaps, size_t n_names, struct orl_description *d,
                     struct orl_error *err)
 {
-    const int parted = part_places(swaps, d, err);
+    const int parted = expand_affected(swaps, d, err);
     if (parted < 0)
         return parted;
     struct swapping s = {.description = d,
@@ -260,9 +261,9 @@ int orl_swaps_apply(const struct orl_swaps *swaps, size_t n_names, struct orl_de
     for (size_t i = 0; s.modifier && i < d->n_surfaces; i++)
         s.modifier[i] = d->surfaces[i].material;
     for (size_t i = 0; i < swaps->count && code == 0; i++)
-        code = apply(&s, i);
+        code = apply_swap(&s, i);
     if (code == 0 && swaps->parted)
-        code = part_all(&s, n_names);
+        code = assign_parts(&s, n_names);
     free(s.modifier);
     free(s.swap_of);
     return code;

@@ -20,13 +20,13 @@ static bool is_blank(char c)
 
 /* Returns true for characters that are never escaped: a backslash before one of them belongs to a
  * Windows path. */
-static bool is_of_name(char c)
+static bool is_name_character(char c)
 {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
            c == '.';
 }
 
-static int refuse(struct orl_error *err, char c)
+static int refuse_character(struct orl_error *err, char c)
 {
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command needs a shell ('%c'), and none is started",
                   c);
@@ -46,11 +46,11 @@ static int copy_word(const char **line, char **to, bool formula, struct orl_erro
             continue;
         }
         if (quote != '\'' && strchr("$`", *at))
-            return refuse(err, *at);
+            return refuse_character(err, *at);
         if (!quote && !(formula && *at == '*') &&
             (strchr(";&<>*?[]{}()", *at) || (*to == start && *at == '~')))
-            return refuse(err, *at);
-        if (*at == '\\' && quote != '\'' && at[1] && !is_of_name(at[1]))
+            return refuse_character(err, *at);
+        if (*at == '\\' && quote != '\'' && at[1] && !is_name_character(at[1]))
             at++;
         *(*to)++ = *at;
     }

@@ -50,7 +50,8 @@ static int read_words(struct blinds *blinds, struct orl_words *words, struct orl
 }
 
 /* Sets part k, from the edge at (x, z) to the other long side. */
-static void place(struct blinds *blinds, int k, double x, double z, double length, double slope_rad)
+static void place_part(struct blinds *blinds, int k, double x, double z, double length,
+                       double slope_rad)
 {
     blinds->x[k][0] = x;
     blinds->z[k][0] = z;
@@ -59,7 +60,7 @@ static void place(struct blinds *blinds, int k, double x, double z, double lengt
 }
 
 /* The order of these sums and differences determines the signs of zeros that the program prints. */
-static int bend(struct blinds *blinds, struct orl_error *err)
+static int bend_slats(struct blinds *blinds, struct orl_error *err)
 {
     const double degree = ORL_PI / 180.0, step_deg = 3.0, r = fabs(blinds->radius);
     const double sweep = 2 * asin(blinds->depth / (2 * r));
@@ -78,7 +79,7 @@ static int bend(struct blinds *blinds, struct orl_error *err)
     for (int k = 0; k < blinds->parts; k++) {
         const double turn = k * degree * part_deg, at = up ? first - turn : first + turn;
         const double slope = up ? ORL_PI - first + turn - half : half - at;
-        place(blinds, k, side * r * cos(at) - x0, -side * r * sin(at) - z0, length, slope);
+        place_part(blinds, k, side * r * cos(at) - x0, -side * r * sin(at) - z0, length, slope);
     }
     return 0;
 }
@@ -105,9 +106,9 @@ int orl_genblinds(const char *const *words, size_t count, struct orl_text *text,
     struct orl_words rest = {"genblinds", words + 1, count - 1};
     int code = read_words(&blinds, &rest, err);
     if (code == 0 && blinds.radius != 0)
-        code = bend(&blinds, err);
+        code = bend_slats(&blinds, err);
     else
-        place(&blinds, 0, 0, 0, blinds.depth, blinds.angle_rad);
+        place_part(&blinds, 0, 0, 0, blinds.depth, blinds.angle_rad);
     for (int i = 1; i <= blinds.slats && code == 0; i++)
         add_slat(&blinds, i, text);
     return code;

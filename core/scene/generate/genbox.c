@@ -34,7 +34,7 @@ static void add_box(struct orl_text *text, const struct orl_genbox *box)
             add_face(text, box, corners[i]);
 }
 
-static int refuse(const char *option, const char *hint, struct orl_error *err)
+static int refuse_option(const char *option, const char *hint, struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "genbox: option '%s' is not supported", option);
     orl_error_hint(err, "%s", hint);
@@ -59,12 +59,12 @@ static int read_option(struct orl_words *words, struct orl_genbox *box, int *seg
         enum { SEGMENTS_MAX = 256 };
         code = orl_words_int(words, option, 1, SEGMENTS_MAX, segments, err);
     } else if (strcmp(option, "-o") == 0) {
-        code = refuse(option, "it writes no scene text, but an OBJ file: leave it out", err);
+        code = refuse_option(option, "it writes no scene text, but an OBJ file: leave it out", err);
     } else if (strcmp(option, "-s") == 0) {
-        code = refuse(option,
-                      "leave it out: normals do not vary over a polygon, and more segments "
-                      "(-n) are as smooth",
-                      err);
+        code = refuse_option(option,
+                             "leave it out: normals do not vary over a polygon, and more segments "
+                             "(-n) are as smooth",
+                             err);
     } else {
         code = orl_error_set(err, ORL_ERR_SYNTAX, "genbox: '%.40s' is no option", option);
     }

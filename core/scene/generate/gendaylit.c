@@ -95,7 +95,7 @@ static int read_output(struct gendaylit *sky, struct orl_words *words, struct or
     return code;
 }
 
-static int unknown(const char *option, struct orl_error *err)
+static int fail_unknown_option(const char *option, struct orl_error *err)
 {
     return orl_error_set(err, ORL_ERR_SYNTAX, "gendaylit: '%.40s' is no option", option);
 }
@@ -106,7 +106,7 @@ static int read_option(struct gendaylit *sky, struct orl_words *words, struct or
     double unused;
     words->left--;
     if ((option[0] != '-' && option[0] != '+') || option[1] == '\0' || option[2] != '\0')
-        return unknown(option, err);
+        return fail_unknown_option(option, err);
     switch (option[1]) {
     case 's':
         sky->with_sun = option[0] == '+';
@@ -155,7 +155,7 @@ static int read_option(struct gendaylit *sky, struct orl_words *words, struct or
                       option);
         return ORL_ERR_UNSUPPORTED;
     default:
-        return unknown(option, err);
+        return fail_unknown_option(option, err);
     }
 }
 
@@ -448,7 +448,7 @@ static void find_radiances(struct gendaylit *sky, struct orl_text *text)
 }
 
 /* Computes radiances from the options. Returns false for a black sky. */
-static bool solve(struct gendaylit *sky, struct orl_text *text)
+static bool compute_sky(struct gendaylit *sky, struct orl_text *text)
 {
     if (sky->dew_point_c < -40 || sky->dew_point_c > 40)
         sky->dew_point_c = 10.97353115;
@@ -459,7 +459,7 @@ static bool solve(struct gendaylit *sky, struct orl_text *text)
     return true;
 }
 
-static void give_numbers(const struct gendaylit *sky, struct orl_sky_numbers *numbers)
+static void store_numbers(const struct gendaylit *sky, struct orl_sky_numbers *numbers)
 {
     const double *c = sky->shape.c;
     const struct orl_vec3 d = sky->direction;
@@ -498,8 +498,8 @@ int orl_gendaylit_numbers(const char *const *words, size_t count,
         code = orl_error_set(err, ORL_ERR_RANGE, "gendaylit: the interval -i is negative");
     if (code < 0)
         return code;
-    if (solve(&sky, text))
-        give_numbers(&sky, ret_numbers);
+    if (compute_sky(&sky, text))
+        store_numbers(&sky, ret_numbers);
     else
         *ret_numbers = (struct orl_sky_numbers){.pattern = {.kind = ORL_SKY_PEREZ, .n_args = 10},
                                                 .black = true,

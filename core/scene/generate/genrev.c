@@ -13,7 +13,7 @@ struct piece {
 };
 
 /* Sign of the change from one step to the next: -1, 0 or 1. */
-static int direction(double from, double to)
+static int sign_of_change(double from, double to)
 {
     const double tiny = 1e-9;
     return to < from - tiny ? -1 : to > from + tiny ? 1 : 0;
@@ -39,8 +39,8 @@ static int add_texture(const struct orl_generator_curve *curve, const struct pie
                        const struct piece *before, const struct piece *after, struct orl_text *text,
                        struct orl_error *err)
 {
-    const int up = direction(piece->from[0], piece->to[0]);
-    const int out = direction(piece->from[1], piece->to[1]);
+    const int up = sign_of_change(piece->from[0], piece->to[0]);
+    const int out = sign_of_change(piece->from[1], piece->to[1]);
     orl_text_add(text, "'%s' texfunc Phong\n4 rev_dx rev_dy rev_dz rev.cal\n0\n4", curve->material);
     int code = add_line(up ? piece->to[0] - piece->from[0] : 0, piece->from[0], before->normal[0],
                         after->normal[0], out < 0 ? 1 : -1, text, err);
@@ -55,7 +55,7 @@ static int add_piece(const struct orl_generator_curve *curve, int number,
                      const struct piece pieces[3], struct orl_text *text, struct orl_error *err)
 {
     const double *const from = pieces[1].from, *const to = pieces[1].to;
-    const int up = direction(from[0], to[0]), out = direction(from[1], to[1]);
+    const int up = sign_of_change(from[0], to[0]), out = sign_of_change(from[1], to[1]);
     const char *type = up == 0    ? "ring"
                        : out == 0 ? (up < 0 ? "tube" : "cylinder")
                                   : (up < 0 ? "cup" : "cone");
@@ -77,8 +77,8 @@ static int add_piece(const struct orl_generator_curve *curve, int number,
 
 /* Returns the piece behind `before`, up to the step; beyond the curve's end it is empty, without a
  * normal. */
-static int follow(const struct orl_generator_curve *curve, const struct piece *before, int step,
-                  struct piece *ret_piece, struct orl_error *err)
+static int find_next_piece(const struct orl_generator_curve *curve, const struct piece *before,
+                           int step, struct piece *ret_piece, struct orl_error *err)
 {
     double at[ORL_CURVE_MOST];
     *ret_piece = (struct piece){{before->to[0], before->to[1]}, {0, 0}, {0, 0}};
@@ -106,10 +106,10 @@ int orl_genrev(const char *const *words, size_t count, const struct orl_generato
         code = orl_curve_at(&curve, 0, start, err);
     if (code == 0) {
         pieces[0] = (struct piece){{0, 0}, {start[0], start[1]}, {0, 0}};
-        code = follow(&curve, &pieces[0], 1, &pieces[1], err);
+        code = find_next_piece(&curve, &pieces[0], 1, &pieces[1], err);
     }
     for (int i = 1; i <= curve.segments && code == 0; i++) {
-        code = follow(&curve, &pieces[1], i + 1, &pieces[2], err);
+        code = find_next_piece(&curve, &pieces[1], i + 1, &pieces[2], err);
         if (code == 0)
             code = add_piece(&curve, i, pieces, text, err);
         pieces[0] = pieces[1];

@@ -103,7 +103,7 @@ static void add_fields(struct orl_gensurf *surface, struct orl_gensurf_vertex *c
     }
 }
 
-static void step(struct orl_gensurf_vertex *rows[3])
+static void rotate_rows(struct orl_gensurf_vertex *rows[3])
 {
     struct orl_gensurf_vertex *first = rows[0];
     rows[0] = rows[1];
@@ -126,7 +126,7 @@ static int add_rows(struct orl_gensurf *surface, struct orl_gensurf_vertex *rows
         write_row(surface, rows[1], text);
     }
     for (int i = 0; i < surface->m && code == 0 && !text->failed; i++) {
-        step(rows);
+        rotate_rows(rows);
         code = fill_row(surface, i + 2, rows[2], err);
         if (code < 0)
             break;

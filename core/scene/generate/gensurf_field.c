@@ -116,8 +116,9 @@ static void add_face(const struct orl_gensurf *surface,
     orl_text_add(text, "\n");
 }
 
-static void add(struct orl_gensurf *surface, const struct turning *turning, struct orl_vec3 flat,
-                const struct orl_gensurf_vertex *const *corners, size_t n, struct orl_text *text)
+static void write_piece(struct orl_gensurf *surface, const struct turning *turning,
+                        struct orl_vec3 flat, const struct orl_gensurf_vertex *const *corners,
+                        size_t n, struct orl_text *text)
 {
     if (surface->object)
         add_face(surface, corners, n, text);
@@ -152,11 +153,11 @@ void orl_gensurf_add_field(struct orl_gensurf *surface,
         return;
     const struct turning turning = find_turning(surface, c);
     if (has_first && has_second && orl_dot(first, second) >= 1 - 1e-12) {
-        add(surface, &turning, orl_scale(orl_add(first, second), .5), around, 4, text);
+        write_piece(surface, &turning, orl_scale(orl_add(first, second), .5), around, 4, text);
         return;
     }
     if (has_first)
-        add(surface, &turning, first, triangles[0], 3, text);
+        write_piece(surface, &turning, first, triangles[0], 3, text);
     if (has_second)
-        add(surface, &turning, second, triangles[1], 3, text);
+        write_piece(surface, &turning, second, triangles[1], 3, text);
 }

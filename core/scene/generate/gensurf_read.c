@@ -60,7 +60,8 @@ static int read_data(struct orl_gensurf *surface, size_t each, const char *text,
     return 0;
 }
 
-static double between(const struct orl_gensurf_data *data, size_t coordinate, double s, double t)
+static double interpolate_data(const struct orl_gensurf_data *data, size_t coordinate, double s,
+                               double t)
 {
     const double u = data->middles ? s * data->n_s - .5 : s * (data->n_s - 1);
     const double v = data->middles ? t * data->n_t - .5 : t * (data->n_t - 1);
@@ -108,7 +109,8 @@ static int read_file(struct orl_gensurf *surface, const char *const texts[3],
     return code;
 }
 
-static int compile(struct orl_gensurf *surface, const char *const texts[3], struct orl_error *err)
+static int compile_expressions(struct orl_gensurf *surface, const char *const texts[3],
+                               struct orl_error *err)
 {
     static const char valid[] = "valid(s,t)";
     const size_t places = (size_t)(surface->m + 3) * (size_t)(surface->n + 3);
@@ -162,7 +164,7 @@ int orl_gensurf_read(struct orl_gensurf *surface, struct orl_words *words,
         code = read_counts(surface, texts + 3, err);
     if (code == 0)
         code = read_file(surface, texts, files, err);
-    return code < 0 ? code : compile(surface, texts, err);
+    return code < 0 ? code : compile_expressions(surface, texts, err);
 }
 
 /* ---- Values ---------------------------------------------------------------------------------- */
@@ -183,7 +185,7 @@ int orl_gensurf_at(const struct orl_gensurf *surface, int i, int j,
     if (code < 0 || !ret_vertex->valid)
         return code;
     for (size_t k = 0; k < 3; k++)
-        place[k] = k < given ? values[k] : between(data, k - given, at[0], at[1]);
+        place[k] = k < given ? values[k] : interpolate_data(data, k - given, at[0], at[1]);
     ret_vertex->place = orl_v3(place[0], place[1], place[2]);
     ret_vertex->s = at[0];
     ret_vertex->t = at[1];

@@ -6,7 +6,7 @@
 
 enum { STEP_NM = 5 };
 
-static struct orl_mgf_color *current(struct orl_mgf_reader *r)
+static struct orl_mgf_color *current_color(struct orl_mgf_reader *r)
 {
     return &r->current[ORL_MGF_COLOR]->is.color;
 }
@@ -33,7 +33,7 @@ static int set_seen(struct orl_mgf_reader *r, struct orl_tristimulus seen)
     const double sum = seen.x + seen.y + seen.z;
     if (!(seen.y > 0) || !isfinite(sum))
         return orl_mgf_fail(r, ORL_ERR_RANGE, "nothing of the colour can be seen");
-    *current(r) = (struct orl_mgf_color){seen.x / sum, seen.y / sum};
+    *current_color(r) = (struct orl_mgf_color){seen.x / sum, seen.y / sum};
     return 0;
 }
 
@@ -48,7 +48,7 @@ int orl_mgf_cxy(struct orl_mgf_reader *r)
     if (code == 0 && !(x >= 0 && y > 1e-4 && x + y <= 1.0001))
         code = orl_mgf_fail(r, ORL_ERR_RANGE, "x %g and y %g are no chromaticity", x, y);
     if (code == 0)
-        *current(r) = (struct orl_mgf_color){x, y};
+        *current_color(r) = (struct orl_mgf_color){x, y};
     return code;
 }
 

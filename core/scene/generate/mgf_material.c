@@ -75,7 +75,7 @@ static void write_clear(struct orl_mgf_reader *r, const material_t *m, const cha
  * ----------------------------------------------------------- */
 
 /* Returns true if both parts exist and have different colours. */
-static bool clash(const struct orl_mgf_part *a, const struct orl_mgf_part *b)
+static bool colors_differ(const struct orl_mgf_part *a, const struct orl_mgf_part *b)
 {
     return a->value > 0.01 && b->value > 0.01 && !orl_mgf_same_color(a->color, b->color);
 }
@@ -85,9 +85,9 @@ static bool needs_parts(const material_t *m)
     const bool two_roughnesses =
         m->rs.value > 0.02 && m->ts.value > 0.02 && fabs(m->rs.roughness - m->ts.roughness) > 0.02;
     const bool colored_gloss = m->rs.value > 0.05 && m->rd.value > 0.05 &&
-                               !orl_mgf_is_gray(m->rs.color) && clash(&m->rd, &m->rs);
-    return two_roughnesses || colored_gloss || clash(&m->ts, &m->td) || clash(&m->td, &m->rd) ||
-           clash(&m->rd, &m->ts);
+                               !orl_mgf_is_gray(m->rs.color) && colors_differ(&m->rd, &m->rs);
+    return two_roughnesses || colored_gloss || colors_differ(&m->ts, &m->td) ||
+           colors_differ(&m->td, &m->rd) || colors_differ(&m->rd, &m->ts);
 }
 
 /* A specular part for WGMDfunc: a pattern, the factor of it, and the roughness along both axes. For

@@ -19,7 +19,8 @@ static const vertex_t *find_vertex(struct orl_mgf_reader *r, size_t word)
 enum counted { FACE, SPHERE, CYLINDER, CONE, RING };
 
 /* Writes "material type objects.number", and the argument counts. */
-static int begin(struct orl_mgf_reader *r, enum counted counted, const char *type, size_t n_reals)
+static int write_head(struct orl_mgf_reader *r, enum counted counted, const char *type,
+                      size_t n_reals)
 {
     static const char *const letters[] = {"f", "s", "cy", "c", "r"};
     const char *const material = orl_mgf_use_material(r);
@@ -49,7 +50,7 @@ static void add_point(struct orl_mgf_reader *r, struct orl_vec3 point)
 static int write_polygon(struct orl_mgf_reader *r, const struct orl_vec3 *corners, size_t n,
                          bool turned)
 {
-    const int code = begin(r, FACE, "polygon", 3 * n);
+    const int code = write_head(r, FACE, "polygon", 3 * n);
     for (size_t i = 0; i < n && code == 0; i++)
         add_point(r, corners[turned != (r->xform.mirrored != r->xform.inverted) ? n - 1 - i : i]);
     return code;
@@ -183,7 +184,7 @@ int orl_mgf_sphere(struct orl_mgf_reader *r)
     center = find_vertex(r, 1);
     if (!center)
         return r->err->code;
-    code = begin(r, SPHERE, radius < 0 ? "bubble" : "sphere", 4);
+    code = write_head(r, SPHERE, radius < 0 ? "bubble" : "sphere", 4);
     if (code == 0) {
         add_point(r, center->point);
         orl_text_add(r->text, "%18.12g\n", fabs(radius));
@@ -197,7 +198,7 @@ static int write_ends(struct orl_mgf_reader *r, size_t last, enum counted counte
 {
     const vertex_t *const from = find_vertex(r, 1);
     const vertex_t *const to = from ? find_vertex(r, last) : NULL;
-    const int code = to ? begin(r, counted, type, n_reals) : r->err->code;
+    const int code = to ? write_head(r, counted, type, n_reals) : r->err->code;
     if (code == 0) {
         add_point(r, from->point);
         add_point(r, to->point);
@@ -248,7 +249,7 @@ int orl_mgf_ring(struct orl_mgf_reader *r)
         return r->err->code;
     if (!(orl_length(center->normal) > 0) || radii[0] < 0 || !(radii[1] > radii[0]))
         return orl_mgf_fail(r, ORL_ERR_RANGE, "a ring needs a normal, and its larger radius last");
-    code = begin(r, RING, "ring", 8);
+    code = write_head(r, RING, "ring", 8);
     if (code == 0) {
         add_point(r, center->point);
         add_vector(r, orl_normalize(orl_xform_vector(&r->xform, center->normal)));

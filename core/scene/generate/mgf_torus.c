@@ -28,7 +28,8 @@ static int name_vertex(struct orl_mgf_reader *r, const char *name, const char *f
 }
 
 /* Moves the current vertex along the centre's normal. */
-static void place(struct orl_mgf_reader *r, const struct orl_mgf_vertex *center, double along)
+static void place_vertex(struct orl_mgf_reader *r, const struct orl_mgf_vertex *center,
+                         double along)
 {
     const struct orl_vec3 n = orl_normalize(center->normal);
     const struct orl_vec3 at = orl_add(center->point, orl_scale(n, along));
@@ -58,7 +59,7 @@ static int write_torus(struct orl_mgf_reader *r, const char *name, const double 
         return orl_mgf_fail(r, ORL_ERR_RANGE, "a torus needs a normal");
     int code = name_vertex(r, "_tv2", name);
     if (code == 0)
-        place(r, &center, fabs(half));
+        place_vertex(r, &center, fabs(half));
     for (int i = 1; i <= 4 * QUARTER && code == 0; i++) {
         const double before = (i - 1) * M_PI_2 / QUARTER, angle = i * M_PI_2 / QUARTER;
         const double side = i <= 2 * QUARTER ? 1 : -1;
@@ -69,7 +70,7 @@ static int write_torus(struct orl_mgf_reader *r, const char *name, const double 
             code = name_vertex(r, "_tv2", NULL);
         if (code < 0)
             return code;
-        place(r, &center, fabs(half) * cos(angle));
+        place_vertex(r, &center, fabs(half) * cos(angle));
         code = add_cone(r, &radius[0], &radius[1]);
     }
     return code;

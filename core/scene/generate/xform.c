@@ -23,7 +23,7 @@ struct orl_xform orl_xform_compose(const struct orl_xform *outer, const struct o
     return both;
 }
 
-static int bad(struct orl_error *err, int code, const char *option, const char *what)
+static int fail_option(struct orl_error *err, int code, const char *option, const char *what)
 {
     return orl_error_set(err, code, "xform: option '%.40s' %s", option, what);
 }
@@ -33,7 +33,7 @@ static int numbers_after(const char *const *words, size_t n_words, size_t count,
                          struct orl_error *err)
 {
     if (n_words < count + 1)
-        return bad(err, ORL_ERR_SYNTAX, words[0], "lacks a number after it");
+        return fail_option(err, ORL_ERR_SYNTAX, words[0], "lacks a number after it");
     for (size_t i = 0; i < count; i++) {
         const char *word = words[i + 1];
         const enum orl_number_fault fault = orl_number_read(word, strlen(word), ret_values + i);
@@ -98,7 +98,7 @@ static int read_one(const char *const *words, size_t count, struct orl_xform *re
     if (strcmp(word, "-s") == 0) {
         code = numbers_after(words, count, 1, n, err);
         if (code == 0 && n[0] == 0.0)
-            code = bad(err, ORL_ERR_RANGE, word, "must not be 0");
+            code = fail_option(err, ORL_ERR_RANGE, word, "must not be 0");
         if (code == 0)
             *ret_one = scaling(n[0], n[0], n[0]);
         return code < 0 ? code : 2;
@@ -121,9 +121,9 @@ int orl_xform_repeats(const char *word, int *ret_repeats, struct orl_error *err)
 {
     int repeats = 0;
     if (!word || orl_number_read_int(word, strlen(word), &repeats) != ORL_NUMBER_OK)
-        return bad(err, ORL_ERR_SYNTAX, "-i", "needs a whole number after it");
+        return fail_option(err, ORL_ERR_SYNTAX, "-i", "needs a whole number after it");
     if (repeats > (int)ORL_LIMIT_XFORM_ARRAY)
-        return bad(err, ORL_ERR_LIMIT, "-i", "asks for too many repeats");
+        return fail_option(err, ORL_ERR_LIMIT, "-i", "asks for too many repeats");
     *ret_repeats = repeats;
     return 0;
 }

@@ -27,10 +27,10 @@ struct expansion {
     unsigned depth;
 };
 
-static int expand(struct expansion *e, const struct orl_xform_word *words, size_t count,
-                  struct orl_error *err);
+static int expand_words(struct expansion *e, const struct orl_xform_word *words, size_t count,
+                        struct orl_error *err);
 
-static size_t find(const struct orl_xform_word *words, size_t count, const char *option)
+static size_t find_option(const struct orl_xform_word *words, size_t count, const char *option)
 {
     size_t i = 0;
     while (i < count && !orl_xform_is(&words[i], option))
@@ -223,7 +223,7 @@ static int expand_copy(struct expansion *e, const struct orl_xform_word *words, 
         copy[1] = (struct orl_xform_word){.text = name};
         from = 0;
     }
-    code = expand(e, copy + from, n - from, err);
+    code = expand_words(e, copy + from, n - from, err);
     free(copy);
     return code;
 }
@@ -295,10 +295,10 @@ static int expand_file(struct expansion *e, const struct orl_xform_word *words, 
     return code;
 }
 
-static int expand(struct expansion *e, const struct orl_xform_word *words, size_t count,
-                  struct orl_error *err)
+static int expand_words(struct expansion *e, const struct orl_xform_word *words, size_t count,
+                        struct orl_error *err)
 {
-    const size_t file = find(words, count, "-f"), array = find(words, count, "-a");
+    const size_t file = find_option(words, count, "-f"), array = find_option(words, count, "-a");
     int code;
     if (e->depth >= DEPTH_MAX)
         return orl_error_set(err, ORL_ERR_LIMIT, "xform: more than %d of -a and -f", DEPTH_MAX - 1);
@@ -319,8 +319,8 @@ int orl_xform_expand(const char *const *words, size_t count, orl_xform_reader re
     struct expansion e = {reader, user, ctx, 0, 0};
     size_t n = 0;
     struct orl_xform_word *folded = orl_xform_fold(words, count, &n);
-    const int code =
-        folded ? expand(&e, folded, n, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    const int code = folded ? expand_words(&e, folded, n, err)
+                            : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     free(folded);
     return code;
 }

@@ -10,7 +10,7 @@ struct folding {
     bool turned;   /* the last word is a -I */
 };
 
-static void put(struct folding *f, const char *text)
+static void put_word(struct folding *f, const char *text)
 {
     f->words[f->n++] = (struct orl_xform_word){.text = text};
     f->turned = false;
@@ -41,7 +41,7 @@ static size_t fold_option(struct folding *f, const char *const *words, size_t co
         if (f->turned)
             f->n--;
         else
-            put(f, words[0]);
+            put_word(f, words[0]);
         f->turned = !f->turned;
         return 1;
     }
@@ -49,8 +49,8 @@ static size_t fold_option(struct folding *f, const char *const *words, size_t co
     if ((!modifier && strcmp(words[0], "-n") != 0) || count < 2)
         return 0;
     if (!modifier || !f->modified) {
-        put(f, words[0]);
-        put(f, words[1]);
+        put_word(f, words[0]);
+        put_word(f, words[1]);
     }
     f->modified = f->modified || modifier;
     return 2;
@@ -66,15 +66,15 @@ static size_t fold_next(struct folding *f, const char *const *words, size_t coun
         if (count < 2)
             return 0;
         f->options = f->options && strcmp(words[0], "-f") == 0;
-        put(f, words[0]);
-        put(f, words[1]);
+        put_word(f, words[0]);
+        put_word(f, words[1]);
         return 2;
     }
     if (orl_xform_read(words, run_length(words, count), &run.transform, &used, NULL) < 0)
         return 0;
     if (used > 0 && strcmp(words[0], "-i") == 0) {
-        put(f, "-i"); /* ends the range that an array repeats */
-        put(f, "1");
+        put_word(f, "-i"); /* ends the range that an array repeats */
+        put_word(f, "1");
     }
     if (used > 0)
         f->words[f->n++] = run;
@@ -96,7 +96,7 @@ struct orl_xform_word *orl_xform_fold(const char *const *words, size_t count, si
         i += taken;
     }
     while (i < count)
-        put(&f, words[i++]);
+        put_word(&f, words[i++]);
     *ret_n = f.n;
     return f.words;
 }

@@ -40,7 +40,7 @@ static int keep_opposed(struct orl_description *d, const struct orl_pairs *oppos
 
 /* Warns of opposed polygons, as they are before any is cut. Pairs of one two-sided material are
  * skipped, because their orientation does not matter. */
-static int tell_opposed(struct settling *t, const struct orl_pairs *opposed)
+static int warn_of_opposed(struct settling *t, const struct orl_pairs *opposed)
 {
     struct orl_cutting looking = {.d = t->d, .tolerance = t->place.tolerance};
     int code = 0;
@@ -88,7 +88,7 @@ static struct orl_outline outline_within(const struct orl_surface *s,
     return (struct orl_outline){corners, n, s->normal};
 }
 
-static int tell_open(struct settling *t, const struct orl_pairs *open)
+static int warn_of_open(struct settling *t, const struct orl_pairs *open)
 {
     struct orl_cutting looking = {.d = t->d, .tolerance = t->place.tolerance};
     int code = 0;
@@ -177,7 +177,8 @@ static int check_pane(const struct settling *t, const struct orl_surface *pane,
     return ORL_ERR_RANGE;
 }
 
-static int sort_out(const struct settling *t, struct orl_pairs lots[NOTHING], struct orl_error *err)
+static int classify_pairs(const struct settling *t, struct orl_pairs lots[NOTHING],
+                          struct orl_error *err)
 {
     for (size_t i = 0; i < t->pairs.n; i++) {
         if (orl_is_cancelled(t->d->cancel))
@@ -199,7 +200,7 @@ static int sort_out(const struct settling *t, struct orl_pairs lots[NOTHING], st
 }
 
 /* Removes surfaces that were cut away completely, and renumbers the opposed ones. */
-static int compact(struct orl_description *d)
+static int remove_cut_surfaces(struct orl_description *d)
 {
     uint32_t *places = malloc((d->n_surfaces + 1) * sizeof *places);
     size_t kept = 0, pairs = 0;
@@ -223,7 +224,7 @@ static int compact(struct orl_description *d)
     return 0;
 }
 
-static int settle(struct settling *t, struct orl_pairs lots[NOTHING], struct orl_error *err)
+static int resolve_pairs(struct settling *t, struct orl_pairs lots[NOTHING], struct orl_error *err)
 {
     struct orl_looks *looks = &t->cutting.looks;
     int code = orl_duplicates_drop(t->d, t->cut, &t->words);
@@ -231,7 +232,7 @@ static int settle(struct settling *t, struct orl_pairs lots[NOTHING], struct orl
     if (code == 0)
         code = orl_coplanar_find(t->d, t->cut, &t->place, &t->pairs, looks);
     if (code == 0)
-        code = sort_out(t, lots, err);
+        code = classify_pairs(t, lots, err);
     if (code == 0)
         code = orl_concentric_find(t->d, &t->place, &lots[OPEN], looks);
     t->cutting.cut_short = looks->n > looks->most;
@@ -239,12 +240,12 @@ static int settle(struct settling *t, struct orl_pairs lots[NOTHING], struct orl
     if (code == 0)
         code = keep_opposed(t->d, &lots[OPPOSED]);
     if (code == 0)
-        code = tell_open(t, &lots[OPEN]);
+        code = warn_of_open(t, &lots[OPEN]);
     if (code == 0)
-        code = tell_opposed(t, &lots[OPPOSED]);
+        code = warn_of_opposed(t, &lots[OPPOSED]);
     if (code == 0 && lots[LOSSES].n > 0)
         code = orl_cutting_run(&t->cutting, &lots[LOSSES]);
-    return code == 0 && lots[LOSSES].n > 0 ? compact(t->d) : code;
+    return code == 0 && lots[LOSSES].n > 0 ? remove_cut_surfaces(t->d) : code;
 }
 
 int orl_coincident_settle(struct orl_description *description, struct orl_error *err)
@@ -253,7 +254,7 @@ int orl_coincident_settle(struct orl_description *description, struct orl_error 
     struct orl_pairs lots[NOTHING] = {{0}};
     t.cutting.words = &t.words;
     bool *const cut = t.cut = list_cut(description);
-    const int code = cut ? settle(&t, lots, err) : ORL_ERR_NOMEM;
+    const int code = cut ? resolve_pairs(&t, lots, err) : ORL_ERR_NOMEM;
     free(cut);
     orl_coincidence_end(&t.words, description);
     if (t.cutting.cut_short)

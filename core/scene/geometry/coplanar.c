@@ -49,7 +49,7 @@ static double key_of(const struct orl_same_place *place, const struct orl_surfac
 
 /* ---- Boxes ----------------------------------------------------------------------------------- */
 
-static void include(struct orl_vec3 p, struct orl_box *box)
+static void include_point(struct orl_vec3 p, struct orl_box *box)
 {
     box->low = orl_v3(fmin(box->low.x, p.x), fmin(box->low.y, p.y), fmin(box->low.z, p.z));
     box->high = orl_v3(fmax(box->high.x, p.x), fmax(box->high.y, p.y), fmax(box->high.z, p.z));
@@ -72,7 +72,7 @@ struct orl_box orl_box_of_flat(const struct orl_surface *surface)
         return box_of_ring(surface);
     struct orl_box box = {surface->vertices[0], surface->vertices[0]};
     for (uint32_t i = 1; i < surface->n_vertices; i++)
-        include(surface->vertices[i], &box);
+        include_point(surface->vertices[i], &box);
     return box;
 }
 
@@ -103,8 +103,8 @@ static bool list_flats(struct search *t)
             continue;
         f->box = orl_box_of_flat(&d->surfaces[i]);
         f->surface = (uint32_t)i;
-        include(f->box.low, &all);
-        include(f->box.high, &all);
+        include_point(f->box.low, &all);
+        include_point(f->box.high, &all);
         t->n_flats++;
     }
     if (t->n_flats > 0) {
@@ -165,7 +165,7 @@ static struct orl_outline outline_of(const struct orl_surface *s)
     return (struct orl_outline){s->vertices, s->n_vertices, s->normal};
 }
 
-static bool look(struct search *t, const struct flat *a, const struct flat *b)
+static bool test_pair(struct search *t, const struct flat *a, const struct flat *b)
 {
     const double tolerance = t->place.tolerance;
     const struct orl_surface *s = &t->d->surfaces[a->surface];
@@ -184,7 +184,7 @@ static bool look(struct search *t, const struct flat *a, const struct flat *b)
 }
 
 /* Finds the pairs of many surfaces by a box tree, in the order of the sweep. */
-static bool look_by_tree(struct search *t, const struct flat *flats, size_t n)
+static bool test_by_tree(struct search *t, const struct flat *flats, size_t n)
 {
     struct orl_box_tree *const tree = &t->tree;
     const double tolerance = t->place.tolerance;
@@ -198,7 +198,7 @@ static bool look_by_tree(struct search *t, const struct flat *flats, size_t n)
         for (size_t k = 0; k < tree->n_found; k++) {
             if (t->looks->n > t->looks->most || (k % 1024 == 0 && orl_is_cancelled(t->d->cancel)))
                 return true;
-            if (!look(t, &flats[i], &flats[tree->found[k]]))
+            if (!test_pair(t, &flats[i], &flats[tree->found[k]]))
                 return false;
         }
     }
@@ -226,7 +226,7 @@ static void bring_largest_first(struct flat *flats, size_t n, size_t n_largest,
 
 /* Removes each polygon that one of the largest covers completely, and keeps only that pair of it.
  * Returns false if out of memory. */
-static bool take_covered_out(struct search *t, struct flat *flats, size_t *n)
+static bool remove_covered(struct search *t, struct flat *flats, size_t *n)
 {
     enum { LARGEST = 8 };
     size_t kept = 0;
@@ -252,21 +252,21 @@ static bool take_covered_out(struct search *t, struct flat *flats, size_t *n)
 }
 
 /* Finds all pairs of one plane, which are adjacent after sorting; a few are compared by a sweep. */
-static bool look_within(struct search *t, struct flat *flats, size_t n)
+static bool test_plane(struct search *t, struct flat *flats, size_t n)
 {
     enum { FEW = 16 };
-    if (n > FEW && !take_covered_out(t, flats, &n))
+    if (n > FEW && !remove_covered(t, flats, &n))
         return false;
     const int code = orl_sort(flats, n, sizeof *flats, compare_starts, t->d->cancel);
     if (code < 0)
         return code == ORL_ERR_CANCELLED;
     if (n > FEW)
-        return look_by_tree(t, flats, n);
+        return test_by_tree(t, flats, n);
     for (size_t i = 0; i < n; i++) {
         const double end = end_of(&flats[i]) + 3 * t->place.tolerance;
         for (size_t j = i + 1; j < n && start_of(&flats[j]) <= end; j++) {
             t->looks->n++;
-            if (!look(t, &flats[i], &flats[j]))
+            if (!test_pair(t, &flats[i], &flats[j]))
                 return false;
         }
     }
@@ -283,7 +283,7 @@ static bool find_pairs(struct search *t)
         for (next = first + 1;
              next < t->n_flats && t->flats[next].key - t->flats[next - 1].key <= apart; next++)
             ;
-        if (next - first > 1 && !look_within(t, t->flats + first, next - first))
+        if (next - first > 1 && !test_plane(t, t->flats + first, next - first))
             return false;
         if (t->looks->n > t->looks->most || orl_is_cancelled(t->d->cancel))
             break;

@@ -55,8 +55,8 @@ int orl_cutting_look(struct orl_cutting *cutting, const struct orl_outline *a,
     return code == ORL_ERR_NOMEM ? code : 0;
 }
 
-static void tell(struct orl_cutting *t, const struct orl_surface *loser,
-                 const struct orl_surface *winner)
+static void report_overlap(struct orl_cutting *t, const struct orl_surface *loser,
+                           const struct orl_surface *winner)
 {
     const bool alike = orl_surfaces_alike(t->d, loser, winner);
     orl_coincidence_tell(t->words, t->d, alike ? ORL_COINCIDENCE_ALIKE : ORL_COINCIDENCE_SETTLED,
@@ -65,8 +65,8 @@ static void tell(struct orl_cutting *t, const struct orl_surface *loser,
 
 /* Keeps the winners that share an area with the loser, and reports them. If there are many, one
  * that covers the loser completely is kept alone. */
-static int sift(struct orl_cutting *t, const struct orl_surface *loser, struct orl_pair *losses,
-                size_t *n)
+static int keep_overlapping(struct orl_cutting *t, const struct orl_surface *loser,
+                            struct orl_pair *losses, size_t *n)
 {
     const struct orl_outline first = orl_outline_of(loser);
     const bool many = *n > FEW_WINNERS;
@@ -79,7 +79,7 @@ static int sift(struct orl_cutting *t, const struct orl_surface *loser, struct o
             return code;
         if (!t->overlap.shared)
             continue;
-        tell(t, loser, winner);
+        report_overlap(t, loser, winner);
         if (many && t->overlap.n == 0) {
             losses[0] = losses[i];
             kept = 1;
@@ -177,10 +177,11 @@ static int subtract(struct orl_cutting *t, struct layered *winners, size_t n,
 }
 
 /* Subtracts all winners, with their original outlines, from the loser. */
-static int cut(struct orl_cutting *t, struct orl_pair *losses, size_t n, struct orl_surface *left)
+static int cut_loser(struct orl_cutting *t, struct orl_pair *losses, size_t n,
+                     struct orl_surface *left)
 {
     struct layered *const winners = malloc((n + 1) * sizeof *winners);
-    int code = winners ? sift(t, left, losses, &n) : ORL_ERR_NOMEM;
+    int code = winners ? keep_overlapping(t, left, losses, &n) : ORL_ERR_NOMEM;
     for (size_t i = 0; i < n && code == 0; i++) {
         const struct orl_surface *const winner = &t->d->surfaces[losses[i].b];
         winners[i] =
@@ -211,7 +212,7 @@ int orl_cutting_run(struct orl_cutting *cutting, struct orl_pairs *losses)
         for (next = first; next < losses->n && losses->items[next].a == losses->items[first].a;)
             next++;
         cuts[n_cuts] = d->surfaces[losses->items[first].a];
-        code = cut(t, losses->items + first, next - first, &cuts[n_cuts++]);
+        code = cut_loser(t, losses->items + first, next - first, &cuts[n_cuts++]);
         if (orl_is_cancelled(d->cancel))
             code = ORL_ERR_CANCELLED;
     }

@@ -105,8 +105,8 @@ struct dropping {
     size_t n_gone;
 };
 
-static void drop(struct dropping *t, const struct orl_surface *loser,
-                 const struct orl_surface *winner)
+static void drop_surface(struct dropping *t, const struct orl_surface *loser,
+                         const struct orl_surface *winner)
 {
     const bool alike = orl_surfaces_alike(t->d, loser, winner);
     t->gone[loser - t->d->surfaces] = true;
@@ -146,7 +146,7 @@ static void drop_polygons(struct dropping *t, const struct entry *group, size_t 
         const struct orl_surface *const s = group[i].surface;
         const int way = orl_dot(s->normal, group[0].surface->normal) < 0;
         if (s != best[0] && s != best[1])
-            drop(t, s, best[way] ? best[way] : best[0]);
+            drop_surface(t, s, best[way] ? best[way] : best[0]);
     }
 }
 
@@ -158,7 +158,7 @@ static void drop_rounds(struct dropping *t, const struct entry *group, size_t n)
         return;
     for (size_t i = 1; i < n; i++)
         if (orl_surfaces_alike(t->d, first, group[i].surface))
-            drop(t, group[i].surface, first);
+            drop_surface(t, group[i].surface, first);
 }
 
 static void remove_gone(const struct dropping *t)

@@ -94,7 +94,7 @@ static bool list_triangles(struct orl_geometry *geometry, RTCGeometry mesh)
     return true;
 }
 
-static bool give_corners(const struct orl_geometry *geometry, RTCGeometry mesh)
+static bool set_corners(const struct orl_geometry *geometry, RTCGeometry mesh)
 {
     const size_t n = geometry->n_corners;
     if (geometry->packed) {
@@ -121,7 +121,7 @@ static int build_triangles(struct orl_geometry *geometry, RTCDevice device, RTCS
     const bool vast = orl_geometry_is_vast(geometry);
     RTCGeometry mesh =
         rtcNewGeometry(device, vast ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
-    if (!give_corners(geometry, mesh) || (!vast && !list_triangles(geometry, mesh))) {
+    if (!set_corners(geometry, mesh) || (!vast && !list_triangles(geometry, mesh))) {
         rtcReleaseGeometry(mesh);
         return ORL_ERR_NOMEM;
     }
@@ -175,7 +175,7 @@ static bool build_placed(const struct orl_geometry *geometry, RTCDevice device, 
 }
 
 /* Progress callback, which Embree calls many times while it builds. */
-static bool goes_on(void *ctx, double fraction)
+static bool continue_build(void *ctx, double fraction)
 {
     const atomic_bool *cancel = ctx;
     (void)fraction;
@@ -226,7 +226,7 @@ int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu instances",
                              geometry->n_placed);
     if (cancel)
-        rtcSetSceneProgressMonitorFunction(scene, goes_on, (void *)(uintptr_t)cancel);
+        rtcSetSceneProgressMonitorFunction(scene, continue_build, (void *)(uintptr_t)cancel);
     rtcCommitScene(scene);
     const enum RTCError failure = rtcGetDeviceError(device);
     return failure == RTC_ERROR_NONE ? 0 : refuse_build(failure, err);

@@ -8,14 +8,14 @@ static pthread_key_t key;
 static bool has_key;
 static pthread_once_t key_made = PTHREAD_ONCE_INIT;
 
-static void release(void *device)
+static void release_device(void *device)
 {
     rtcReleaseDevice(device);
 }
 
 static void make_key(void)
 {
-    has_key = pthread_key_create(&key, release) == 0;
+    has_key = pthread_key_create(&key, release_device) == 0;
 }
 
 static bool has_room(void)
@@ -48,7 +48,7 @@ static RTCDevice new_device(void)
 }
 
 /* Builds a scene of one triangle. If that fails, the scene must not be released. */
-static bool rehearse(RTCDevice device)
+static bool build_trial_scene(RTCDevice device)
 {
     /* Embree reads four floats at a time */
     static const float corners[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -80,7 +80,7 @@ RTCDevice orl_embree_device(void)
     if (device || !has_key)
         return device;
     device = new_device();
-    if (device && rehearse(device) && has_room() && pthread_setspecific(key, device) == 0)
+    if (device && build_trial_scene(device) && has_room() && pthread_setspecific(key, device) == 0)
         return device;
     if (device)
         rtcReleaseDevice(device);

@@ -26,8 +26,8 @@ const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geomet
 
 /* Reconstructs the outline from the triangles: the first one ends where the outline begins (corners
  * are cut off so in triangulate.c). */
-static struct orl_facet_outline told_outline(const struct orl_geometry *g,
-                                             const struct orl_facet *f)
+static struct orl_facet_outline implied_outline(const struct orl_geometry *g,
+                                                const struct orl_facet *f)
 {
     const uint32_t first = orl_facet_triangle(f, 0);
     struct orl_facet_outline outline = {
@@ -55,7 +55,7 @@ struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geomet
             high = middle;
     }
     if (low == geometry->n_outlines || outlines[low].facet != facet)
-        return f->n_triangles > 0 ? told_outline(geometry, f)
+        return f->n_triangles > 0 ? implied_outline(geometry, f)
                                   : (struct orl_facet_outline){.geometry = geometry};
     return (struct orl_facet_outline){.corners = geometry->corners,
                                       .own = geometry->outline_corners + outlines[low].first,

@@ -17,7 +17,7 @@
 #include "scene/geometry/quadric.h"
 #include "scene/geometry/triangulate.h"
 
-static void include(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
+static void include_point(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
 {
     *low = orl_v3(fmin(low->x, p.x), fmin(low->y, p.y), fmin(low->z, p.z));
     *high = orl_v3(fmax(high->x, p.x), fmax(high->y, p.y), fmax(high->z, p.z));
@@ -46,12 +46,12 @@ static void bounds_of(const struct orl_surface *surface, struct orl_vec3 *low,
     struct orl_curved round;
     struct orl_vec3 a, b;
     for (uint32_t i = 0; i < surface->n_vertices; i++)
-        include(surface->vertices[i], low, high);
+        include_point(surface->vertices[i], low, high);
     if (surface->kind != ORL_SURFACE_POLYGON) {
         fill_curved(&facet, surface, &round);
         orl_quadric_bounds(&facet, &a, &b);
-        include(a, low, high);
-        include(b, low, high);
+        include_point(a, low, high);
+        include_point(b, low, high);
     }
 }
 
@@ -97,7 +97,8 @@ static bool number_corners(struct builder *b)
 
 /* Returns true if the triangles determine the outline: three or four corners, cut off one by one
  * (triangulate.c). */
-static bool is_told(const struct orl_triangulation *cut, const struct orl_surface *surface)
+static bool is_outline_implied(const struct orl_triangulation *cut,
+                               const struct orl_surface *surface)
 {
     static const uint32_t three[1][3] = {{2, 0, 1}}, four[2][3] = {{3, 0, 1}, {1, 2, 3}};
     const uint32_t n = surface->n_vertices;
@@ -146,7 +147,7 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
     }
     f->offset = reach * 0x1p-20;
     f->bent = bend > reach * 0x1p-23;
-    const bool told = is_told(cut, surface);
+    const bool told = is_outline_implied(cut, surface);
     return number_corners(b) &&
                    orl_couples_add(&b->couples, facet, cut->triples, (uint32_t)cut->n_triples) &&
                    (told || keep_outline(b, surface, facet))
@@ -248,7 +249,8 @@ static int add_more(struct orl_geometry *g, const struct orl_description *d)
 }
 
 /* Returns a description of one prototype; it borrows everything. */
-static struct orl_description alone(const struct orl_description *d, size_t prototype)
+static struct orl_description prototype_description(const struct orl_description *d,
+                                                    size_t prototype)
 {
     const struct orl_prototype *const p = &d->prototypes[prototype];
     struct orl_description part = *d;
@@ -268,13 +270,14 @@ static int build_prototypes(struct orl_geometry *g, const struct orl_description
     if (!g->prototypes)
         return ORL_ERR_NOMEM;
     for (; g->n_prototypes < d->n_prototypes && code == 0; g->n_prototypes++) {
-        const struct orl_description part = alone(d, g->n_prototypes);
+        const struct orl_description part = prototype_description(d, g->n_prototypes);
         code = orl_geometry_new(&part, &g->prototypes[g->n_prototypes], err);
     }
     return code;
 }
 
-static int measure(struct orl_geometry *g, const struct orl_description *d, struct orl_error *err)
+static int measure_scene(struct orl_geometry *g, const struct orl_description *d,
+                         struct orl_error *err)
 {
     struct orl_vec3 low = orl_v3(INFINITY, INFINITY, INFINITY), high = orl_neg(low);
     for (size_t i = 0; i < d->n_surfaces; i++) {
@@ -313,7 +316,7 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
                              description->n_surfaces, ORL_LIMIT_SURFACES);
         goto done;
     }
-    code = measure(g, description, err);
+    code = measure_scene(g, description, err);
     if (code < 0)
         goto done;
     code = ORL_ERR_NOMEM;

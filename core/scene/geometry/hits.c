@@ -7,9 +7,9 @@
 enum { AT_ONCE = 64 }; /* rays traced together */
 
 /* Skips hits that antimatter has removed; each facet is passed a few times at most. */
-static bool meet_what_is_left(const struct orl_geometry *geometry, struct orl_vec3 origin,
-                              struct orl_vec3 direction, double max_distance,
-                              struct orl_hit *ret_hit)
+static bool intersect_remaining(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                                struct orl_vec3 direction, double max_distance,
+                                struct orl_hit *ret_hit)
 {
     const size_t most = 2 * geometry->n_facets + 2 * orl_geometry_triangles_end(geometry);
     struct orl_vec3 from = origin;
@@ -32,7 +32,7 @@ static bool meet_what_is_left(const struct orl_geometry *geometry, struct orl_ve
 bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
                             struct orl_vec3 direction, double max_distance, struct orl_hit *ret_hit)
 {
-    return geometry->holes ? meet_what_is_left(geometry, origin, direction, max_distance, ret_hit)
+    return geometry->holes ? intersect_remaining(geometry, origin, direction, max_distance, ret_hit)
                            : orl_meet(geometry, origin, direction, max_distance, ret_hit);
 }
 
@@ -41,8 +41,8 @@ void orl_geometry_intersect_many(const struct orl_geometry *geometry, const stru
 {
     struct orl_embree_hit met[AT_ONCE];
     for (size_t i = 0; i < n && geometry->holes; i++)
-        ret_found[i] =
-            meet_what_is_left(geometry, rays[i].origin, rays[i].direction, INFINITY, &ret_hits[i]);
+        ret_found[i] = intersect_remaining(geometry, rays[i].origin, rays[i].direction, INFINITY,
+                                           &ret_hits[i]);
     if (geometry->holes)
         return;
     for (size_t first = 0; first < n; first += AT_ONCE) {
@@ -61,7 +61,7 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
                            struct orl_vec3 direction, double max_distance)
 {
     struct orl_hit hit;
-    return geometry->holes ? meet_what_is_left(geometry, origin, direction, max_distance, &hit)
+    return geometry->holes ? intersect_remaining(geometry, origin, direction, max_distance, &hit)
                            : orl_embree_occluded(geometry, origin, direction, max_distance);
 }
 

@@ -23,8 +23,8 @@ struct outlook {
     bool matter; /* there is matter at the volume's end, or at the place itself */
 };
 
-static struct outlook look(const struct orl_geometry *g, const struct orl_hole *hole,
-                           struct orl_vec3 from, struct orl_vec3 direction)
+static struct outlook look_ahead(const struct orl_geometry *g, const struct orl_hole *hole,
+                                 struct orl_vec3 from, struct orl_vec3 direction)
 {
     struct outlook outlook = {.inside = orl_hole_is_inside(hole, from)};
     struct orl_hit hit;
@@ -50,8 +50,8 @@ static void add_window(const struct orl_geometry *g, const struct orl_hole *hole
         orl_facet_sample(g, window, u, &point, &normal);
         for (int k = 0; k < 2; k++) {
             const struct orl_vec3 direction = k ? orl_neg(normal) : normal;
-            sides[k] =
-                look(g, hole, orl_facet_leave(g, window, point, normal, direction), direction);
+            sides[k] = look_ahead(g, hole, orl_facet_leave(g, window, point, normal, direction),
+                                  direction);
         }
         inside += sides[0].inside || sides[1].inside;
         blocked += sides[0].matter != sides[1].matter && sides[sides[0].matter ? 0 : 1].inside;
@@ -61,7 +61,7 @@ static void add_window(const struct orl_geometry *g, const struct orl_hole *hole
         windows->blocked += area * blocked / WINDOW_PLACES;
 }
 
-static void leave_away(struct orl_geometry *g, size_t antimatter)
+static void omit_lining(struct orl_geometry *g, size_t antimatter)
 {
     struct orl_hole *const hole = &g->holes->items[antimatter];
     hole->lined = false;
@@ -85,7 +85,7 @@ void orl_linings_settle(struct orl_geometry *geometry, const bool *is_window)
                 add_window(geometry, hole, i, &windows);
         }
         if (windows.blocked > much_blocked * windows.area)
-            leave_away(geometry, k);
+            omit_lining(geometry, k);
     }
 }
 

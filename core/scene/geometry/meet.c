@@ -6,8 +6,8 @@
 
 /* Returns true if a point in the facet's plane lies on it, rim included; *ret_triangle: on which
  * triangle. */
-static bool holds(const struct orl_geometry *geometry, const struct orl_facet *facet,
-                  struct orl_vec3 point, uint32_t *ret_triangle)
+static bool contains_point(const struct orl_geometry *geometry, const struct orl_facet *facet,
+                           struct orl_vec3 point, uint32_t *ret_triangle)
 {
     const double slack = -facet->offset;
     for (uint32_t i = 0; i < facet->n_triangles; i++) {
@@ -35,7 +35,7 @@ static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hi
         uint32_t triangle;
         struct orl_facet own;
         const struct orl_facet *const f = orl_facet_own(geometry, rival, &own);
-        if (!holds(geometry, f, hit->point, &triangle))
+        if (!contains_point(geometry, f, hit->point, &triangle))
             continue;
         hit->facet = rival;
         hit->triangle = triangle;
@@ -107,7 +107,7 @@ static __attribute__((noinline)) uint32_t choose_half(const struct orl_geometry 
 }
 
 static inline __attribute__((always_inline)) void
-settle_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_vec3 direction,
+refine_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_vec3 direction,
            const struct orl_embree_hit *e, bool packed, struct orl_hit *ret_hit)
 {
     const uint32_t met = e->seam ? choose_half(geometry, origin, direction, e) : e->index;
@@ -144,15 +144,15 @@ settle_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct o
 
 /* Out of line, like the next function, because nearly no scene needs either. */
 static __attribute__((noinline)) void
-settle_packed(const struct orl_geometry *geometry, struct orl_vec3 origin,
+refine_packed(const struct orl_geometry *geometry, struct orl_vec3 origin,
               struct orl_vec3 direction, const struct orl_embree_hit *e, struct orl_hit *ret_hit)
 {
-    settle_own(geometry, origin, direction, e, true, ret_hit);
+    refine_own(geometry, origin, direction, e, true, ret_hit);
 }
 
 /* Refines the hit in the prototype's coordinates, and transforms it back. */
 static __attribute__((noinline)) void
-settle_placed(const struct orl_geometry *geometry, struct orl_vec3 origin,
+refine_placed(const struct orl_geometry *geometry, struct orl_vec3 origin,
               struct orl_vec3 direction, const struct orl_embree_hit *e, struct orl_hit *ret_hit)
 {
     const struct orl_placed *const placed = &geometry->placed[e->placed - 1];
@@ -161,22 +161,22 @@ settle_placed(const struct orl_geometry *geometry, struct orl_vec3 origin,
     const struct orl_vec3 from = orl_xform_point(&placed->from, origin);
     const struct orl_vec3 along = orl_xform_direction(&placed->from, direction);
     if (placed->prototype->packed)
-        settle_packed(placed->prototype, from, along, &inside, ret_hit);
+        refine_packed(placed->prototype, from, along, &inside, ret_hit);
     else
-        settle_own(placed->prototype, from, along, &inside, false, ret_hit);
+        refine_own(placed->prototype, from, along, &inside, false, ret_hit);
     orl_placed_hit(geometry, placed, origin, direction, ret_hit);
 }
 
 static inline __attribute__((always_inline)) void
-settle(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_vec3 direction,
-       const struct orl_embree_hit *e, struct orl_hit *ret_hit)
+refine_hit(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_vec3 direction,
+           const struct orl_embree_hit *e, struct orl_hit *ret_hit)
 {
     if (e->placed > 0)
-        settle_placed(geometry, origin, direction, e, ret_hit);
+        refine_placed(geometry, origin, direction, e, ret_hit);
     else if (geometry->packed)
-        settle_packed(geometry, origin, direction, e, ret_hit);
+        refine_packed(geometry, origin, direction, e, ret_hit);
     else
-        settle_own(geometry, origin, direction, e, false, ret_hit);
+        refine_own(geometry, origin, direction, e, false, ret_hit);
 }
 
 void orl_meet_expect(const struct orl_geometry *geometry, const struct orl_embree_hit *hits,
@@ -199,7 +199,7 @@ void orl_meet_settle(const struct orl_geometry *geometry, struct orl_vec3 origin
                      struct orl_vec3 direction, const struct orl_embree_hit *e,
                      struct orl_hit *ret_hit)
 {
-    settle(geometry, origin, direction, e, ret_hit);
+    refine_hit(geometry, origin, direction, e, ret_hit);
 }
 
 bool orl_meet(const struct orl_geometry *geometry, struct orl_vec3 origin,
@@ -208,6 +208,6 @@ bool orl_meet(const struct orl_geometry *geometry, struct orl_vec3 origin,
     struct orl_embree_hit e;
     if (!orl_embree_intersect(geometry, origin, direction, max_distance, &e))
         return false;
-    settle(geometry, origin, direction, &e, ret_hit);
+    refine_hit(geometry, origin, direction, &e, ret_hit);
     return true;
 }

@@ -26,8 +26,8 @@ struct border {
  * -------------------------------------------------------------------------- */
 
 /* Range of an outline's signed distances from a line through origin, along a direction. */
-static void range(const struct orl_outline *o, struct orl_vec3 origin, struct orl_vec3 across,
-                  double *ret_low, double *ret_high)
+static void distance_range(const struct orl_outline *o, struct orl_vec3 origin,
+                           struct orl_vec3 across, double *ret_low, double *ret_high)
 {
     *ret_low = INFINITY;
     *ret_high = -INFINITY;
@@ -45,8 +45,8 @@ static bool edge_parts(const struct orl_outline *of, const struct orl_outline *a
         const struct orl_vec3 from = of->vertices[i], to = of->vertices[(i + 1) % of->n];
         const struct orl_vec3 across = orl_normalize(orl_cross(of->normal, orl_sub(to, from)));
         double a_low, a_high, b_low, b_high;
-        range(a, from, across, &a_low, &a_high);
-        range(b, from, across, &b_low, &b_high);
+        distance_range(a, from, across, &a_low, &a_high);
+        distance_range(b, from, across, &b_low, &b_high);
         if (a_high <= b_low + tolerance || b_high <= a_low + tolerance)
             return true;
     }
@@ -88,7 +88,7 @@ static bool find_layers(const struct orl_arrangement *a, uint32_t *words, uint32
     return true;
 }
 
-static bool reserve(struct orl_overlap *o, size_t bytes)
+static bool reserve_scratch(struct orl_overlap *o, size_t bytes)
 {
     if (bytes <= o->scratch_room)
         return true;
@@ -150,8 +150,8 @@ static bool add_vertex(struct orl_overlap *o, struct orl_vec3 place)
 }
 
 /* Appends one closed loop; removes it again if it is only a thin strip. */
-static int follow(struct orl_overlap *o, struct border *border, int32_t start, double tolerance,
-                  bool *ret_kept)
+static int trace_loop(struct orl_overlap *o, struct border *border, int32_t start, double tolerance,
+                      bool *ret_kept)
 {
     const struct orl_arrangement *a = &o->arrangement;
     const uint32_t before = o->n;
@@ -174,7 +174,7 @@ static int follow(struct orl_overlap *o, struct border *border, int32_t start, d
 }
 
 /* Appends all loops; a seam from the first loop's start leads to each other loop and back. */
-static int follow_all(struct orl_overlap *o, struct border *border, double tolerance)
+static int trace_loops(struct orl_overlap *o, struct border *border, double tolerance)
 {
     o->n = 0;
     for (size_t i = 0; i < border->n; i++) {
@@ -182,7 +182,7 @@ static int follow_all(struct orl_overlap *o, struct border *border, double toler
         bool kept;
         if (border->sides[i].used)
             continue;
-        if (follow(o, border, (int32_t)i, tolerance, &kept) < 0)
+        if (trace_loop(o, border, (int32_t)i, tolerance, &kept) < 0)
             return ORL_ERR_NOMEM;
         if (kept && !first && !add_vertex(o, o->vertices[0]))
             return ORL_ERR_NOMEM;
@@ -224,9 +224,9 @@ int orl_outline_subtract(struct orl_overlap *o, const struct orl_outline *a,
     o->work += 32 * (n_edges + 1) + o->arrangement.tests;
     if (code < 0)
         return code;
-    if (!reserve(o, n_edges * sizeof *border.sides +
-                        (n_nodes + 2 * n_edges + orl_sweep_order_words(&o->arrangement)) *
-                            sizeof(uint32_t)))
+    if (!reserve_scratch(o, n_edges * sizeof *border.sides +
+                                (n_nodes + 2 * n_edges + orl_sweep_order_words(&o->arrangement)) *
+                                    sizeof(uint32_t)))
         return ORL_ERR_NOMEM;
     border.sides = o->scratch;
     border.first = (int32_t *)(border.sides + n_edges);
@@ -234,11 +234,11 @@ int orl_outline_subtract(struct orl_overlap *o, const struct orl_outline *a,
     if (!find_layers(&o->arrangement, left + n_edges, left))
         return ORL_ERR_LIMIT;
     find_border(&o->arrangement, left, in_both, &border);
-    if (follow_all(o, &border, tolerance) < 0)
+    if (trace_loops(o, &border, tolerance) < 0)
         return ORL_ERR_NOMEM;
     o->shared = o->n > 0;
     find_border(&o->arrangement, left, in_first_alone, &border);
-    return follow_all(o, &border, tolerance);
+    return trace_loops(o, &border, tolerance);
 }
 
 void orl_overlap_done(struct orl_overlap *overlap)

@@ -128,20 +128,21 @@ struct orl_vec3 orl_placed_direction(const struct orl_geometry *geometry, const 
 
 /* ---- Building -------------------------------------------------------------------------------- */
 
-static void include(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
+static void include_point(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
 {
     *low = orl_v3(fmin(low->x, p.x), fmin(low->y, p.y), fmin(low->z, p.z));
     *high = orl_v3(fmax(high->x, p.x), fmax(high->y, p.y), fmax(high->z, p.z));
 }
 
 /* Bounds of the transformed corners, which are tighter than a rotated box. */
-static void bound(struct orl_placed *placed)
+static void bound_instance(struct orl_placed *placed)
 {
     const struct orl_geometry *const g = placed->prototype;
     placed->low = orl_v3(INFINITY, INFINITY, INFINITY);
     placed->high = orl_neg(placed->low);
     for (size_t i = 0; i < g->n_corners; i++)
-        include(orl_xform_point(&placed->to, orl_corner_of(g, i)), &placed->low, &placed->high);
+        include_point(orl_xform_point(&placed->to, orl_corner_of(g, i)), &placed->low,
+                      &placed->high);
     for (size_t i = 0; i < g->n_rounds; i++) {
         struct orl_facet own, facet = *orl_facet_own(g, g->n_facets - 1 - i, &own);
         const struct orl_curved curved = orl_xform_curved(&placed->to, facet.round);
@@ -149,8 +150,8 @@ static void bound(struct orl_placed *placed)
         facet.round = &curved;
         facet.normal = orl_xform_normal(&placed->to, facet.normal);
         orl_quadric_bounds(&facet, &low, &high);
-        include(low, &placed->low, &placed->high);
-        include(high, &placed->low, &placed->high);
+        include_point(low, &placed->low, &placed->high);
+        include_point(high, &placed->low, &placed->high);
     }
 }
 
@@ -174,9 +175,9 @@ bool orl_placed_measure(struct orl_geometry *geometry, const struct orl_descript
             prototype->first_place = i;
         if (orl_is_cancelled(description->cancel))
             continue; /* the caller polls too */
-        bound(placed);
-        include(placed->low, low, high);
-        include(placed->high, low, high);
+        bound_instance(placed);
+        include_point(placed->low, low, high);
+        include_point(placed->high, low, high);
     }
     return true;
 }

@@ -392,7 +392,7 @@ static struct margins margins_of(const double *angles, uint32_t n, struct reach 
                             reach.high - angles[n - 1] > 2 * least_step_deg ? 2 : 0};
 }
 
-static double *widen(const double *angles, uint32_t n, struct reach reach, struct margins m)
+static double *widen_angles(const double *angles, uint32_t n, struct reach reach, struct margins m)
 {
     const uint32_t all = m.before + n + m.behind;
     double *const wide = malloc(all * sizeof *wide);
@@ -420,8 +420,8 @@ static int add_zeros(struct orl_ies *ies)
     const struct margins h = ies->type_b && planes > 1 ? margins_of(ies->horizontal, planes, side)
                                                        : (struct margins){0, 0};
     const uint32_t rows = h.before + planes + h.behind, all = v.before + n + v.behind;
-    double *const vertical = widen(ies->vertical, n, up, v);
-    double *const horizontal = widen(ies->horizontal, planes, side, h);
+    double *const vertical = widen_angles(ies->vertical, n, up, v);
+    double *const horizontal = widen_angles(ies->horizontal, planes, side, h);
     float *const candela = calloc((size_t)rows * all, sizeof *candela);
     if (!vertical || !horizontal || !candela) {
         free(vertical);

@@ -39,7 +39,7 @@ static int fail(const struct reading *r, int code, struct orl_error *err, const 
     return code;
 }
 
-static int refuse(const struct reading *r, struct orl_error *err, const char *what)
+static int refuse_kind(const struct reading *r, struct orl_error *err, const char *what)
 {
     fail(r, ORL_ERR_UNSUPPORTED, err, what);
     orl_error_hint(err, "save it upright, with 8 or 16 bits a channel, or as floats");
@@ -97,8 +97,8 @@ static void unmap_file(thandle_t ctx, void *base, toff_t size)
 }
 
 /* Keeps the library's first message. */
-__attribute__((format(printf, 4, 0))) static int hear(TIFF *tiff, void *ctx, const char *module,
-                                                      const char *format, va_list arguments)
+__attribute__((format(printf, 4, 0))) static int
+keep_message(TIFF *tiff, void *ctx, const char *module, const char *format, va_list arguments)
 {
     struct reading *const r = ctx;
     (void)tiff, (void)module;
@@ -108,7 +108,7 @@ __attribute__((format(printf, 4, 0))) static int hear(TIFF *tiff, void *ctx, con
 }
 
 __attribute__((format(printf, 4, 0))) static int
-pass_over(TIFF *tiff, void *ctx, const char *module, const char *format, va_list arguments)
+discard_message(TIFF *tiff, void *ctx, const char *module, const char *format, va_list arguments)
 {
     (void)tiff, (void)ctx, (void)module, (void)format, (void)arguments;
     return 1;
@@ -120,8 +120,8 @@ static int open_tiff(struct reading *r, struct orl_error *err)
     if (!options)
         return fail(r, ORL_ERR_NOMEM, err, "out of memory for a picture");
     TIFFOpenOptionsSetMaxSingleMemAlloc(options, ORL_GRID_VALUES * sizeof(float));
-    TIFFOpenOptionsSetErrorHandlerExtR(options, hear, r);
-    TIFFOpenOptionsSetWarningHandlerExtR(options, pass_over, r);
+    TIFFOpenOptionsSetErrorHandlerExtR(options, keep_message, r);
+    TIFFOpenOptionsSetWarningHandlerExtR(options, discard_message, r);
     r->tiff = TIFFClientOpenExt(r->name, "rm", r, read_bytes, write_bytes, seek, close_file,
                                 ask_size, map_file, unmap_file, options);
     TIFFOpenOptionsFree(options);
@@ -130,7 +130,7 @@ static int open_tiff(struct reading *r, struct orl_error *err)
 
 /* ---- Header ---------------------------------------------------------------------------------- */
 
-static int look(struct reading *r, struct orl_error *err)
+static int read_header(struct reading *r, struct orl_error *err)
 {
     float across = 0, down = 0;
     r->photometric = PHOTOMETRIC_MINISBLACK;
@@ -143,7 +143,7 @@ static int look(struct reading *r, struct orl_error *err)
     TIFFGetField(r->tiff, TIFFTAG_PHOTOMETRIC, &r->photometric);
     TIFFGetFieldDefaulted(r->tiff, TIFFTAG_ORIENTATION, &r->orientation);
     if (r->orientation > ORIENTATION_BOTLEFT)
-        return refuse(r, err, "the TIFF lies on its side");
+        return refuse_kind(r, err, "the TIFF lies on its side");
     TIFFGetField(r->tiff, TIFFTAG_XRESOLUTION, &across);
     TIFFGetField(r->tiff, TIFFTAG_YRESOLUTION, &down);
     const double aspect = across > 0 && down > 0 ? (double)across / (double)down : 1;
@@ -265,7 +265,7 @@ static int read_shown(struct reading *r, struct orl_error *err)
     char why[1024] = "";
     float decoded[256];
     if (r->format == SAMPLEFORMAT_INT || !TIFFRGBAImageOK(r->tiff, why))
-        return refuse(r, err, "this kind of TIFF is not read");
+        return refuse_kind(r, err, "this kind of TIFF is not read");
     uint32_t *const pixels = malloc(n * sizeof *pixels);
     if (!pixels)
         return fail(r, ORL_ERR_NOMEM, err, "out of memory for a picture");
@@ -319,7 +319,7 @@ int orl_grid_read_tiff(const char *name, const void *data, size_t size, struct o
     int code = open_tiff(&r, err);
     if (code < 0)
         return code;
-    code = look(&r, err);
+    code = read_header(&r, err);
     if (code == 0)
         code = read_pixels(&r, err);
     if (code == 0)

@@ -23,8 +23,8 @@ static const struct orl_sealed_kind kind = {
 /* ---- Source files ---------------------------------------------------------------------------- */
 
 /* Fails with ORL_ERR_VERSION if the caller's file of that name is missing or has changed. */
-static void hold_against(struct orl_scene_keeping *k, const char *name,
-                         const struct orl_file_read *read)
+static void check_read_file(struct orl_scene_keeping *k, const char *name,
+                            const struct orl_file_read *read)
 {
     size_t index = 0;
     int code = orl_sources_open(&k->sources, name, read->library, &index, NULL);
@@ -74,7 +74,7 @@ static void pass_files(struct orl_scene_keeping *k)
         orl_stream_text(stream, d->arena, (const char **)&d->files[i]);
         orl_stream_value(stream, &d->read[i]);
         if (orl_stream_reads(stream) && stream->code == 0)
-            hold_against(k, d->files[i], &d->read[i]);
+            check_read_file(k, d->files[i], &d->read[i]);
     }
     for (size_t i = 0; i < d->n_missed && stream->code == 0; i++) {
         orl_stream_text(stream, d->arena, &d->missed[i].name);
@@ -211,7 +211,8 @@ int orl_description_keep(const struct orl_description *description,
 }
 
 /* Reports the error of a failed stream; keeps an error that loading a BSDF has already set. */
-static int tell(const struct orl_scene_keeping *k, const char *path, struct orl_error *err)
+static int report_failure(const struct orl_scene_keeping *k, const char *path,
+                          struct orl_error *err)
 {
     const int code = k->stream.code;
     if (code < 0 && (!k->err || k->err->code != code))
@@ -235,7 +236,7 @@ int orl_description_open(const char *path, const unsigned char content[ORL_SEALE
     if (code == 0) {
         k.stream = orl_stream_from(&d.file);
         pass_all(&k);
-        code = tell(&k, path, err);
+        code = report_failure(&k, path, err);
     }
     orl_sources_done(&k.sources);
     if (code == 0)

@@ -70,7 +70,7 @@ static void pass_letter(struct orl_scene_keeping *k, struct orl_set_letter *lett
 }
 
 /* Returns an array in the arena when reading, else the existing array. */
-static void *room(struct orl_scene_keeping *k, const void *there, size_t n, size_t item)
+static void *array_for(struct orl_scene_keeping *k, const void *there, size_t n, size_t item)
 {
     if (!orl_stream_reads(&k->stream))
         return (void *)(uintptr_t)there;
@@ -86,7 +86,7 @@ static void pass_line(struct orl_scene_keeping *k, struct orl_lettering_line *li
 {
     orl_stream_value(&k->stream, &line->n);
     orl_stream_value(&k->stream, &line->width);
-    struct orl_set_letter *const letters = room(k, line->letters, line->n, sizeof *letters);
+    struct orl_set_letter *const letters = array_for(k, line->letters, line->n, sizeof *letters);
     for (size_t i = 0; letters && i < line->n && k->stream.code == 0; i++)
         pass_letter(k, &letters[i]);
     line->letters = letters;
@@ -94,13 +94,14 @@ static void pass_line(struct orl_scene_keeping *k, struct orl_lettering_line *li
 
 static void pass_text(struct orl_scene_keeping *k, const struct orl_lettering **slot)
 {
-    struct orl_lettering *const text = room(k, *slot, 1, sizeof *text);
+    struct orl_lettering *const text = array_for(k, *slot, 1, sizeof *text);
     if (!text)
         return;
     struct orl_lettering image = *text;
     image.lines = NULL;
     orl_stream_value(&k->stream, &image);
-    struct orl_lettering_line *const lines = room(k, text->lines, image.n_lines, sizeof *lines);
+    struct orl_lettering_line *const lines =
+        array_for(k, text->lines, image.n_lines, sizeof *lines);
     for (size_t i = 0; lines && i < image.n_lines && k->stream.code == 0; i++)
         pass_line(k, &lines[i]);
     if (!orl_stream_reads(&k->stream))

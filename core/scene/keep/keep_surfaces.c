@@ -101,8 +101,8 @@ static bool find_blocks(struct orl_stream *stream, size_t n, struct blocks *ret)
     return stream->code == 0;
 }
 
-static bool fill(const struct orl_description *d, const struct kept_surface *kept,
-                 const struct blocks *blocks, struct orl_surface *ret)
+static bool fill_surface(const struct orl_description *d, const struct kept_surface *kept,
+                         const struct blocks *blocks, struct orl_surface *ret)
 {
     *ret = (struct orl_surface){.kind = (enum orl_surface_kind)kept->kind,
                                 .has_places = kept->has_places,
@@ -136,7 +136,7 @@ static void read_surfaces(struct orl_scene_keeping *k, struct orl_surface **ret_
         return;
     }
     for (size_t i = 0; i < n && k->stream.code == 0; i++)
-        if (!fill(k->d, &blocks.records[i], &blocks, &(*ret_surfaces)[i]))
+        if (!fill_surface(k->d, &blocks.records[i], &blocks, &(*ret_surfaces)[i]))
             orl_stream_fail(&k->stream, ORL_ERR_CORRUPT);
 }
 

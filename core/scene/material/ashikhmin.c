@@ -101,7 +101,7 @@ struct orl_rgb orl_ashikhmin_lobes(const struct orl_material *material, const st
 
 /* ---- Sampling -------------------------------------------------------------------------------- */
 
-static void weigh(const struct orl_draw *draw, double *ret_diffuse, double *ret_gloss)
+static void weigh_parts(const struct orl_draw *draw, double *ret_diffuse, double *ret_gloss)
 {
     *ret_diffuse = draw->lobes & ORL_LOBE_DIFFUSE
                        ? orl_luma(orl_ashikhmin_diffuse(draw->material, draw->hit))
@@ -143,7 +143,7 @@ static struct orl_scatter sample_lobe(const struct orl_draw *draw, const double 
 struct orl_scatter orl_ashikhmin_sample(const struct orl_draw *draw, const double u[3])
 {
     double diffuse, gloss;
-    weigh(draw, &diffuse, &gloss);
+    weigh_parts(draw, &diffuse, &gloss);
     if (!(diffuse + gloss > 0))
         return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
     const double chance = diffuse / (diffuse + gloss);
@@ -159,7 +159,7 @@ double orl_ashikhmin_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
 {
     double diffuse, gloss;
     const double cosine = orl_dot(towards, facing(draw));
-    weigh(draw, &diffuse, &gloss);
+    weigh_parts(draw, &diffuse, &gloss);
     if (!(diffuse + gloss > 0) || !(cosine > 0))
         return 0;
     double sum = diffuse * cosine / ORL_PI;

@@ -16,8 +16,8 @@ struct meeting {
     struct orl_vec3 inwards;     /* the refracted direction */
 };
 
-static struct meeting meet_at(const struct orl_material *material, bool front,
-                              struct orl_vec3 normal, struct orl_vec3 from)
+static struct meeting fresnel_about(const struct orl_material *material, bool front,
+                                    struct orl_vec3 normal, struct orl_vec3 from)
 {
     const double here = medium(material, front)->ior, beyond = medium(material, !front)->ior;
     const double ratio = here / beyond, c = fmin(orl_dot(from, normal), 1);
@@ -38,24 +38,24 @@ static struct meeting meet_at(const struct orl_material *material, bool front,
 }
 
 /* Uses the perturbed normal unless the refracted ray would then stay in front of the surface. */
-static struct meeting meet(const struct orl_material *material, const struct orl_hit *hit,
-                           struct orl_vec3 from)
+static struct meeting fresnel_at_hit(const struct orl_material *material, const struct orl_hit *hit,
+                                     struct orl_vec3 from)
 {
     const bool front = orl_dot(from, hit->normal) >= 0;
     const struct orl_vec3 plain = front ? hit->normal : orl_neg(hit->normal);
     if (material->texture) {
         const struct orl_vec3 turned = orl_texture_normal(material->texture, hit, from);
-        const struct meeting m = meet_at(material, front, turned, from);
+        const struct meeting m = fresnel_about(material, front, turned, from);
         if (!(m.refracted > 0) || orl_dot(m.inwards, plain) < 0)
             return m;
     }
-    return meet_at(material, front, plain, from);
+    return fresnel_about(material, front, plain, from);
 }
 
 double orl_dielectric_reflectance(const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 from)
 {
-    return meet(material, hit, from).reflected;
+    return fresnel_at_hit(material, hit, from).reflected;
 }
 
 /* Radiance scales with n^2 because the solid angle changes: L / n^2 is constant. Flux is
@@ -79,7 +79,7 @@ bool orl_material_refract(const struct orl_material *material, const struct orl_
 {
     if (material->kind != ORL_MATERIAL_DIELECTRIC)
         return false;
-    const struct meeting m = meet(material, hit, from);
+    const struct meeting m = fresnel_at_hit(material, hit, from);
     if (!(m.refracted > 0))
         return false;
     *ret_scatter = refracted(material, hit, from, &m, transport);
@@ -89,7 +89,7 @@ bool orl_material_refract(const struct orl_material *material, const struct orl_
 struct orl_scatter orl_dielectric_sample(const struct orl_draw *draw, const double u[3])
 {
     const struct orl_vec3 normal = draw->hit->normal;
-    const struct meeting m = meet(draw->material, draw->hit, draw->from);
+    const struct meeting m = fresnel_at_hit(draw->material, draw->hit, draw->from);
     const double t = draw->lobes & ORL_LOBE_TRANSMITTED ? m.refracted : 0;
     const double r = draw->lobes & ORL_LOBE_REFLECTED ? m.reflected : 0;
     if (!(t + r > 0))

@@ -118,7 +118,7 @@ static double sum_of(const struct glazing *g)
     return sum;
 }
 
-static enum part choose(const struct glazing *g, double sum, double u)
+static enum part choose_part(const struct glazing *g, double sum, double u)
 {
     double passed = 0;
     enum part last = STRAIGHT;
@@ -140,7 +140,7 @@ struct orl_scatter orl_glazing_sample(const struct orl_draw *draw, const double 
     const double sum = sum_of(&g);
     if (!(sum > 0))
         return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
-    const enum part part = choose(&g, sum, u[2]);
+    const enum part part = choose_part(&g, sum, u[2]);
     const struct orl_vec3 normal = draw->hit->normal, from = draw->from;
     const struct orl_vec3 side = orl_dot(from, normal) >= 0 ? normal : orl_neg(normal);
     struct orl_scatter s = {.event = ORL_EVENT_GLOSSY,

@@ -197,7 +197,7 @@ static double density_towards(const struct table *t, struct orl_vec3 towards)
 }
 
 /* Chooses one of n cells by their densities; u is rescaled to [0,1) for reuse. */
-static int pick(const double *densities, int n, double *u)
+static int pick_cell(const double *densities, int n, double *u)
 {
     double sum = 0, left;
     int i = 0;
@@ -221,10 +221,10 @@ static struct orl_vec3 draw_from(const struct table *t, const double u[2])
         for (int column = 0; column < side; column++)
             rows[row] += density_of(t, row * side + column);
     }
-    const int row = pick(rows, side, &y);
+    const int row = pick_cell(rows, side, &y);
     for (int column = 0; column < side; column++)
         cells[column] = density_of(t, row * side + column);
-    const int column = pick(cells, side, &x);
+    const int column = pick_cell(cells, side, &x);
     return orl_to_world(&frame, orl_hemisphere_point((column + x) / side, (row + y) / side));
 }
 
@@ -236,7 +236,7 @@ struct parts {
     double diffuse_share, sum;
 };
 
-static void divide(const struct orl_draw *draw, struct parts *p)
+static void divide_light(const struct orl_draw *draw, struct parts *p)
 {
     memset(p, 0, sizeof *p);
     p->diffuse =
@@ -255,7 +255,7 @@ struct orl_rgb orl_lobed_albedo(const struct orl_material *material, const struc
     const struct orl_draw draw = {material, hit, light, ORL_TRANSPORT_LIGHT, lobes};
     if (!orl_hit_is_anywhere(hit)) {
         struct parts p;
-        divide(&draw, &p);
+        divide_light(&draw, &p);
         struct orl_rgb sum = p.diffuse;
         for (int i = 0; i < 2; i++)
             if (p.sides[i].share > 0)
@@ -277,7 +277,7 @@ struct orl_scatter orl_lobed_sample(const struct orl_draw *draw, const double u[
     const struct orl_vec3 normal = draw->hit->normal;
     struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
     struct parts p;
-    divide(draw, &p);
+    divide_light(draw, &p);
     if (!(p.sum > 0))
         return s;
     const double chosen = u[2] * p.sum;
@@ -308,7 +308,7 @@ double orl_lobed_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
     const double cosine = orl_dot(towards, draw->hit->normal);
     const bool through = cosine * orl_dot(draw->from, draw->hit->normal) < 0;
     struct parts p;
-    divide(draw, &p);
+    divide_light(draw, &p);
     if (!(p.sum > 0))
         return 0;
     double sum = through ? 0 : p.diffuse_share;

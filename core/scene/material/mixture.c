@@ -28,8 +28,9 @@ struct question {
     enum orl_lobes lobes;
 };
 
-static struct orl_rgb answer(const struct orl_mixed_asks *asks, const struct orl_material *m,
-                             const struct orl_hit *hit, const struct question *q)
+static struct orl_rgb query_material(const struct orl_mixed_asks *asks,
+                                     const struct orl_material *m, const struct orl_hit *hit,
+                                     const struct question *q)
 {
     switch (q->part) {
     case DIFFUSE:
@@ -55,8 +56,8 @@ static struct orl_rgb sum_of(const struct orl_mixed_asks *asks, const struct orl
     orl_shares_at(material, hit, q->eye, shares);
     for (int i = 0; i < 2; i++)
         if (shares[i] > 0)
-            sum = orl_rgb_add(sum,
-                              orl_rgb_scale(answer(asks, &material->mixed[i], hit, q), shares[i]));
+            sum = orl_rgb_add(
+                sum, orl_rgb_scale(query_material(asks, &material->mixed[i], hit, q), shares[i]));
     return sum;
 }
 
@@ -132,8 +133,8 @@ struct orl_rgb orl_mixture_lobes(const struct orl_mixed_asks *asks,
  * anything. Shares that depend on an outgoing direction which is not known yet are averaged with
  * 1/2.
  */
-static bool weigh(const struct orl_mixed_asks *asks, const struct orl_draw *draw,
-                  enum orl_lobes within, double ret_shares[2], double *ret_chance)
+static bool weigh_materials(const struct orl_mixed_asks *asks, const struct orl_draw *draw,
+                            enum orl_lobes within, double ret_shares[2], double *ret_chance)
 {
     const struct orl_material *const m = draw->material;
     const bool unknown = orl_mixture_is_directed(m) && draw->transport == ORL_TRANSPORT_LIGHT;
@@ -154,7 +155,7 @@ struct orl_scatter orl_mixture_sample(const struct orl_mixed_asks *asks,
     const struct orl_material *const m = draw->material;
     const enum orl_lobes within = orl_mixture_lobes_within(m, draw->lobes);
     double shares[2], first;
-    if (!weigh(asks, draw, within, shares, &first))
+    if (!weigh_materials(asks, draw, within, shares, &first))
         return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
     const int which = u[2] < first ? 0 : 1;
     const double chance = which == 0 ? first : 1 - first;
@@ -182,7 +183,7 @@ double orl_mixture_pdf(const struct orl_mixed_asks *asks, const struct orl_draw 
 {
     const enum orl_lobes within = orl_mixture_lobes_within(draw->material, draw->lobes);
     double shares[2], first, sum = 0;
-    if (!weigh(asks, draw, within, shares, &first))
+    if (!weigh_materials(asks, draw, within, shares, &first))
         return 0;
     const double chances[2] = {first, 1 - first};
     for (int i = 0; i < 2; i++)

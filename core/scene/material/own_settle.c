@@ -22,7 +22,7 @@ static const double narrow = 0.05;
  * warning. */
 static const double most_one_way = 0.05, least_one_way = 1e-3;
 
-static int refuse(const struct orl_pattern *pattern, struct orl_error *err)
+static int refuse_pattern(const struct orl_pattern *pattern, struct orl_error *err)
 {
     orl_error_at(err, pattern->file, pattern->line, pattern->name);
     orl_error_hint(err, "describe it as a BSDF");
@@ -45,14 +45,14 @@ static int judge_prism(struct orl_description *d, const struct orl_material *m,
     if (f->most_seen > 1 + slack) {
         orl_error_set(err, ORL_ERR_RANGE, "it lets %.3g of the light through, more than all",
                       f->most_seen);
-        return refuse(m->ways, err);
+        return refuse_pattern(m->ways, err);
     }
     if (one_way > most_one_way) {
         orl_error_set(err, ORL_ERR_UNSUPPORTED,
                       "its functions lead light and eyes different ways: %.3g %% of what they send "
                       "on would not come back by the way it went",
                       100 * one_way);
-        return refuse(m->ways, err);
+        return refuse_pattern(m->ways, err);
     }
     if (one_way > least_one_way)
         warn(d, m->ways, "leads not back by the way it came, what is left out of what it sends on",
@@ -75,7 +75,7 @@ static int judge_lobes(struct orl_description *d, const struct orl_material *m,
         orl_error_set(err, ORL_ERR_RANGE,
                       "it returns up to %.3g of the light that meets it, more than all",
                       f->most_steep);
-        return refuse(m->lobes, err);
+        return refuse_pattern(m->lobes, err);
     }
     if (f->most > 1 + slack)
         warn(d, m->lobes, "returns more than all of the light at grazing, the most", 100 * f->most);
@@ -89,7 +89,7 @@ static int judge_lobes(struct orl_description *d, const struct orl_material *m,
 
 /* Makes tables for the first few normals of flat surfaces, if the functions do not depend on the
  * place. */
-static int know(const struct orl_geometry *g, const struct orl_material *m, uint32_t facet)
+static int make_tables(const struct orl_geometry *g, const struct orl_material *m, uint32_t facet)
 {
     const uint64_t place = (uint64_t)7 << ORL_RAY_PX | (uint64_t)3 << ORL_RAY_LU;
     struct orl_pattern *const lobes = m->lobes;
@@ -137,8 +137,8 @@ static void place_hits(const struct orl_geometry *g, const struct sample *sample
     }
 }
 
-static int look_at_prism(struct orl_description *d, const struct orl_material *m,
-                         const struct orl_hit hits[PLACES], struct orl_error *err)
+static int test_prism(struct orl_description *d, const struct orl_material *m,
+                      const struct orl_hit hits[PLACES], struct orl_error *err)
 {
     struct orl_prism_findings findings = {0};
     for (size_t i = 0; i < PLACES; i++)
@@ -178,9 +178,9 @@ static double rest_of(const struct orl_material *whole, const struct orl_materia
     return fmax(0, fmax(sum.r - own.r, fmax(sum.g - own.g, sum.b - own.b)));
 }
 
-static int look_at_lobes(struct orl_description *d, const struct orl_material *whole,
-                         const struct orl_material *part, const struct orl_hit hits[PLACES],
-                         struct orl_error *err)
+static int test_lobes(struct orl_description *d, const struct orl_material *whole,
+                      const struct orl_material *part, const struct orl_hit hits[PLACES],
+                      struct orl_error *err)
 {
     struct orl_lobed_findings findings = {0};
     for (size_t k = 0; k < (size_t)PLACES * LOOKS; k++) {
@@ -221,40 +221,40 @@ static bool has_own(const struct orl_material *m)
 }
 
 /* Tests a material or a part of it. */
-static int look(struct orl_description *d, const struct orl_geometry *g,
-                const struct orl_material *whole, const struct orl_material *m,
-                const struct sample *sample, struct orl_error *err)
+static int test_material(struct orl_description *d, const struct orl_geometry *g,
+                         const struct orl_material *whole, const struct orl_material *m,
+                         const struct sample *sample, struct orl_error *err)
 {
     struct orl_hit hits[PLACES];
     int code = 0;
     for (int i = 0; i < 2 && code == 0 && m->mixed; i++)
-        code = look(d, g, whole, &m->mixed[i], sample, err);
+        code = test_material(d, g, whole, &m->mixed[i], sample, err);
     const bool sum = m == whole && is_sum(m) && !has_own(m);
     if (code < 0 || (m->kind != ORL_MATERIAL_PRISM && m->kind != ORL_MATERIAL_LOBED && !sum))
         return code;
     place_hits(g, sample, hits);
     if (sum)
         return judge_sum(d, g, m, hits, err);
-    code = m->kind == ORL_MATERIAL_PRISM ? look_at_prism(d, m, hits, err)
-                                         : look_at_lobes(d, whole, m, hits, err);
+    code = m->kind == ORL_MATERIAL_PRISM ? test_prism(d, m, hits, err)
+                                         : test_lobes(d, whole, m, hits, err);
     for (size_t i = 0; i < sample->n && code == 0 && m->kind == ORL_MATERIAL_LOBED; i++)
-        code = know(g, m, sample->facets[i]);
+        code = make_tables(g, m, sample->facets[i]);
     return code;
 }
 
-static bool is_looked_at(const struct orl_material *m)
+static bool needs_test(const struct orl_material *m)
 {
     return has_own(m) || is_sum(m);
 }
 
-static void choose(const struct orl_description *d, const struct orl_geometry *g,
-                   struct sample *samples)
+static void choose_facets(const struct orl_description *d, const struct orl_geometry *g,
+                          struct sample *samples)
 {
     for (size_t i = 0; i < g->n_facets; i++)
         samples[orl_facet_material(g, i)].all += orl_facet_area(g, i) > 0;
     for (size_t i = 0; i < g->n_facets; i++) {
         struct sample *const s = &samples[orl_facet_material(g, i)];
-        if (is_looked_at(&d->materials[orl_facet_material(g, i)]) && orl_facet_area(g, i) > 0 &&
+        if (needs_test(&d->materials[orl_facet_material(g, i)]) && orl_facet_area(g, i) > 0 &&
             s->n < PLACES && s->met++ % ((s->all + PLACES - 1) / PLACES) == 0)
             s->facets[s->n++] = (uint32_t)i;
     }
@@ -265,13 +265,13 @@ int orl_own_settle(struct orl_description *description, const struct orl_geometr
 {
     size_t n = 0;
     for (size_t i = 0; i < description->n_materials; i++)
-        n += is_looked_at(&description->materials[i]);
+        n += needs_test(&description->materials[i]);
     if (n == 0)
         return 0;
     struct sample *const samples = calloc(description->n_materials, sizeof *samples);
     if (!samples)
         return ORL_ERR_NOMEM;
-    choose(description, geometry, samples);
+    choose_facets(description, geometry, samples);
     int code = 0;
     size_t looked = 0;
     for (size_t i = 0; i < description->n_materials && code == 0; i++) {
@@ -279,8 +279,8 @@ int orl_own_settle(struct orl_description *description, const struct orl_geometr
             continue;
         looked += has_own(&description->materials[i]);
         code = looked <= ORL_LIMIT_OWN_FUNCTIONS
-                   ? look(description, geometry, &description->materials[i],
-                          &description->materials[i], &samples[i], err)
+                   ? test_material(description, geometry, &description->materials[i],
+                                   &description->materials[i], &samples[i], err)
                    : orl_error_set(err, ORL_ERR_LIMIT,
                                    "more than %u materials of a scene are by functions of both "
                                    "directions",

@@ -74,8 +74,8 @@ static double area_of(const struct orl_geometry *g, uint32_t facet)
 
 /* Evaluates n places of equal area; within a facet they follow a low-discrepancy sequence
  * (Roberts'). */
-static int evaluate(struct orl_pattern *pattern, const struct spread *spread, size_t n,
-                    size_t *ret_without, struct orl_error *err)
+static int evaluate_places(struct orl_pattern *pattern, const struct spread *spread, size_t n,
+                           size_t *ret_without, struct orl_error *err)
 {
     const struct orl_geometry *const g = spread->geometry;
     struct orl_rgb sum = orl_gray(0), most = orl_gray(0);
@@ -137,8 +137,9 @@ static int brighter(const void *a, const void *b)
 }
 
 /* Warns if much of the light comes from few directions. */
-static void weigh(struct orl_description *description, const struct orl_distant *distant,
-                  const struct orl_pattern *pattern, double *lumas, size_t n)
+static void warn_of_concentration(struct orl_description *description,
+                                  const struct orl_distant *distant,
+                                  const struct orl_pattern *pattern, double *lumas, size_t n)
 {
     const double most_share = 0.25;
     double all = 0, few = 0;
@@ -182,7 +183,7 @@ static int settle_distant(struct orl_description *description, const struct orl_
         most = larger(most, value);
     }
     if (worth != ORL_WORTH_TOO_LONG) {
-        weigh(description, distant, pattern, lumas, n);
+        warn_of_concentration(description, distant, pattern, lumas, n);
         warn(description, pattern, without, n);
     }
     if (alone && n > 0) {
@@ -229,7 +230,7 @@ int orl_patterns_settle(struct orl_description *description, const struct orl_ge
         pattern->mean = pattern->most = orl_gray(1);
         size_t without = 0;
         if (spread.area > 0)
-            code = evaluate(pattern, &spread, places, &without, err);
+            code = evaluate_places(pattern, &spread, places, &without, err);
         warn(description, pattern, without, places);
     }
     if (code == 0)

@@ -71,7 +71,7 @@ static void parts_of(const struct orl_material *m, const struct orl_hit *hit, en
 }
 
 /* Chooses in sequence: this part, or one of those that follow. */
-static enum part choose(const double luma[PARTS], double u, double *ret_chance)
+static enum part choose_part(const double luma[PARTS], double u, double *ret_chance)
 {
     double after[PARTS];
     after[PARTS - 1] = 0;
@@ -100,8 +100,8 @@ static struct orl_vec3 facing(const struct orl_hit *hit, struct orl_vec3 from)
 }
 
 /* Sets event and direction; returns f cos / pdf of the part alone, 0 if the light is lost. */
-static double send(struct orl_scatter *s, enum part part, const struct orl_draw *draw,
-                   const double u[2])
+static double sample_part(struct orl_scatter *s, enum part part, const struct orl_draw *draw,
+                          const double u[2])
 {
     const struct orl_material *m = draw->material;
     const struct orl_vec3 from = draw->from, normal = facing(draw->hit, from);
@@ -191,8 +191,8 @@ struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const doubl
     parts_of(draw->material, draw->hit, draw->lobes, parts, luma);
     if (!(luma[DIFFUSE] + luma[SPECULAR] + luma[SPREAD] + luma[STRAIGHT] > 0))
         return s;
-    const enum part part = choose(luma, u[2], &chance);
-    const double weight = send(&s, part, draw, u);
+    const enum part part = choose_part(luma, u[2], &chance);
+    const double weight = sample_part(&s, part, draw, u);
     s.weight = orl_rgb_scale(parts[part], weight / chance);
     return s;
 }

@@ -185,7 +185,7 @@ static struct orl_scatter sample_illum(const struct orl_draw *draw)
                                 .weight = share};
 }
 
-static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
+static struct orl_scatter sample_material(const struct orl_draw *draw, const double u[3])
 {
     switch (draw->material->kind) {
     case ORL_MATERIAL_PLASTIC:
@@ -229,7 +229,7 @@ struct orl_scatter orl_scatter_sample_at(const struct orl_material *material,
                                          const double u[3])
 {
     const struct orl_draw draw = {material, hit, from, transport, lobes};
-    return sample(&draw, u);
+    return sample_material(&draw, u);
 }
 
 void orl_scatter_sample_many(const struct orl_draw *draws, const double (*u)[3], size_t n,
@@ -242,7 +242,7 @@ void orl_scatter_sample_many(const struct orl_draw *draws, const double (*u)[3],
         else if (orl_panel_is_data_alone(draws[i].material))
             panels[n_panels++] = i;
         else
-            ret_scatters[i] = sample(&draws[i], u[i]);
+            ret_scatters[i] = sample_material(&draws[i], u[i]);
         if (n_matts == ORL_MATTS_ABREAST) {
             orl_reflector_sample_matts(draws, u, matts, n_matts, ret_scatters);
             n_matts = 0;

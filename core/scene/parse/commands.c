@@ -121,8 +121,8 @@ static int concatenate(struct run *run, const char *const *words, size_t count,
 /* ---- xform ----------------------------------------------------------------------------------- */
 
 /* Returns the scope inside a use of xform; prefix: room for a joined prefix. */
-static struct orl_scope enter(const struct orl_scope *outer, const struct orl_xform_use *use,
-                              char prefix[ORL_PREFIX_BYTES])
+static struct orl_scope enter_use(const struct orl_scope *outer, const struct orl_xform_use *use,
+                                  char prefix[ORL_PREFIX_BYTES])
 {
     struct orl_scope inner = *outer;
     inner.outer = outer;
@@ -158,7 +158,7 @@ static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_erro
         strlen(use->prefix) + strlen(outer->prefix) + 2 > ORL_PREFIX_BYTES)
         return orl_error_set(err, ORL_ERR_LIMIT, "the prefixes of -n are too long together");
     run->parser->text_bytes += WORD_COST * use->n_words;
-    inner = enter(outer, use, prefix);
+    inner = enter_use(outer, use, prefix);
     if (run->stage > 0)
         return run_before(run, &inner, err);
     for (size_t i = 0; i < use->n_files && code == 0; i++)
@@ -212,7 +212,7 @@ static int replace_marker(struct orl_parser *parser, const struct orl_scope *sco
         return code;
     if ((size_t)length >= sizeof name)
         return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "its name is too long");
-    struct orl_scope inner = enter(scope->markers->scope, &use, NULL);
+    struct orl_scope inner = enter_use(scope->markers->scope, &use, NULL);
     inner.prefix = name;
     code = marker->compiled ? place_compiled(parser, &inner, marker, line, err)
                             : orl_parser_include(parser, &inner, marker->object, err);
@@ -281,7 +281,7 @@ static int write_text(struct run *run, const struct generator *generator, const 
     return 0;
 }
 
-static int generate(struct run *run, const struct generator *generator, struct orl_error *err)
+static int read_generated(struct run *run, const struct generator *generator, struct orl_error *err)
 {
     size_t count;
     const char *const *words = stage_words(run, &count);
@@ -314,7 +314,7 @@ static int read_object(struct run *run, const char *const *words, size_t count,
     return orl_parser_obj2rad(run->parser, run->scope, words, count, &piped, run->line, err);
 }
 
-static int refuse(const char *name, struct orl_error *err)
+static int refuse_command(const char *name, struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command '%.80s' is not run", name);
     orl_error_hint(
@@ -339,11 +339,11 @@ static int run_stage(struct run *run, struct orl_error *err)
     if (strcmp(words[0], "obj2rad") == 0)
         return read_object(run, words, count, err);
     if (!generator)
-        return refuse(words[0], err);
+        return refuse_command(words[0], err);
     if (run->stage > 0)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
                              "%s reads nothing: it cannot stand behind '|'", words[0]);
-    return generate(run, generator, err);
+    return read_generated(run, generator, err);
 }
 
 int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope, const char *line,

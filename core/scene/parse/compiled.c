@@ -199,8 +199,8 @@ static int read_inside(struct inside *inside, const struct orl_scope *outer, con
 }
 
 /* Copies what is needed of the current primitive, which reading the file overwrites. */
-static int begin(struct orl_parser *parser, const struct orl_scope *scope, struct inside *inside,
-                 const char **ret_modifier, struct orl_error *err)
+static int begin_file(struct orl_parser *parser, const struct orl_scope *scope,
+                      struct inside *inside, const char **ret_modifier, struct orl_error *err)
 {
     const struct orl_primitive *primitive = &parser->primitive;
     struct orl_arena *arena = parser->out->arena;
@@ -252,7 +252,7 @@ int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope
     struct orl_file file;
     char name[ORL_ERROR_NAME_MAX];
     const char *modifier = NULL;
-    int code = begin(parser, scope, &inside, &modifier, err);
+    int code = begin_file(parser, scope, &inside, &modifier, err);
     if (code == 0)
         code = orl_parser_enter(parser, &inside.scope, orl_primitive_string(&parser->primitive, 0),
                                 &file, err);

@@ -38,8 +38,8 @@ static int refuse_gain(struct orl_parser *parser, const struct orl_scope *scope,
 }
 
 /* Checks one angle: the sum of all shares must not exceed 1, except at grazing. */
-static int look(struct orl_parser *parser, const struct orl_scope *scope, double cosine,
-                struct orl_material *m, double *most, struct orl_error *err)
+static int check_angle(struct orl_parser *parser, const struct orl_scope *scope, double cosine,
+                       struct orl_material *m, double *most, struct orl_error *err)
 {
     double to[ORL_PATTERN_ANGLES], behind[ORL_PATTERN_ANGLES];
     if (!orl_pattern_of_angle(m->angles, cosine, to) ||
@@ -72,7 +72,7 @@ static int read_angles(struct orl_parser *parser, const struct orl_scope *scope,
     for (int i = 0; i < 2 * ANGLES && code == 0; i++) {
         const int angle = i / 2;
         const double cosine = (angle + 0.5) / ANGLES;
-        code = look(parser, scope, i & 1 ? -cosine : cosine, material, &most, err);
+        code = check_angle(parser, scope, i & 1 ? -cosine : cosine, material, &most, err);
     }
     if (code == 0 && most > 1 + slack)
         orl_parser_warn(parser,

@@ -84,7 +84,7 @@ static bool is_in_set(struct span set, char c)
 }
 
 /* Returns true if the character matches the item. */
-static bool takes(const struct item *item, const struct search *search, const char *at)
+static bool matches_character(const struct item *item, const struct search *search, const char *at)
 {
     if (at == search->words.end)
         return false;
@@ -94,7 +94,7 @@ static bool takes(const struct item *item, const struct search *search, const ch
 }
 
 /* Returns true if a zero-width condition holds at a position. */
-static bool holds(enum kind kind, const struct search *search, const char *at)
+static bool matches_position(enum kind kind, const struct search *search, const char *at)
 {
     const bool before = at > search->words.at && is_of_word(at[-1]);
     const bool after = at < search->words.end && is_of_word(*at);
@@ -112,16 +112,16 @@ static bool matches(struct search *search, struct span pattern, const char *at)
         if (--*search->steps < 0)
             return false;
         if (item.repeated) {
-            while (takes(&item, search, last))
+            while (matches_character(&item, search, last))
                 last++;
             *search->steps -= last - at;
             for (; last > at; last--)
                 if (matches(search, pattern, last))
                     return true;
         } else if (item.kind >= WORD_BEGINS) {
-            if (!holds(item.kind, search, at))
+            if (!matches_position(item.kind, search, at))
                 return false;
-        } else if (!takes(&item, search, at++)) {
+        } else if (!matches_character(&item, search, at++)) {
             return false;
         }
     }

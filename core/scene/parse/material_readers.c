@@ -109,48 +109,49 @@ static const double most_returned = 0.999;
 /* Limit of ashik2's exponents: a lobe of a hundredth of a degree. */
 static const double most_power = 1e8;
 
-static bool bound(double *share, double from, double most)
+static bool clamp_share(double *share, double from, double most)
 {
     const bool over = *share >= from && *share <= 1 + slack;
     *share = over ? fmin(*share, most) : *share;
     return over;
 }
 
-static bool bound_rgb(struct orl_rgb *c, double from, double most)
+static bool clamp_rgb(struct orl_rgb *c, double from, double most)
 {
-    const bool r = bound(&c->r, from, most), g = bound(&c->g, from, most);
-    return bound(&c->b, from, most) || r || g;
+    const bool r = clamp_share(&c->r, from, most), g = clamp_share(&c->g, from, most);
+    return clamp_share(&c->b, from, most) || r || g;
 }
 
-static bool lift(double *share)
+static bool lift_negative(double *share)
 {
     const bool below = *share < 0 && *share >= -slack;
     *share = below ? 0 : *share;
     return below;
 }
 
-static void lift_rgb(struct orl_parser *parser, const struct orl_scope *scope, struct orl_rgb *c)
+static void lift_negative_rgb(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_rgb *c)
 {
-    const bool r = lift(&c->r), g = lift(&c->g);
-    if (lift(&c->b) || r || g)
+    const bool r = lift_negative(&c->r), g = lift_negative(&c->g);
+    if (lift_negative(&c->b) || r || g)
         orl_parser_count(parser, scope, &parser->below);
 }
 
 /* Clamps shares. Light that is transmitted straight without loss leaves the scene somewhere, but
  * light that is reflected without loss may never end. For metal and trans, mirrored light has the
  * colour, or a share is lost. */
-static void bound_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+static void clamp_reflector(struct orl_parser *parser, const struct orl_scope *scope,
                             struct orl_material *m)
 {
     const double above = nextafter(1, 2);
     const bool clear = m->transmitted >= 1 && m->transmitted_specular >= 1;
-    bool white = bound_rgb(&m->color, clear ? above : 1, clear ? 1 : most_returned);
+    bool white = clamp_rgb(&m->color, clear ? above : 1, clear ? 1 : most_returned);
     if (m->kind == ORL_MATERIAL_PLASTIC)
-        white |= bound(&m->specular, 1, most_returned);
+        white |= clamp_share(&m->specular, 1, most_returned);
     else
-        white |= bound(&m->specular, above, 1);
-    white |= bound(&m->transmitted, above, 1);
-    white |= bound(&m->transmitted_specular, above, 1);
+        white |= clamp_share(&m->specular, above, 1);
+    white |= clamp_share(&m->transmitted, above, 1);
+    white |= clamp_share(&m->transmitted_specular, above, 1);
     if (white)
         orl_parser_count(parser, scope, &parser->white);
 }
@@ -159,8 +160,8 @@ static void bound_reflector(struct orl_parser *parser, const struct orl_scope *s
 void orl_material_bound_clear(struct orl_parser *parser, const struct orl_scope *scope,
                               struct orl_rgb *share)
 {
-    lift_rgb(parser, scope, share);
-    if (bound_rgb(share, nextafter(1, 2), 1))
+    lift_negative_rgb(parser, scope, share);
+    if (clamp_rgb(share, nextafter(1, 2), 1))
         orl_parser_count(parser, scope, &parser->white);
 }
 
@@ -169,8 +170,8 @@ void orl_material_bound_clear(struct orl_parser *parser, const struct orl_scope 
 int orl_material_check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
                                  struct orl_material *m, struct orl_error *err)
 {
-    lift_rgb(parser, scope, &m->color);
-    bound_reflector(parser, scope, m);
+    lift_negative_rgb(parser, scope, &m->color);
+    clamp_reflector(parser, scope, m);
     int code = orl_material_share(parser, scope, m->color, true, "reflectance", err);
     if (code == 0)
         code = orl_material_share(parser, scope, orl_gray(m->specular), true, "specularity", err);

@@ -188,7 +188,7 @@ static bool suits_group(const struct condition *c, const struct orl_wavefront_fa
     return false;
 }
 
-static bool holds(const struct rule *rule, const struct orl_wavefront_face *face)
+static bool rule_matches(const struct rule *rule, const struct orl_wavefront_face *face)
 {
     const struct condition *c = rule->conditions;
     return (!c[OF_MATERIAL].asked || suits(&c[OF_MATERIAL], face->material)) &&
@@ -202,7 +202,7 @@ const char *orl_material_rules_choose(const struct orl_material_rules *rules,
                                       const struct orl_wavefront_face *face)
 {
     for (size_t i = rules->count; i-- > 0;)
-        if (holds(&rules->rules[i], face))
+        if (rule_matches(&rules->rules[i], face))
             return strcmp(rules->rules[i].material, "void") == 0 ? NULL : rules->rules[i].material;
     return NULL;
 }

@@ -213,7 +213,7 @@ static int check_name(struct orl_parser *parser, const struct orl_scope *scope,
 }
 
 /* Defers the error of the current primitive until something uses it. */
-static int put_off(struct orl_parser *parser, struct orl_error *err)
+static int defer_error(struct orl_parser *parser, struct orl_error *err)
 {
     const struct orl_error told = *err;
     return orl_parser_define_refused(parser, parser->primitive.id, &told, err);
@@ -221,8 +221,8 @@ static int put_off(struct orl_parser *parser, struct orl_error *err)
 
 /* Handles a pattern or texture whose modifier is a material: defines a copy of that material with
  * it. The material's own pattern and texture go under it. */
-static int lay_over(struct orl_parser *parser, const struct orl_scope *scope, uint32_t index,
-                    struct orl_error *err)
+static int overlay_pattern(struct orl_parser *parser, const struct orl_scope *scope, uint32_t index,
+                           struct orl_error *err)
 {
     struct orl_material material = parser->out->materials[index];
     const char *const id = parser->primitive.id;
@@ -279,12 +279,12 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
             code = check_lit(parser, scope, &material, err);
         if (code == 0)
             return define(parser, scope, parser->primitive.id, &material, err);
-        return orl_is_deferrable(code) ? put_off(parser, err) : code;
+        return orl_is_deferrable(code) ? defer_error(parser, err) : code;
     }
     const struct orl_symbol *const below = code == 0 ? find_below(parser) : NULL;
     if (below) {
-        code = lay_over(parser, scope, below->index, err);
-        return orl_is_deferrable(code) ? put_off(parser, err) : code;
+        code = overlay_pattern(parser, scope, below->index, err);
+        return orl_is_deferrable(code) ? defer_error(parser, err) : code;
     }
     if (code == 0)
         code = find_pattern(parser, scope, &material, err);
@@ -298,7 +298,7 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
         if (sky)
             return orl_parser_sky(parser, scope, parser->primitive.id, err);
         code = orl_parser_pattern(parser, scope, material.pattern, material.texture, false, err);
-        return orl_is_deferrable(code) ? put_off(parser, err) : code;
+        return orl_is_deferrable(code) ? defer_error(parser, err) : code;
     }
     material.kind = type->kind;
     code = type->read(parser, scope, &material, err);
@@ -307,7 +307,7 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
     if (code < 0)
         orl_bsdf_unref(material.bsdf);
     if (orl_is_deferrable(code))
-        return put_off(parser, err);
+        return defer_error(parser, err);
     return code < 0 ? code : define(parser, scope, parser->primitive.id, &material, err);
 }
 

@@ -91,7 +91,7 @@ static int check_unlike(struct orl_parser *parser, const struct orl_scope *scope
 }
 
 /* Returns true if the pattern depends on the direction beyond its angle to the normal. */
-static bool asks_for_azimuth(const struct orl_pattern *pattern)
+static bool depends_on_azimuth(const struct orl_pattern *pattern)
 {
     const uint64_t inputs = pattern->function ? orl_function_inputs(pattern->function) : 0;
     return (inputs >> ORL_RAY_DX & 7) != 0;
@@ -101,7 +101,7 @@ static int check_direction(struct orl_parser *parser, const struct orl_scope *sc
                            const struct orl_pattern *mix, const struct orl_material two[2],
                            struct orl_error *err)
 {
-    if (!mix->directed || (!asks_for_azimuth(mix) && !orl_material_is_window(&two[0]) &&
+    if (!mix->directed || (!depends_on_azimuth(mix) && !orl_material_is_window(&two[0]) &&
                            !orl_material_is_window(&two[1])))
         return 0;
     orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,

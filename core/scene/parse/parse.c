@@ -74,8 +74,8 @@ static bool is_surface(const char *type)
 
 /* Counts an unsupported primitive or command, and continues behind it if possible; modifiers are
  * deferred until they are used. */
-static int note_refusal(struct orl_parser *parser, struct orl_lexer *lexer, bool command,
-                        struct orl_error *err)
+static int record_refusal(struct orl_parser *parser, struct orl_lexer *lexer, bool command,
+                          struct orl_error *err)
 {
     struct orl_error ignored;
     const struct orl_error refused = *err;
@@ -110,7 +110,7 @@ int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, co
         code = command ? read_command(parser, scope, &lexer, err)
                        : read_primitive(parser, scope, &lexer, err);
         if (code == ORL_ERR_UNSUPPORTED && !parser->cut_short)
-            code = note_refusal(parser, &lexer, command, err);
+            code = record_refusal(parser, &lexer, command, err);
         if (code == 0)
             code = orl_parser_heed_cancel(parser, err);
     }
@@ -216,7 +216,7 @@ static bool list_files(const struct orl_sources *sources, struct orl_description
 }
 
 /* Fills the remaining fields after all files have been read. */
-static int finish(struct orl_parser *parser, struct orl_error *err)
+static int fill_description(struct orl_parser *parser, struct orl_error *err)
 {
     struct orl_description *out = parser->out;
     const struct orl_sources *sources = &parser->sources;
@@ -231,8 +231,8 @@ static int finish(struct orl_parser *parser, struct orl_error *err)
 }
 
 /* Main files that are already open count from the place where they are named. */
-static int parse(struct orl_parser *parser, const char *const *names, size_t count, size_t *index,
-                 struct orl_error *err)
+static int parse_files(struct orl_parser *parser, const char *const *names, size_t count,
+                       size_t *index, struct orl_error *err)
 {
     struct orl_description *const out = parser->out;
     out->outlines = orl_arena_new();
@@ -250,11 +250,11 @@ static int parse(struct orl_parser *parser, const char *const *names, size_t cou
     if (parser->refusals.n > 0 && code != ORL_ERR_NOMEM && code != ORL_ERR_CANCELLED &&
         code != ORL_ERR_LIMIT)
         code = orl_refusals_tell(&parser->refusals, err);
-    return code == 0 ? finish(parser, err) : code;
+    return code == 0 ? fill_description(parser, err) : code;
 }
 
 /* Returns true if instances with patterns must be expanded. */
-static bool is_to_part(const struct orl_description *d)
+static bool must_expand(const struct orl_description *d)
 {
     bool varied = false;
     for (size_t i = 0; i < d->n_prototypes; i++)
@@ -272,7 +272,7 @@ static int parse_whole(const char *const *names, size_t count, struct orl_source
     size_t *index = calloc(count ? count : 1, sizeof *index);
     err = err ? err : &local;
     memset(sources, 0, sizeof *sources);
-    const int code = index ? parse(&parser, names, count, index, err)
+    const int code = index ? parse_files(&parser, names, count, index, err)
                            : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (code == 0) {
         *ret_description = out;
@@ -297,7 +297,7 @@ int orl_scene_parse_begun(const char *const *names, size_t count, struct orl_sou
     const struct orl_files *const files = sources->files;
     const struct orl_bsdf_loader *const loader = sources->loader;
     int code = parse_whole(names, count, sources, apart, ret_description, err);
-    if (code == 0 && is_to_part(ret_description)) {
+    if (code == 0 && must_expand(ret_description)) {
         orl_description_done(ret_description);
         orl_sources_init(sources, files, loader, orl_arena_new());
         code = parse_whole(names, count, sources, true, ret_description, err);

@@ -42,8 +42,8 @@ static int open_source(void *ctx, const char *name, struct orl_file *ret_file,
 }
 
 /* Loads the function file that the primitive names; *ret_context: its context. */
-static int load(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
-                int *ret_context, struct orl_error *err)
+static int load_context(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
+                        int *ret_context, struct orl_error *err)
 {
     const struct orl_files files = {.ctx = parser, .open = open_source};
     struct orl_error missing = {0};
@@ -151,9 +151,9 @@ static int check_angles(struct orl_parser *parser, const struct orl_scope *scope
 }
 
 /* Compiles a program of n expressions. */
-static int compile(struct orl_parser *parser, const struct orl_scope *scope,
-                   struct orl_pattern *pattern, int context, const char *const *expressions,
-                   size_t n, struct orl_function **ret_function, struct orl_error *err)
+static int compile_program(struct orl_parser *parser, const struct orl_scope *scope,
+                           struct orl_pattern *pattern, int context, const char *const *expressions,
+                           size_t n, struct orl_function **ret_function, struct orl_error *err)
 {
     const struct orl_primitive *const primitive = &parser->primitive;
     double fixed[ORL_RAY_INPUTS];
@@ -196,8 +196,8 @@ static int compile_values(struct orl_parser *parser, const struct orl_scope *sco
             snprintf(texts[i], room, "%s(%s,%s,%s)", name, data[0], data[1], data[2]);
     }
     if (code == 0)
-        code = compile(parser, scope, pattern, context, (const char *const *)texts, n,
-                       &pattern->values, err);
+        code = compile_program(parser, scope, pattern, context, (const char *const *)texts, n,
+                               &pattern->values, err);
     for (size_t i = 0; i < n; i++)
         free(texts[i]);
     return code;
@@ -219,7 +219,7 @@ static int compile_spectral(struct orl_parser *parser, const struct orl_scope *s
         snprintf(text, room, "%s(%s)", name, data[0]);
     const char *const expression = text;
     const int code =
-        compile(parser, scope, pattern, context, &expression, 1, &pattern->values, err);
+        compile_program(parser, scope, pattern, context, &expression, 1, &pattern->values, err);
     free(text);
     return code;
 }
@@ -270,11 +270,11 @@ static int compile_lobes(struct orl_parser *parser, const struct orl_scope *scop
         if (!texts[i])
             code = ORL_ERR_NOMEM;
     if (code == 0)
-        code = compile(parser, scope, pattern, context, (const char *const *)texts, strings->n,
-                       &pattern->function, err);
+        code = compile_program(parser, scope, pattern, context, (const char *const *)texts,
+                               strings->n, &pattern->function, err);
     if (code == 0 && data)
-        code = compile(parser, scope, pattern, context, (const char *const *)texts + strings->n, 1,
-                       &pattern->values, err);
+        code = compile_program(parser, scope, pattern, context,
+                               (const char *const *)texts + strings->n, 1, &pattern->values, err);
     for (size_t i = 0; i < strings->n + data; i++)
         free(texts[i]);
     return code;
@@ -294,11 +294,13 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
     const bool picture = pattern->n_grids > 0 && pattern->grids[0]->channels > 1;
     for (size_t i = 0; i < n; i++)
         expressions[i] = orl_primitive_string(primitive, first + (picture ? n - 1 - i : i));
-    int code = load(parser, scope, orl_primitive_string(primitive, strings->file), &context, err);
+    int code =
+        load_context(parser, scope, orl_primitive_string(primitive, strings->file), &context, err);
     if (code == 0 && pattern->own == ORL_OWN_LOBES)
         code = compile_lobes(parser, scope, pattern, context, strings, err);
     else if (code == 0 && (!strings->spectral || pattern->n_grids > 0))
-        code = compile(parser, scope, pattern, context, expressions, n, &pattern->function, err);
+        code = compile_program(parser, scope, pattern, context, expressions, n, &pattern->function,
+                               err);
     if (code == 0 && pattern->own == ORL_OWN_ANGLES)
         code = check_angles(parser, scope, pattern, err);
     if (code == 0 && strings->spectral)

@@ -157,7 +157,7 @@ int orl_parser_keep_pattern(struct orl_parser *parser, struct orl_pattern *patte
 }
 
 /* Adds the pattern to the description, and defines a name for it. */
-static int define(struct orl_parser *parser, struct orl_pattern *pattern, const char *id)
+static int define_pattern(struct orl_parser *parser, struct orl_pattern *pattern, const char *id)
 {
     struct orl_symbol symbol = {.kind = ORL_SYMBOL_PATTERN};
     const int code = orl_parser_keep_pattern(parser, pattern);
@@ -168,8 +168,8 @@ static int define(struct orl_parser *parser, struct orl_pattern *pattern, const 
     return symbol.name ? orl_symbols_set(&parser->symbols, symbol) : ORL_ERR_NOMEM;
 }
 
-static int begin(struct orl_parser *parser, const struct orl_scope *scope,
-                 struct orl_pattern *pattern)
+static int begin_pattern(struct orl_parser *parser, const struct orl_scope *scope,
+                         struct orl_pattern *pattern)
 {
     char name[ORL_ERROR_NAME_MAX];
     snprintf(name, sizeof name, "%.40s %.200s", parser->primitive.type, parser->primitive.id);
@@ -240,7 +240,7 @@ static bool is_fixed(const struct pattern_type *type)
     return type->n_functions == 0 && !type->text;
 }
 
-static void depend(struct orl_pattern *pattern, const struct orl_pattern *other)
+static void inherit_properties(struct orl_pattern *pattern, const struct orl_pattern *other)
 {
     pattern->steps += other ? other->steps : 0;
     pattern->coloured = pattern->coloured || (other && other->coloured);
@@ -248,17 +248,17 @@ static void depend(struct orl_pattern *pattern, const struct orl_pattern *other)
 }
 
 /* Sets the fields that depend on the patterns under it; checks the limit of steps. */
-static int sum_up(struct orl_parser *parser, const struct orl_scope *scope,
-                  struct orl_pattern *pattern, struct orl_error *err)
+static int combine_properties(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_pattern *pattern, struct orl_error *err)
 {
     pattern->steps = 1 + (pattern->fixed ? 0 : pattern->n_bands / ORL_FUNCTION_LANES);
     pattern->coloured = pattern->three || pattern->bands ||
                         pattern->factor.r != pattern->factor.g ||
                         pattern->factor.g != pattern->factor.b;
-    depend(pattern, pattern->under);
+    inherit_properties(pattern, pattern->under);
     for (int i = 0; pattern->mixture && i < 2; i++) {
         const struct orl_rgb c = pattern->mixed[i].color;
-        depend(pattern, pattern->mixed[i].pattern);
+        inherit_properties(pattern, pattern->mixed[i].pattern);
         pattern->coloured = pattern->coloured || c.r != c.g || c.g != c.b;
     }
     /* Textures have no colour, and their dependence on direction needs no support by the
@@ -277,14 +277,14 @@ static int read_text(struct orl_parser *parser, const struct orl_scope *scope,
                      const struct pattern_type *type, struct orl_pattern *pattern, bool of_material,
                      const struct orl_symbol **ret_same, struct orl_error *err)
 {
-    int code = begin(parser, scope, pattern);
+    int code = begin_pattern(parser, scope, pattern);
     if (code == 0)
         code = make_key(parser, scope, type, &scope->xform, pattern);
     *ret_same = code == 0 ? find_same(parser, type, pattern, of_material) : NULL;
     if (code < 0 || *ret_same)
         return code;
     code = orl_text_read(parser, scope, pattern, type->n_materials, err);
-    return code < 0 ? code : sum_up(parser, scope, pattern, err);
+    return code < 0 ? code : combine_properties(parser, scope, pattern, err);
 }
 
 /* Fills in the pattern; *ret_same: an equal one that exists already. */
@@ -312,7 +312,7 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
     if (!is_fixed(type))
         code = orl_parser_string_xform(parser, scope, file + 1 + axes, &to_world, err);
     if (code == 0)
-        code = begin(parser, scope, pattern);
+        code = begin_pattern(parser, scope, pattern);
     if (code == 0)
         code = make_key(parser, scope, type, &to_world, pattern);
     *ret_same = code == 0 ? find_same(parser, type, pattern, of_material) : NULL;
@@ -324,7 +324,7 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
                           : orl_pattern_compile(parser, scope, pattern, &to_world, &strings, err);
     if (code == 0 && type->spectral && !is_fixed(type))
         code = orl_spectrum_bands(parser, scope, pattern, err);
-    return code < 0 ? code : sum_up(parser, scope, pattern, err);
+    return code < 0 ? code : combine_properties(parser, scope, pattern, err);
 }
 
 /* Checks the strings and allocates a pattern; NULL with err filled on failure. */
@@ -380,7 +380,7 @@ int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
         orl_pattern_free(pattern);
     if (code == 0)
         code = same ? orl_symbols_set(&parser->symbols, *same)
-                    : define(parser, pattern, parser->primitive.id);
+                    : define_pattern(parser, pattern, parser->primitive.id);
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
 }
 

@@ -33,7 +33,7 @@ struct list {
     size_t length;
 };
 
-static void append(struct list *list, const char *separator, const char *item)
+static void append_item(struct list *list, const char *separator, const char *item)
 {
     const size_t room = sizeof list->text - list->length;
     const int n =
@@ -53,7 +53,7 @@ static void list_kind(struct list *list, const struct orl_refusal *refusal)
         return;
     snprintf(item, sizeof item, "%llu x %s (first at %.80s:%d)", (unsigned long long)refusal->count,
              refusal->kind, refusal->first.file, refusal->first.line);
-    append(list, ", ", item);
+    append_item(list, ", ", item);
 }
 
 static void list_hint(struct list *list, const struct orl_refusals *refusals, size_t i)
@@ -66,7 +66,7 @@ static void list_hint(struct list *list, const struct orl_refusals *refusals, si
     if (said)
         return;
     snprintf(item, sizeof item, "%s: %.400s", refusals->kinds[i].kind, first->hint);
-    append(list, "; ", item);
+    append_item(list, "; ", item);
 }
 
 int orl_refusals_tell(const struct orl_refusals *refusals, struct orl_error *err)
@@ -82,7 +82,7 @@ int orl_refusals_tell(const struct orl_refusals *refusals, struct orl_error *err
         list_hint(&hints, refusals, i);
     }
     if (refusals->others > 0 && kinds.length < sizeof kinds.text)
-        append(&kinds, ", ", "and others");
+        append_item(&kinds, ", ", "and others");
     if (refusals->n == 1)
         orl_error_set(err, ORL_ERR_UNSUPPORTED, "%.400s; there are %llu of them",
                       first->first.message, (unsigned long long)first->count);

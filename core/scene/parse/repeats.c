@@ -206,7 +206,7 @@ static void order_places(const struct orl_repeats *r, struct orl_description *d)
 }
 
 /* Makes a prototype of the repeat's surfaces. */
-static bool take_out(const struct orl_repeat *item, struct orl_description *d)
+static bool make_prototype(const struct orl_repeat *item, struct orl_description *d)
 {
     struct orl_prototype *const prototype = &d->prototypes[d->n_prototypes];
     const size_t n = item->end - item->first;
@@ -231,7 +231,7 @@ static size_t count_before(const struct orl_repeats *r, size_t index, size_t *ne
 }
 
 /* Closes the gaps in the surfaces, and adjusts indices of surfaces. */
-static void close_up(const struct orl_repeats *r, struct orl_description *d)
+static void close_gaps(const struct orl_repeats *r, struct orl_description *d)
 {
     size_t kept = 0, from = 0, next = 0, gone = 0;
     for (size_t i = 0; i < d->n_placements; i++)
@@ -264,11 +264,11 @@ int orl_repeats_settle(struct orl_repeats *r, struct orl_description *d, struct 
         goto done;
     for (size_t i = 0; i < r->n; i++) {
         numbers[i] = (uint32_t)d->n_prototypes;
-        if (r->items[i].n_places > 0 && !take_out(&r->items[i], d))
+        if (r->items[i].n_places > 0 && !make_prototype(&r->items[i], d))
             goto done;
     }
     order_places(r, d);
-    close_up(r, d);
+    close_gaps(r, d);
     for (size_t i = 0; i < d->n_placements; i++)
         d->placements[i].prototype = numbers[d->placements[i].prototype];
     code = orl_placements_expand(d, LEAST_PLACES, err);

@@ -64,7 +64,7 @@ static size_t add_segment(char *path, size_t length, const char *segment, size_t
 enum { PATH_BYTES = 2 * ORL_LIMIT_WORD_BYTES };
 
 /* Joins folder/name in its shortest form. Returns false if the result is empty or too long. */
-static bool join(const char *folder, const char *name, char path[PATH_BYTES])
+static bool join_path(const char *folder, const char *name, char path[PATH_BYTES])
 {
     const char *const parts[2] = {*name == '/' ? "" : folder, name};
     size_t length = 0;
@@ -215,7 +215,7 @@ static int find_from(struct orl_sources *sources, const char *folder, const char
     char path[PATH_BYTES], plain[PATH_BYTES];
     struct orl_error first = {0};
     int code;
-    if (!join(folder, name, path) || !join("", name, plain))
+    if (!join_path(folder, name, path) || !join_path("", name, plain))
         return orl_error_set(err, ORL_ERR_SYNTAX, "'%.200s' is no name of a file", name);
     code = find_as(sources, path, false, ret_index, &first);
     if (code == ORL_ERR_NOT_FOUND && strcmp(path, plain) != 0) {
@@ -274,7 +274,7 @@ struct reading {
     const struct orl_file *file;
 };
 
-static void tell_provider(void *ctx, size_t begin, size_t end)
+static void report_passed(void *ctx, size_t begin, size_t end)
 {
     const struct reading *reading = ctx;
     reading->files->passed(reading->files->ctx, reading->file, begin, end);
@@ -288,7 +288,7 @@ static int load_bsdf(const struct orl_sources *sources, struct orl_source *item,
     const struct orl_bsdf_xml xml = {.name = item->name,
                                      .data = item->file.data,
                                      .size = item->file.size,
-                                     .passed = sources->files->passed ? tell_provider : NULL,
+                                     .passed = sources->files->passed ? report_passed : NULL,
                                      .ctx = &reading};
     return loader ? loader->load(loader->ctx, &xml, item->content, &item->bsdf, err)
                   : orl_bsdf_load(&xml, &item->bsdf, err);

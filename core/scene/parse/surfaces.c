@@ -266,7 +266,7 @@ static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope
  * ----------------------------------------------------------------------- */
 
 /* Drops a surface without extent with a warning, as Radiance's programs do. */
-static void leave_out(struct orl_parser *parser, const struct orl_scope *scope, bool *ret_keep)
+static void drop_surface(struct orl_parser *parser, const struct orl_scope *scope, bool *ret_keep)
 {
     orl_parser_count(parser, scope, &parser->degenerate);
     *ret_keep = false;
@@ -278,7 +278,7 @@ static int check_radius(struct orl_parser *parser, const struct orl_scope *scope
     if (radius > 0)
         return 0;
     if (radius == 0) {
-        leave_out(parser, scope, ret_keep);
+        drop_surface(parser, scope, ret_keep);
         return 0;
     }
     orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radius %g is not positive", radius);
@@ -308,7 +308,7 @@ static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
         round->radius[i] = (straight ? r[6] : r[6 + i]) * scope->xform.scale;
     }
     if (!(orl_length(axis) > 0)) {
-        leave_out(parser, scope, ret_keep);
+        drop_surface(parser, scope, ret_keep);
         return 0;
     }
     return check_radius(parser, scope, straight ? r[6] : fmax(r[6], r[7]), ret_keep, err);
@@ -325,7 +325,7 @@ static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its radii %g and %g are not both positive", r[6], r[7]);
     if (!(fabs(orl_length(normal) - 1.0) < 1e-6) || !(outer > inner)) {
-        leave_out(parser, scope, ret_keep);
+        drop_surface(parser, scope, ret_keep);
         return 0;
     }
     round->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
@@ -427,7 +427,7 @@ static bool is_patterned_alone(const struct orl_parser *parser, const struct orl
     return strcmp(name, "void") != 0 && symbol && symbol->kind == ORL_SYMBOL_SKY;
 }
 
-static void leave_dark(struct orl_parser *parser, const struct orl_scope *scope)
+static void warn_of_dark(struct orl_parser *parser, const struct orl_scope *scope)
 {
     const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
     orl_parser_warn(
@@ -448,7 +448,7 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     const double *r;
     int code = orl_parser_expect(parser, scope, 0, 4, err);
     if (code == 0 && is_patterned_alone(parser, scope)) {
-        leave_dark(parser, scope);
+        warn_of_dark(parser, scope);
         return 0;
     }
     if (code == 0)

@@ -77,8 +77,8 @@ static int find_modifier(struct reading *r, size_t i, struct orl_material *ret)
 
 /* Makes a primitive like the current one, but of that type, with these functions before its
  * function file. The numbers are borrowed. Returns false if out of memory. */
-static bool derive(const struct orl_primitive *from, const char *type, const char *id,
-                   const char *const *functions, size_t n, struct orl_primitive *ret)
+static bool derive_primitive(const struct orl_primitive *from, const char *type, const char *id,
+                             const char *const *functions, size_t n, struct orl_primitive *ret)
 {
     const char *words[3 + 3] = {from->modifier, type, id};
     const size_t n_words = 3 + n, rest = from->n_strings - FUNCTION_FILE;
@@ -119,7 +119,7 @@ static int make_pattern(struct reading *r, const char *type, const char *part,
     char id[ORL_ERROR_NAME_MAX];
     snprintf(id, sizeof id, "%.180s (%s)", written.id, part);
     int code = ORL_ERR_NOMEM;
-    if (derive(&written, type, id, functions, n, &derived)) {
+    if (derive_primitive(&written, type, id, functions, n, &derived)) {
         parser->primitive = derived;
         code = orl_parser_pattern(parser, r->scope, over->pattern, over->texture, false, r->err);
         parser->primitive = written;
