@@ -237,9 +237,9 @@ struct orl_file_missed {
 struct orl_description {
     struct orl_material *materials;
     size_t n_materials;
-    struct orl_surface *surfaces; /* NULL after orl_description_let_go */
+    struct orl_surface *surfaces; /* NULL once orl_description_let_go has freed them */
     size_t n_surfaces;
-    struct orl_surface_labels *labels; /* their labels after orl_description_let_go; NULL before */
+    struct orl_surface_labels *labels; /* set by orl_description_let_go; NULL before */
     struct orl_opposed *opposed;       /* coincident.h; NULL after orl_description_let_go */
     size_t n_opposed;
     struct orl_prototype *prototypes;

@@ -7,8 +7,9 @@
 
 /*
  * Labels are packed one after the other: the name with its NUL, then the difference of its line to
- * the previous one's; each row starts from line 0. Differences are in zigzag form, seven bits a
- * byte, lowest first; the highest bit of a byte is set if more follow.
+ * the previous one's; each row starts from line 0. A difference has its sign in the lowest bit,
+ * then the magnitude: seven bits a byte, lowest first. The highest bit of a byte is set if more
+ * follow.
  */
 enum { ROW = 16, MOST_LINE_BYTES = 5 };
 

@@ -38,8 +38,7 @@ struct orl_holes {
     int32_t *of_facet; /* by facet: the hole whose volume it bounds, or one of the values below */
 };
 
-/* UNTOUCHED: a facet that bounds no volume and cannot be cut. NONE: all other facets that bound no
- * volume. */
+/* NONE: a facet that may be cut, but bounds no volume. UNTOUCHED: neither. */
 enum { ORL_HOLE_NONE = -1, ORL_HOLE_UNTOUCHED = -2 };
 
 /* antimatter_build.c: builds the holes of a geometry that has none yet. Lined facets get the

@@ -35,7 +35,7 @@ struct orl_lettering_line {
 struct orl_lettering {
     struct orl_vec3 origin;
     struct orl_vec3 right, down; /* a place's coordinates are its dot products with these */
-    /* distance to the right that corresponds to 1 in `at` and `width` */
+    /* units of `at` and `width` per 1 to the right */
     double unit;
     const struct orl_lettering_line *lines;
     size_t n_lines;

@@ -6,7 +6,7 @@
 
 #include "scene/parse/gltf_accessor.h"
 
-/* An affine transform: x' = row[0] x + row[1] y + row[2] z + row[3], for each row. */
+/* An affine transform: coordinate i becomes row[i][0] x + row[i][1] y + row[i][2] z + row[i][3]. */
 struct orl_gltf_place {
     double row[3][4];
 };

@@ -16,7 +16,7 @@ struct orl_marker {
     const char *object;      /* a scene file, or the file of an instance or a mesh */
     const char *compiled;    /* -i: "instance", -I: "mesh"; NULL: a scene file */
     const char *replacement; /* -m: the objects' modifier, or NULL */
-    double scale;            /* -s: size of the object for an x axis of length 1; 0: unscaled */
+    double scale; /* -s: scale of the object per unit length of the x axis; 0: unscaled */
 };
 
 struct orl_markers {

@@ -98,7 +98,7 @@ bool orl_parser_is_pattern(const char *type);
 int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_pattern *color, const struct orl_pattern *texture,
                        bool of_material, struct orl_error *err);
-/* Adds the pattern to the description, which owns it also on failure. Returns 0 or
+/* Adds the pattern to the description; takes it also on failure. Returns 0 or
  * ORL_ERR_NOMEM. */
 int orl_parser_keep_pattern(struct orl_parser *parser, struct orl_pattern *pattern);
 
