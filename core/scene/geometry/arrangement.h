@@ -8,8 +8,8 @@
  * edges that come within a step of a corner are moved to it.
  *
  * Cost: a sweep finds out whether any edges meet (Shamos and Hoey 1976), in O(n log n), again after
- * each splitting. Small sets, and those that remain after many passes, are tested pair by pair.
- * Crossings are bounded by ORL_LIMIT_POLYGON_CROSSINGS, and work to about a second.
+ * each splitting. Small sets are tested pair by pair, and so is a set in its third pass. Crossings
+ * are bounded by ORL_LIMIT_POLYGON_CROSSINGS, and work to about a second.
  */
 #ifndef ORL_SCENE_GEOMETRY_ARRANGEMENT_H
 #define ORL_SCENE_GEOMETRY_ARRANGEMENT_H

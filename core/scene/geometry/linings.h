@@ -4,9 +4,9 @@
  * would appear inside the room and block light. Radiance's rays, which count the volumes they
  * enter, meet no lining from within such a room.
  *
- * So a lining is omitted, as if it were "void", where windows in its volume face it directly on one
- * side only, and open space on the other. The space behind a window is not matter. Rooms without
- * windows only get a warning, by the places of sensors and eyes (run/health.c).
+ * So a lining is omitted, as if it were "void", where windows in its volume face it on one side,
+ * and open space on the other. The space behind a window is not matter. Rooms without windows only
+ * get a warning, by the places of sensors and eyes (run/health.c).
  *
  * Threads: settled once, by one thread, before the geometry is shared or copied; then immutable.
  */
