@@ -17,8 +17,9 @@ static bool has_corners_of_its_own(const struct orl_surface *surfaces, size_t n)
     return false;
 }
 
-/* Returns whether surfaces stay, for the corners that a mesh gave them. */
-static bool let_go(struct orl_surface **surfaces, size_t n, struct orl_opposed **opposed)
+/* Frees the surfaces and the opposed pairs. Returns true if the surfaces are kept because some have
+ * mesh normals or (u, v) coordinates at their corners. */
+static bool free_surfaces(struct orl_surface **surfaces, size_t n, struct orl_opposed **opposed)
 {
     free(*opposed);
     *opposed = NULL;
@@ -41,11 +42,11 @@ int orl_description_let_go(struct orl_description *description)
         if (!p->labels)
             return ORL_ERR_NOMEM;
     }
-    bool meshed = false; /* patterns ask for the corners of some */
+    bool meshed = false; /* patterns read the corners of some surfaces */
     for (size_t i = 0; i < d->n_prototypes; i++)
-        meshed |= let_go(&d->prototypes[i].surfaces, d->prototypes[i].n_surfaces,
-                         &d->prototypes[i].opposed);
-    meshed |= let_go(&d->surfaces, d->n_surfaces, &d->opposed);
+        meshed |= free_surfaces(&d->prototypes[i].surfaces, d->prototypes[i].n_surfaces,
+                                &d->prototypes[i].opposed);
+    meshed |= free_surfaces(&d->surfaces, d->n_surfaces, &d->opposed);
     if (meshed)
         return 0;
     orl_arena_free(d->outlines);

@@ -1,15 +1,15 @@
 /*
- * What a set of Radiance scene files says, after aliases, modifiers and commands are resolved:
- * plain data, in the files' own units and coordinates, in double. The parser (parse.h) makes it;
- * the geometry adapter, the lights and the materials read it.
+ * Contents of a set of Radiance scene files, after aliases, modifiers and commands are resolved.
+ * The numbers are doubles in the files' own units and coordinates. The parser (parse.h) fills the
+ * description; the geometry adapter, the lights and the materials read it.
  *
  * Invariants: every number is finite; every material index is valid; polygons have at least three
  * vertices and a non-zero normal (degenerate ones are counted in n_degenerate and dropped);
- * directions are unit vectors; radii are positive, but that one end of a cone and the inside of a
- * ring may be 0.
- * Ownership: an orl_description owns everything in it; strings lie in its arena, and what goes with
- * the surfaces, their names among it, in another one. Once geometry is built of it that is let go
- * (orl_description_let_go): millions of surfaces take more than what rays meet of them.
+ * directions are unit vectors; radii are positive, except that one end of a cone and the inner
+ * radius of a ring may be 0.
+ * Ownership: an orl_description owns everything in it. Its strings lie in `arena`; vertices and
+ * names of surfaces lie in `outlines`. orl_description_let_go frees the latter once geometry is
+ * built: millions of surfaces take more memory than ray tracing needs.
  */
 #ifndef ORL_SCENE_DESCRIPTION_H
 #define ORL_SCENE_DESCRIPTION_H
@@ -31,35 +31,37 @@ struct orl_surface_labels;
 struct orl_pattern;
 
 enum orl_material_kind {
-    ORL_MATERIAL_VOID,       /* what void or a refused modifier stands for while files are read */
-    ORL_MATERIAL_PLASTIC,    /* color, specular, roughness, grain (plastic2) */
-    ORL_MATERIAL_METAL,      /* color, specular, roughness, grain (metal2) */
-    ORL_MATERIAL_TRANS,      /* the same (trans2), transmitted, transmitted_specular */
+    ORL_MATERIAL_VOID,    /* stands for void or a refused modifier while files are read */
+    ORL_MATERIAL_PLASTIC, /* color, specular, roughness, grain (plastic2) */
+    ORL_MATERIAL_METAL,   /* color, specular, roughness, grain (metal2) */
+    /* color, specular, roughness, grain (trans2), transmitted, transmitted_specular */
+    ORL_MATERIAL_TRANS,
     ORL_MATERIAL_ASHIKHMIN,  /* color, gloss, power, grain (ashik2) */
     ORL_MATERIAL_GLASS,      /* transmissivity, ior */
     ORL_MATERIAL_GLAZING,    /* angles, front/back/through, transmitted (BRTDfunc) */
-    ORL_MATERIAL_DIELECTRIC, /* media: a dielectric has air in front, an interface anything */
-    ORL_MATERIAL_LOBED,      /* as trans, and tinted, lobes (plasfunc and the like) */
+    ORL_MATERIAL_DIELECTRIC, /* media: a dielectric has air in front, an interface any medium */
+    ORL_MATERIAL_LOBED,      /* the fields of trans, and tinted, lobes (plasfunc and the like) */
     ORL_MATERIAL_PRISM,      /* ways (prism1, prism2) */
-    ORL_MATERIAL_MIRROR,     /* color, on the front; black behind */
+    ORL_MATERIAL_MIRROR,     /* color on the front; the back is black */
     ORL_MATERIAL_BSDF,       /* bsdf, up, thickness, peak, front/back/through diffuse additions */
-    ORL_MATERIAL_LIGHT,      /* radiance; a source to be sampled directly */
-    ORL_MATERIAL_GLOW,       /* radiance, max_radius; aimed at if max_radius is above 0 */
-    ORL_MATERIAL_SPOTLIGHT,  /* a light that shines within a cone: spot */
-    ORL_MATERIAL_MIXTURE,    /* mixed, mix: of unlike materials (material/scatter.h) */
-    ORL_MATERIAL_ILLUM,      /* a light that views see as what it stands for: seen_as */
-    ORL_MATERIAL_MIST,       /* extinction, scattered, forward: within it (light/mist.h) */
-    ORL_MATERIAL_ANTIMATTER, /* what is not there within: cut, lining (geometry/antimatter.h) */
+    ORL_MATERIAL_LIGHT,      /* radiance; sampled directly */
+    ORL_MATERIAL_GLOW,       /* radiance, max_radius; sampled directly if max_radius is above 0 */
+    ORL_MATERIAL_SPOTLIGHT,  /* a light that shines within a cone: aim, cos_cone, focus */
+    ORL_MATERIAL_MIXTURE,    /* mixed, mix: two materials of different kinds (material/scatter.h) */
+    ORL_MATERIAL_ILLUM,      /* a light that view rays see as another material: seen_as */
+    /* extinction, scattered, forward of the volume inside (light/mist.h) */
+    ORL_MATERIAL_MIST,
+    ORL_MATERIAL_ANTIMATTER, /* removes surfaces inside it: cut, lining (geometry/antimatter.h) */
 };
 
 enum { ORL_SEEN_AS_ITSELF = -1, ORL_SEEN_AS_NOTHING = -2 };
 
 struct orl_medium {
-    struct orl_rgb transmissivity; /* of a unit of length, 0..1 */
+    struct orl_rgb transmissivity; /* per unit of length, 0..1 */
     double ior;
 };
 
-/* Whose light a surface scatters evenly: what meets that side of it. */
+/* Incident side of the diffuse reflection: both sides, or only the front or the back. */
 enum orl_evenly { ORL_EVENLY_BOTH, ORL_EVENLY_FRONT, ORL_EVENLY_BACK };
 
 struct orl_material {
@@ -70,49 +72,57 @@ struct orl_material {
     double roughness[2];  /* reflectors: rms slope along grain and across; equal: isotropic */
     struct orl_pattern
         *rough;            /* reflectors: factors of both roughnesses over the surface; or NULL */
-    enum orl_evenly side;  /* plastic, as a part of a sum */
+    enum orl_evenly side;  /* plastic as a part of a sum: sides that reflect diffusely */
     struct orl_vec3 grain; /* plastic2 and the like: as written, not projected */
-    bool tinted;           /* lobed: what is reflected by lobes has the colour (metfunc) */
-    bool both_ways; /* lobed: the function is all of it, and of what gets through (BRTDfunc) */
-    struct orl_rgb gloss; /* ashik2: specular reflectance at the normal */
-    double power[2];      /* ashik2: of its lobe, along the grain and across */
-    double transmitted; /* glazing: the most that goes straight through; trans: share of what is not
-                           reflected as by a mirror */
-    double transmitted_specular;   /* trans: share of that which is not spread evenly */
+    bool tinted;           /* lobed: reflection by the lobes has the material's colour (metfunc) */
+    bool both_ways;        /* lobed: the function is the whole BRDF and BTDF (BRTDfunc) */
+    struct orl_rgb gloss;  /* ashik2: specular reflectance at the normal */
+    double power[2];       /* ashik2: exponents of the lobe, along the grain and across */
+    /* glazing: upper bound of the direct transmittance; trans: fraction of the light not reflected
+     * specularly that is transmitted */
+    double transmitted;
+    /* trans: fraction of the transmitted light that is not diffuse */
+    double transmitted_specular;
     struct orl_rgb transmissivity; /* glass: as written (at normal incidence, one pass) */
     double ior;                    /* glass: 1.52 unless written */
     struct orl_medium media[2];    /* dielectric, interface: behind the normal, in front of it */
     double max_radius;             /* glow: fourth argument */
-    struct orl_bsdf *bsdf;         /* BSDF: a reference held */
-    uint32_t bsdf_file;            /* BSDF: which of the description's files it is */
+    struct orl_bsdf *bsdf;         /* BSDF: one reference, held */
+    uint32_t bsdf_file;            /* BSDF: index into the description's files */
     double thickness;              /* BSDF: as written, signed */
     struct orl_vec3 up;            /* BSDF: as written, not projected */
-    bool peak;                     /* aBSDF: what goes nearly straight through goes straight */
-    struct orl_rgb front, back, through;  /* BSDF: additional diffuse of 3, 6 or 9 reals */
-    struct orl_vec3 aim;                  /* spotlight: unit; zero: shines evenly */
-    double cos_cone;                      /* spotlight: of the half angle */
-    double focus;                         /* spotlight: how far behind the lamp its beam starts */
+    bool peak;                     /* aBSDF: nearly direct transmission is taken as direct */
+    /* BSDF: additional diffuse reflectance and transmittance (3, 6 or 9 reals) */
+    struct orl_rgb front, back, through;
+    struct orl_vec3 aim; /* spotlight: unit axis; zero: isotropic */
+    double cos_cone;     /* spotlight: cosine of the half angle */
+    /* spotlight: distance of the beam's apex behind the lamp */
+    double focus;
     struct orl_rgb extinction, scattered; /* mist: 1/m */
-    double forward;                       /* mist: of its phase function (light/mist.h) */
-    int32_t seen_as;                      /* illum: material that views see, or orl_seen_as */
-    struct orl_pattern *pattern; /* factor of color, of glass of what passes (material/pattern.h);
-                                    or NULL */
-    struct orl_pattern *texture; /* turns the normal (material/texture.h); or NULL */
+    double forward;                       /* mist: asymmetry of its phase function (light/mist.h) */
+    /* illum: index of the material that view rays see, or ORL_SEEN_AS_* */
+    int32_t seen_as;
+    /* factor of color, for glass of its transmissivity (material/pattern.h); or NULL */
+    struct orl_pattern *pattern;
+    struct orl_pattern *texture; /* perturbs the normal (material/texture.h); or NULL */
     struct orl_pattern *angles;  /* glazing: six functions of the angle (material/glazing.c) */
-    struct orl_pattern *ways;    /* prism: where it sends to (material/own.h) */
-    struct orl_pattern *lobes;   /* lobed: values by the directions (material/own.h) */
-    struct orl_pattern *mix; /* mixture: the first's share (of pattern.h, a factor of 1); NULL: the
-                                sum of both */
-    const struct orl_material *mixed; /* mixture: two, in the arena; with no BSDFs among them */
-    const uint32_t *cut;              /* antimatter: materials of which it is free, in the arena */
+    struct orl_pattern *ways;    /* prism: directions of the outgoing rays (material/own.h) */
+    struct orl_pattern *lobes;   /* lobed: BRDF values by direction (material/own.h) */
+    /* mixture: the first material's share (a factor of 1, see pattern.h); NULL: the sum of both */
+    struct orl_pattern *mix;
+    /* mixture: two materials, in the arena; none of them has a BSDF */
+    const struct orl_material *mixed;
+    /* antimatter: materials that are removed inside it; in the arena */
+    const uint32_t *cut;
     size_t n_cut;
-    int32_t lining;   /* antimatter: the material of its inside where it cuts something, or -1 */
-    uint32_t copy_of; /* it is that material, but for a texture, or its part: its index and 1 */
-    int32_t sky;      /* light, glow: index into skies that scales color, or -1 */
-    uint32_t part;    /* whose windows and shades have it, from 1 (swap.h); 0: no one's */
+    int32_t lining; /* antimatter: material of the inner face where it cuts a surface, or -1 */
+    /* index + 1 of the material that this one copies, except for texture or part; 0: none */
+    uint32_t copy_of;
+    int32_t sky;   /* light, glow: index into skies that scales color, or -1 */
+    uint32_t part; /* window group (swap.h), from 1; 0: none */
 };
 
-/* Which material it is a copy of, or its own index. */
+/* Returns the index of the material that this one is a copy of, or its own index. */
 static inline uint32_t orl_material_origin(const struct orl_material *material, uint32_t index)
 {
     return material->copy_of > 0 ? material->copy_of - 1 : index;
@@ -121,47 +131,47 @@ static inline uint32_t orl_material_origin(const struct orl_material *material, 
 enum orl_surface_kind {
     ORL_SURFACE_POLYGON,
     ORL_SURFACE_SPHERE,   /* center[0], radius[0]; normal outwards */
-    ORL_SURFACE_BUBBLE,   /* the same, normal inwards */
+    ORL_SURFACE_BUBBLE,   /* center[0], radius[0]; normal inwards */
     ORL_SURFACE_CYLINDER, /* center[0..1], radius[0]; normal outwards */
-    ORL_SURFACE_TUBE,     /* the same, normal inwards */
+    ORL_SURFACE_TUBE,     /* center[0..1], radius[0]; normal inwards */
     ORL_SURFACE_CONE,     /* center[0..1], radius[0..1]; normal outwards */
-    ORL_SURFACE_CUP,      /* the same, normal inwards */
+    ORL_SURFACE_CUP,      /* center[0..1], radius[0..1]; normal inwards */
     ORL_SURFACE_RING,     /* center[0], normal, radius[0] < radius[1] */
 };
 
-/* What is round has its centres and radii apart: nearly all surfaces are polygons. */
+/* Centres and radii of quadrics, stored separately because nearly all surfaces are polygons. */
 struct orl_curved {
     struct orl_vec3 center[2];
     double radius[2];
 };
-extern const struct orl_curved orl_curved_none; /* all 0: of polygons */
+extern const struct orl_curved orl_curved_none; /* all 0: for polygons */
 
 struct orl_surface {
     enum orl_surface_kind kind;
-    bool has_places;  /* polygon of a mesh: orl_surface_places */
-    bool has_normals; /* polygon of a mesh: orl_surface_normals */
+    bool has_places;  /* polygon of a mesh that has (u, v): orl_surface_places */
+    bool has_normals; /* polygon of a mesh that has normals: orl_surface_normals */
     uint32_t material;
-    uint32_t modifier_order; /* of its modifier's definition among all: later ones are larger */
-    uint32_t n_vertices;     /* 0: no polygon, or one that others have cut away */
+    uint32_t modifier_order; /* rank of the modifier's definition in the files; later is larger */
+    uint32_t n_vertices;     /* 0: not a polygon, or one that other surfaces cut away completely */
     int line;
     char *name;
     const char *file;                   /* points into orl_description.files */
-    union {                             /* in orl_description.outlines */
+    union {                             /* allocated in orl_description.outlines */
         struct orl_vec3 *vertices;      /* polygon */
-        const struct orl_curved *round; /* the others; never NULL */
+        const struct orl_curved *round; /* all other kinds; never NULL */
     };
-    struct orl_vec3 normal; /* ring; for polygons the unit normal by Newell's method */
+    struct orl_vec3 normal; /* ring: as written; polygon: unit normal by Newell's method */
 };
 
-/* The coordinates (u, v) that a mesh gives each of a polygon's corners, for patterns; they lie
- * behind the vertices. */
+/* Returns the (u, v) coordinates of a mesh polygon's corners, for patterns; NULL if it has none.
+ * They lie behind the vertices. */
 static inline const double *orl_surface_places(const struct orl_surface *surface)
 {
     return surface->has_places ? (const double *)(surface->vertices + surface->n_vertices) : NULL;
 }
 
-/* The normals that a mesh gives each of a polygon's corners, unit or 0; they lie behind the places.
- */
+/* Returns the normals of a mesh polygon's corners, unit or 0; NULL if it has none. They lie behind
+ * the (u, v) coordinates. */
 static inline const struct orl_vec3 *orl_surface_normals(const struct orl_surface *surface)
 {
     const size_t places = surface->has_places ? 2 * sizeof(double) * surface->n_vertices : 0;
@@ -177,7 +187,7 @@ struct orl_distant {
     double angle_deg;          /* full opening angle, 0 < angle <= 360; 180: a hemisphere */
 };
 
-/* A sky or ground pattern as gendaylit and gensky write it: skybright in its two forms. */
+/* A sky or ground pattern as gendaylit and gensky write it: the two forms of skybright. */
 enum orl_sky_kind { ORL_SKY_PEREZ, ORL_SKY_CIE };
 
 struct orl_sky {
@@ -186,35 +196,35 @@ struct orl_sky {
     int n_args;
 };
 
-/* Two polygons in one place that face opposite ways: each is met from its front. */
+/* Two coincident polygons that face opposite ways: a ray hits each from its front. */
 struct orl_opposed {
     uint32_t surfaces[2];
 };
 
-/* Surfaces that stand in several places, and are kept once: as they stand in the first of them
- * (parse/repeats.h says which may). */
+/* Surfaces that are instanced, stored once as they stand in the first of their places
+ * (parse/repeats.h says which surfaces may be instanced). */
 struct orl_prototype {
-    struct orl_surface *surfaces; /* as orl_description's, and so are the labels */
+    struct orl_surface *surfaces; /* surfaces and labels have the meaning of orl_description's */
     size_t n_surfaces;
     struct orl_surface_labels *labels;
     struct orl_opposed *opposed; /* coincident.h */
     size_t n_opposed;
-    size_t prefix_bytes; /* of their names: what was read there put that before them */
-    bool varied;         /* they have patterns or textures, which are where the first of them is */
+    size_t prefix_bytes; /* length of the prefix that the first place gave their names */
+    bool varied;         /* has patterns or textures, which are evaluated in the first place */
 };
 
-/* One of those places (placements.h). */
+/* One instance of a prototype (placements.h). */
 struct orl_placement {
     uint32_t prototype;
-    struct orl_xform xform; /* of the prototype's surfaces */
-    const char *name;       /* of all its surfaces, a mesh's; NULL: they have their own */
-    const char *prefix;     /* goes before those, with its full stop; both in the arena */
-    size_t before;          /* so many of the surfaces come before it */
-    size_t main_file;       /* of those that the caller named */
+    struct orl_xform xform; /* from the prototype's surfaces to this place */
+    const char *name;       /* name of all its surfaces (a mesh); NULL: they have their own */
+    const char *prefix;     /* prefix of their names, with its full stop; both in the arena */
+    size_t before;          /* number of description surfaces that come before it in the files */
+    size_t main_file;       /* index among the files that the caller named */
 };
 
-/* A file that was read, and a name under which none was found: the scene's own, or the library's.
- */
+/* A file that was read; a name under which no file was found. library: it belongs to the library,
+ * not to the scene. */
 struct orl_file_read {
     unsigned char content[32]; /* its SHA-256 */
     bool library;
@@ -227,10 +237,10 @@ struct orl_file_missed {
 struct orl_description {
     struct orl_material *materials;
     size_t n_materials;
-    struct orl_surface *surfaces; /* NULL: let go */
+    struct orl_surface *surfaces; /* NULL once orl_description_let_go has freed them */
     size_t n_surfaces;
-    struct orl_surface_labels *labels; /* what is told of them then; before, NULL */
-    struct orl_opposed *opposed;       /* coincident.h; let go, too */
+    struct orl_surface_labels *labels; /* set by orl_description_let_go; NULL before */
+    struct orl_opposed *opposed;       /* coincident.h; NULL after orl_description_let_go */
     size_t n_opposed;
     struct orl_prototype *prototypes;
     size_t n_prototypes;
@@ -242,40 +252,42 @@ struct orl_description {
     size_t n_skies;
     struct orl_pattern **patterns;
     size_t n_patterns;
-    struct orl_grid **grids; /* what patterns interpolate: each file once (grid/grid.h) */
+    struct orl_grid **grids; /* grids that patterns interpolate, one per file (grid/grid.h) */
     size_t n_grids;
-    size_t n_undefined; /* patterns that have no value somewhere (material/pattern.h) */
+    size_t n_undefined; /* number of patterns without a value at some place (material/pattern.h) */
     char **files;       /* names of all files read, in order of first use */
     size_t n_files;
-    struct orl_file_read *read;     /* each of them; in the arena */
-    struct orl_file_missed *missed; /* what else was looked for; in the arena */
+    struct orl_file_read *read;     /* content of each file; in the arena */
+    struct orl_file_missed *missed; /* names that were looked for in vain; in the arena */
     size_t n_missed;                /* SIZE_MAX: too many to be listed */
-    size_t n_main;          /* the first n_main of them were named by the caller as scene text */
-    size_t *first_surfaces; /* of each name that the caller gave; in the arena */
+    size_t n_main; /* number of leading files that the caller named as scene text */
+    /* index of the first surface of each name that the caller gave; in the arena */
+    size_t *first_surfaces;
     size_t n_first_surfaces;
-    bool settled;             /* of two in one place one is met (light/scene.h), and ... */
-    uint64_t n_read;          /* ... so many surfaces there were in the files */
+    bool settled;             /* coincident surfaces have been resolved (light/scene.h) */
+    uint64_t n_read;          /* if settled: number of surfaces in the files */
     uint64_t n_degenerate;    /* polygons dropped: zero area or fewer than three distinct corners */
     unsigned char digest[32]; /* SHA-256 over length and content of all files read, in order */
     char **warnings;
     size_t n_warnings;
-    struct orl_arena *arena;     /* holds the strings above, but for surfaces' names */
-    struct orl_arena *outlines;  /* these, vertices, and what is round; NULL: let go */
-    struct orl_sealed_file file; /* in place of outlines, where it was kept (keep/keep.h) */
-    const atomic_bool *cancel;   /* heard while geometry is built from this; NULL: nothing */
+    struct orl_arena *arena; /* holds the strings above, except surface names */
+    /* holds surface names, vertices and orl_curved; NULL after orl_description_let_go */
+    struct orl_arena *outlines;
+    struct orl_sealed_file file; /* mapped cache file that replaces outlines (keep/keep.h) */
+    const atomic_bool *cancel;   /* cancel flag, polled while geometry is built; may be NULL */
 };
 
-/* Adds a copy of the text to the warnings; without memory for it nothing happens. */
+/* Adds a copy of the text to the warnings; does nothing if out of memory. */
 void orl_description_warn(struct orl_description *description, const char *text);
 
 /*
- * Frees the surfaces, but for their labels, which it makes; n_surfaces stays. Where some are a
- * mesh's that has normals or places of its own, which patterns ask for, surfaces stay.
+ * Frees the surfaces, but makes their labels first; n_surfaces stays. Keeps the surfaces if some
+ * belong to a mesh with normals or (u, v) coordinates, which patterns read. Returns 0 or
  * ORL_ERR_NOMEM.
  */
 int orl_description_let_go(struct orl_description *description);
 
-/* Frees what it owns; NULL and half-filled are fine. */
+/* Frees everything the description owns; accepts NULL and half-filled ones. */
 void orl_description_done(struct orl_description *description);
 
 #endif

@@ -1,5 +1,5 @@
-/* What is to be said about a scene; apart from the rest of description.h, for patterns say such
- * things and a description frees patterns. */
+/* Warnings of a description. A file apart from description.c because patterns add warnings, and a
+ * description frees patterns. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -17,7 +17,7 @@ uint64_t orl_description_count_surfaces(const struct orl_description *descriptio
     return n;
 }
 
-/* What of a surface's name is its own. */
+/* Returns the part of a surface's name behind the prototype's prefix. */
 static const char *own_name(const struct orl_description *d, const struct orl_placement *placement,
                             const char *name)
 {
@@ -37,7 +37,8 @@ bool orl_placement_has_name(const struct orl_description *description,
 
 /* ---- One surface ----------------------------------------------------------------------------- */
 
-/* The linear part is orthogonal but for its scale. */
+/* The linear part is orthogonal up to its scale, so its inverse is the transpose over scale
+ * squared. */
 struct orl_xform orl_xform_inverse(const struct orl_xform *x)
 {
     const double by = 1 / (x->scale * x->scale);
@@ -84,7 +85,8 @@ enum orl_surface_kind orl_xform_kind(const struct orl_xform *xform, enum orl_sur
     return xform->inverted ? inverse[kind] : kind;
 }
 
-/* Corners, and the places of a mesh behind them: backwards where the front would change sides. */
+/* Transforms the corners and the (u, v) coordinates behind them; reverses their order if the front
+ * would change sides. */
 static bool place_polygon(const struct orl_xform *xform, struct orl_surface *surface,
                           struct orl_arena *arena)
 {
@@ -133,17 +135,17 @@ static bool name_surface(const struct orl_description *d, const struct orl_place
     return true;
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- Expansion ------------------------------------------------------------------------------- */
 
 struct expansion {
     struct orl_description *d;
-    size_t *places; /* of each prototype that is expanded; 0: it is not */
+    size_t *places; /* by prototype: number of its places if it is expanded, else 0 */
     struct orl_surface *surfaces;
     size_t n;
-    size_t placement, file, kept; /* those that are next; and places that stay */
+    size_t placement, file, kept; /* next placement, next file; number of placements that stay */
 };
 
-/* Adds the surfaces of one place behind those that there are. */
+/* Appends the surfaces of one place. */
 static bool expand_one(struct expansion *e, const struct orl_placement *placement)
 {
     const struct orl_prototype *const prototype = &e->d->prototypes[placement->prototype];
@@ -170,7 +172,7 @@ static bool take_place(struct expansion *e)
     return true;
 }
 
-/* Where surfaces, places and the beginnings of files meet: those of earlier files come first. */
+/* Processes the placements and file starts at a surface index, those of earlier files first. */
 static bool merge_at(struct expansion *e, size_t index)
 {
     const struct orl_description *const d = e->d;
@@ -189,7 +191,7 @@ static bool merge_at(struct expansion *e, size_t index)
     }
 }
 
-static bool merge(struct expansion *e)
+static bool merge_surfaces(struct expansion *e)
 {
     for (size_t i = 0; i <= e->d->n_surfaces; i++) {
         if (!merge_at(e, i))
@@ -201,7 +203,7 @@ static bool merge(struct expansion *e)
 }
 
 /* Drops the prototypes that have been expanded. */
-static void drop(struct expansion *e)
+static void drop_prototypes(struct expansion *e)
 {
     struct orl_description *const d = e->d;
     size_t kept = 0;
@@ -211,7 +213,7 @@ static void drop(struct expansion *e)
             free(d->prototypes[i].opposed);
             continue;
         }
-        e->places[i] = kept; /* from here on its number */
+        e->places[i] = kept; /* from here on the new index of the prototype */
         d->prototypes[kept++] = d->prototypes[i];
     }
     for (size_t i = 0; i < e->kept; i++)
@@ -220,8 +222,8 @@ static void drop(struct expansion *e)
     d->n_placements = e->kept;
 }
 
-/* Surfaces of all that is expanded. */
-static uint64_t choose(struct expansion *e, size_t fewer_than)
+/* Chooses the prototypes to expand and returns the number of surfaces that this adds. */
+static uint64_t choose_prototypes(struct expansion *e, size_t fewer_than)
 {
     const struct orl_description *const d = e->d;
     uint64_t n = 0;
@@ -234,7 +236,7 @@ static uint64_t choose(struct expansion *e, size_t fewer_than)
     return n;
 }
 
-static int expand(struct expansion *e, uint64_t more, struct orl_error *err)
+static int expand_chosen(struct expansion *e, uint64_t more, struct orl_error *err)
 {
     struct orl_description *const d = e->d;
     const uint64_t n = d->n_surfaces + more;
@@ -244,14 +246,14 @@ static int expand(struct expansion *e, uint64_t more, struct orl_error *err)
                              "are allowed where instances are not kept once",
                              (unsigned long long)n, ORL_LIMIT_SURFACES);
     e->surfaces = malloc((n + 1) * sizeof *e->surfaces);
-    if (!e->surfaces || !merge(e)) {
+    if (!e->surfaces || !merge_surfaces(e)) {
         free(e->surfaces);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the scene");
     }
     free(d->surfaces);
     d->surfaces = e->surfaces;
     d->n_surfaces = e->n;
-    drop(e);
+    drop_prototypes(e);
     return 0;
 }
 
@@ -275,8 +277,8 @@ int orl_placements_expand(struct orl_description *description, size_t fewer_than
                           .places = calloc(description->n_prototypes, sizeof *e.places)};
     if (!e.places)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the scene");
-    const uint64_t more = choose(&e, fewer_than);
-    const int code = more > 0 ? expand(&e, more, err) : 0;
+    const uint64_t more = choose_prototypes(&e, fewer_than);
+    const int code = more > 0 ? expand_chosen(&e, more, err) : 0;
     free(e.places);
     return code;
 }

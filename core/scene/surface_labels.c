@@ -6,20 +6,21 @@
 #include "base/grow.h"
 
 /*
- * Labels lie one after the other: a name with its NUL, and by how much its line differs from the
- * one before, the first of a row from 0. Seven bits a byte, the lowest first and the sign before
- * them; the highest bit says that there are more.
+ * Labels are packed one after the other: the name with its NUL, then the difference of its line to
+ * the previous one's; each row starts from line 0. A difference has its sign in the lowest bit,
+ * then the magnitude: seven bits a byte, lowest first. The highest bit of a byte is set if more
+ * follow.
  */
 enum { ROW = 16, MOST_LINE_BYTES = 5 };
 
 struct stretch {
-    size_t first; /* surface of that file */
+    size_t first; /* first surface of the file */
     const char *file;
 };
 
 struct orl_surface_labels {
     unsigned char *packed;
-    size_t *rows; /* where each begins */
+    size_t *rows; /* offset at which each row begins */
     struct stretch *stretches;
     size_t bytes, n, n_stretches;
 };
@@ -45,7 +46,7 @@ static const unsigned char *read_step(const unsigned char *from, int64_t *ret_st
     return from;
 }
 
-static void pack(struct orl_surface_labels *labels, const struct orl_surface *surfaces)
+static void pack_labels(struct orl_surface_labels *labels, const struct orl_surface *surfaces)
 {
     unsigned char *to = labels->packed;
     for (size_t i = 0; i < labels->n; i++) {
@@ -59,7 +60,7 @@ static void pack(struct orl_surface_labels *labels, const struct orl_surface *su
     labels->bytes = (size_t)(to - labels->packed);
 }
 
-static bool note_files(struct orl_surface_labels *labels, const struct orl_surface *surfaces)
+static bool record_files(struct orl_surface_labels *labels, const struct orl_surface *surfaces)
 {
     size_t room = 0;
     for (size_t i = 0; i < labels->n; i++) {
@@ -83,11 +84,11 @@ struct orl_surface_labels *orl_surface_labels_new(const struct orl_surface *surf
         most += strlen(surfaces[i].name) + 1 + MOST_LINE_BYTES;
     labels->packed = malloc(most);
     labels->rows = malloc((n / ROW + 1) * sizeof *labels->rows);
-    if (!labels->packed || !labels->rows || !note_files(labels, surfaces)) {
+    if (!labels->packed || !labels->rows || !record_files(labels, surfaces)) {
         orl_surface_labels_free(labels);
         return NULL;
     }
-    pack(labels, surfaces);
+    pack_labels(labels, surfaces);
     unsigned char *const fit = realloc(labels->packed, labels->bytes + 1);
     if (fit)
         labels->packed = fit;

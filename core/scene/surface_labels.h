@@ -1,6 +1,6 @@
 /*
- * What is told of surfaces once they are geometry: their names, and where they stand in the files.
- * Packed, for there may be millions: asking for one reads those of a few surfaces before it.
+ * Names, files and lines of surfaces, kept for messages after geometry is built. They are packed,
+ * because there may be millions: a query reads the labels of a few surfaces before it.
  */
 #ifndef ORL_SCENE_SURFACE_LABELS_H
 #define ORL_SCENE_SURFACE_LABELS_H
@@ -17,7 +17,7 @@ struct orl_surface_label {
 struct orl_surface_labels *orl_surface_labels_new(const struct orl_surface *surfaces, size_t n);
 void orl_surface_labels_free(struct orl_surface_labels *labels); /* NULL is allowed */
 
-/* The label is good for as long as the labels are. */
+/* The label stays valid as long as the labels do. */
 struct orl_surface_label orl_surface_label_of(const struct orl_surface_labels *labels,
                                               size_t surface);
 

@@ -20,7 +20,7 @@ static bool find_material(const struct orl_description *d, const char *name, uin
     return false;
 }
 
-/* A plastic that reflects nothing: what surfaces modified by void are is another matter. */
+/* Adds a plastic that reflects nothing. Surfaces modified by void are treated differently. */
 static int add_black(struct orl_description *d, uint32_t *ret_index)
 {
     struct orl_material *grown = realloc(d->materials, (d->n_materials + 1) * sizeof *grown);
@@ -40,13 +40,13 @@ static int add_black(struct orl_description *d, uint32_t *ret_index)
 
 /* ---- Surfaces -------------------------------------------------------------------------------- */
 
-/* A name, and whether a surface has it. */
+/* A name in a swap; met: some surface has it. */
 struct wanted {
     const char *name;
     bool met;
 };
 
-static int compare(const void *a, const void *b)
+static int compare_names(const void *a, const void *b)
 {
     return strcmp(((const struct wanted *)a)->name, ((const struct wanted *)b)->name);
 }
@@ -54,7 +54,7 @@ static int compare(const void *a, const void *b)
 static bool is_wanted(struct wanted *names, size_t n, const char *name)
 {
     const struct wanted key = {.name = name};
-    struct wanted *found = name ? bsearch(&key, names, n, sizeof *names, compare) : NULL;
+    struct wanted *found = name ? bsearch(&key, names, n, sizeof *names, compare_names) : NULL;
     if (found)
         found->met = true;
     return found != NULL;
@@ -63,12 +63,13 @@ static bool is_wanted(struct wanted *names, size_t n, const char *name)
 struct swapping {
     struct orl_description *description;
     const struct orl_swaps *swaps;
-    uint32_t *modifier; /* of each surface, as it was written */
-    uint32_t *swap_of;  /* of each surface, and one more; 0: none */
+    uint32_t *modifier; /* material of each surface as written in the files */
+    uint32_t *swap_of;  /* index + 1 of each surface's swap; 0: none */
     struct orl_error *err;
 };
 
-/* As files are read: up must not be the pane's normal. */
+/* Returns ORL_ERR_RANGE if a BSDF's up vector is parallel to the surface normal, as the parser
+ * does. */
 static int check_up(const struct orl_surface *surface, const struct orl_material *m,
                     struct orl_error *err)
 {
@@ -83,7 +84,7 @@ static int check_up(const struct orl_surface *surface, const struct orl_material
     return ORL_ERR_RANGE;
 }
 
-static int give_one(const struct swapping *s, size_t which, size_t i, uint32_t material)
+static int assign_to_surface(const struct swapping *s, size_t which, size_t i, uint32_t material)
 {
     struct orl_description *d = s->description;
     const struct orl_swap *swap = &s->swaps->at[which];
@@ -98,8 +99,9 @@ static int give_one(const struct swapping *s, size_t which, size_t i, uint32_t m
     return check_up(&d->surfaces[i], &d->materials[material], s->err);
 }
 
-/* names: those of the swap, sorted. */
-static int give(const struct swapping *s, size_t which, struct wanted *names, uint32_t material)
+/* names: the names of the swap, sorted. */
+static int assign_material(const struct swapping *s, size_t which, struct wanted *names,
+                           uint32_t material)
 {
     const struct orl_description *d = s->description;
     const size_t n = s->swaps->at[which].n_names;
@@ -107,7 +109,7 @@ static int give(const struct swapping *s, size_t which, struct wanted *names, ui
     for (size_t i = 0; i < d->n_surfaces && code == 0; i++) {
         const bool named = is_wanted(names, n, d->surfaces[i].name);
         if (is_wanted(names, n, d->materials[s->modifier[i]].name) || named)
-            code = give_one(s, which, i, material);
+            code = assign_to_surface(s, which, i, material);
     }
     for (size_t i = 0; i < n && code == 0; i++)
         if (!names[i].met)
@@ -130,7 +132,7 @@ static int find_new(const struct swapping *s, const struct orl_swap *swap, uint3
     return 0;
 }
 
-static int apply(const struct swapping *s, size_t which)
+static int apply_swap(const struct swapping *s, size_t which)
 {
     const struct orl_swap *swap = &s->swaps->at[which];
     uint32_t material = 0;
@@ -142,13 +144,13 @@ static int apply(const struct swapping *s, size_t which)
         return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < swap->n_names; i++)
         names[i].name = swap->names[i];
-    qsort(names, swap->n_names, sizeof *names, compare);
-    code = give(s, which, names, material);
+    qsort(names, swap->n_names, sizeof *names, compare_names);
+    code = assign_material(s, which, names, material);
     free(names);
     return code;
 }
 
-/* ---- Parts ----------------------------------------------------------------------------------- */
+/* ---- Window groups --------------------------------------------------------------------------- */
 
 int orl_material_part(struct orl_description *d, uint32_t material, uint32_t part,
                       uint32_t *ret_index)
@@ -166,8 +168,8 @@ int orl_material_part(struct orl_description *d, uint32_t material, uint32_t par
     return 0;
 }
 
-/* own: of each material the copy that the part has, or UINT32_MAX. */
-static int part_one(struct orl_description *d, size_t surface, uint32_t part, uint32_t *own)
+/* own: for each material, its copy in this part, or UINT32_MAX. */
+static int assign_part(struct orl_description *d, size_t surface, uint32_t part, uint32_t *own)
 {
     uint32_t *material = &d->surfaces[surface].material;
     const int code =
@@ -186,8 +188,8 @@ static bool is_of_files(const struct orl_swap *swap, const struct orl_descriptio
            (end == n_names || surface < d->first_surfaces[end]);
 }
 
-/* Materials that there were before: copies are of those. */
-static int part_all(const struct swapping *s, size_t n_names)
+/* Copies only the materials that existed before: `n` excludes the copies. */
+static int assign_parts(const struct swapping *s, size_t n_names)
 {
     struct orl_description *d = s->description;
     const size_t n = d->n_materials;
@@ -198,13 +200,13 @@ static int part_all(const struct swapping *s, size_t n_names)
         for (size_t i = 0; i < d->n_surfaces && code == 0; i++)
             if (s->swap_of[i] == k + 1 ||
                 (s->swap_of[i] == 0 && is_of_files(&s->swaps->at[k], d, n_names, i)))
-                code = part_one(d, i, (uint32_t)k + 1, own);
+                code = assign_part(d, i, (uint32_t)k + 1, own);
     }
     free(own);
     return code < 0 ? orl_error_set(s->err, code, "out of memory") : 0;
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- Entry points ---------------------------------------------------------------------------- */
 
 static bool is_named(const struct orl_swap *swap, const struct orl_description *d,
                      const struct orl_placement *placement, const struct orl_surface *surface)
@@ -217,9 +219,9 @@ static bool is_named(const struct orl_swap *swap, const struct orl_description *
     return false;
 }
 
-/* Whether a swap is about what stands there, and is kept once. */
-static bool is_about(const struct orl_swap *swap, const struct orl_description *d,
-                     const struct orl_placement *placement)
+/* Returns true if a swap concerns the surfaces of an instance. */
+static bool concerns_placement(const struct orl_swap *swap, const struct orl_description *d,
+                               const struct orl_placement *placement)
 {
     const struct orl_prototype *const prototype = &d->prototypes[placement->prototype];
     if (placement->main_file >= swap->first_file &&
@@ -231,13 +233,13 @@ static bool is_about(const struct orl_swap *swap, const struct orl_description *
     return false;
 }
 
-/* What one place is to have must not be had by the others. */
-static int part_places(const struct orl_swaps *swaps, struct orl_description *d,
-                       struct orl_error *err)
+/* Expands all instances if a swap concerns one of them, so that it does not change the others. */
+static int expand_affected(const struct orl_swaps *swaps, struct orl_description *d,
+                           struct orl_error *err)
 {
     for (size_t i = 0; i < swaps->count; i++)
         for (size_t k = 0; k < d->n_placements; k++)
-            if (is_about(&swaps->at[i], d, &d->placements[k]))
+            if (concerns_placement(&swaps->at[i], d, &d->placements[k]))
                 return orl_placements_expand(d, ORL_ALL_PLACES, err);
     return 0;
 }
@@ -245,7 +247,7 @@ static int part_places(const struct orl_swaps *swaps, struct orl_description *d,
 int orl_swaps_apply(const struct orl_swaps *swaps, size_t n_names, struct orl_description *d,
                     struct orl_error *err)
 {
-    const int parted = part_places(swaps, d, err);
+    const int parted = expand_affected(swaps, d, err);
     if (parted < 0)
         return parted;
     struct swapping s = {.description = d,
@@ -259,9 +261,9 @@ int orl_swaps_apply(const struct orl_swaps *swaps, size_t n_names, struct orl_de
     for (size_t i = 0; s.modifier && i < d->n_surfaces; i++)
         s.modifier[i] = d->surfaces[i].material;
     for (size_t i = 0; i < swaps->count && code == 0; i++)
-        code = apply(&s, i);
+        code = apply_swap(&s, i);
     if (code == 0 && swaps->parted)
-        code = part_all(&s, n_names);
+        code = assign_parts(&s, n_names);
     free(s.modifier);
     free(s.swap_of);
     return code;

@@ -18,14 +18,15 @@ static bool is_blank(char c)
     return c == ' ' || (c >= '\t' && c <= '\r');
 }
 
-/* Nobody escapes these: a backslash before one of them is of a path written on Windows. */
-static bool is_of_name(char c)
+/* Returns true for characters that are never escaped: a backslash before one of them belongs to a
+ * Windows path. */
+static bool is_name_character(char c)
 {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
            c == '.';
 }
 
-static int refuse(struct orl_error *err, char c)
+static int refuse_character(struct orl_error *err, char c)
 {
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command needs a shell ('%c'), and none is started",
                   c);
@@ -33,8 +34,8 @@ static int refuse(struct orl_error *err, char c)
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* Copies one word to *to without its quotes, and moves *line behind it. Of a formula '*' is a sign:
- * a shell leaves it as it is, for no file is named like that. */
+/* Copies one word to *to without its quotes, and moves *line behind it. In a formula '*' is
+ * allowed: a shell leaves it unchanged, because no file has such a name. */
 static int copy_word(const char **line, char **to, bool formula, struct orl_error *err)
 {
     const char *at = *line;
@@ -45,11 +46,11 @@ static int copy_word(const char **line, char **to, bool formula, struct orl_erro
             continue;
         }
         if (quote != '\'' && strchr("$`", *at))
-            return refuse(err, *at);
+            return refuse_character(err, *at);
         if (!quote && !(formula && *at == '*') &&
             (strchr(";&<>*?[]{}()", *at) || (*to == start && *at == '~')))
-            return refuse(err, *at);
-        if (*at == '\\' && quote != '\'' && at[1] && !is_of_name(at[1]))
+            return refuse_character(err, *at);
+        if (*at == '\\' && quote != '\'' && at[1] && !is_name_character(at[1]))
             at++;
         *(*to)++ = *at;
     }
@@ -96,7 +97,7 @@ int orl_command_split(struct orl_command *command, const char *line, struct orl_
     for (const char *at = line; code == 0;) {
         while (is_blank(*at))
             at++;
-        if (*at == '\0' || *at == '#') /* a shell's comment: to the end of the line */
+        if (*at == '\0' || *at == '#') /* a shell's comment: up to the end of the line */
             break;
         if (*at == '|') {
             code = end_stage(command, err);

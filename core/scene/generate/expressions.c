@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Steps of expressions that all places of one command may take. */
+/* Limit of expression steps over all places of one command. */
 #define OPERATIONS_MAX (100UL << 20)
 
 int orl_expressions_begin(struct orl_generator_expressions *expressions, const char *const *inputs,
@@ -23,7 +23,7 @@ void orl_expressions_done(struct orl_generator_expressions *expressions)
     orl_function_scratch_free(expressions->scratch);
 }
 
-/* A file as it is found, or one of our own of that name. */
+/* Reads definitions from a file among the scene's, or from the built-in file of that name. */
 static int define_file(struct orl_functions *functions, const char *name,
                        const struct orl_generator_files *files, struct orl_error *err)
 {

@@ -1,6 +1,6 @@
 /*
- * What genrev, genworm and gensurf share: definitions of the command (-e) and of files (-f), in
- * Radiance's function language (function/function.h), and expressions over them.
+ * Shared by genrev, genworm and gensurf: definitions in the command (-e) and in files (-f), in
+ * Radiance's function language (function/function.h), and expressions that use them.
  */
 #ifndef ORL_SCENE_GENERATE_EXPRESSIONS_H
 #define ORL_SCENE_GENERATE_EXPRESSIONS_H
@@ -15,27 +15,28 @@ struct orl_generator_expressions {
     size_t n;
 };
 
-/* Inputs by name. Pass it to orl_expressions_done, whatever comes of it. */
+/* Starts with named inputs. Requires orl_expressions_done in every case. */
 int orl_expressions_begin(struct orl_generator_expressions *expressions, const char *const *inputs,
                           size_t n_inputs, struct orl_error *err);
 void orl_expressions_done(struct orl_generator_expressions *expressions);
 
-/* What follows an option -e or -f, which is the last word that was read; other options are no
- * options. */
+/* Handles an option -e or -f, which is the last word read; fails for other options. */
 int orl_expressions_define(struct orl_generator_expressions *expressions, const char *option,
                            struct orl_words *words, const struct orl_generator_files *files,
                            struct orl_error *err);
 
-/* A word that is a number, or an expression of one: rounded, 1 to most. what: what it counts. */
+/* Reads a word that is a number or an expression, rounded, 1 to most. what: the counted thing, for
+ * messages. */
 int orl_expressions_count(struct orl_generator_expressions *expressions, const char *word,
                           const char *what, const char *program, int most, int *ret_count,
                           struct orl_error *err);
 
-/* To be evaluated at no more than so many places, which share the steps that a command may take. */
+/* Compiles expressions for evaluation at up to `places` places, which share the limit of steps of a
+ * command. */
 int orl_expressions_compile(struct orl_generator_expressions *expressions, const char *const *texts,
                             size_t n, size_t places, struct orl_error *err);
 
-/* Their values at one place; ORL_ERR_RANGE unless all are finite. */
+/* Returns the values at one place; ORL_ERR_RANGE unless all are finite. */
 int orl_expressions_at(const struct orl_generator_expressions *expressions, const double *inputs,
                        double *ret_values, struct orl_error *err);
 

@@ -1,6 +1,6 @@
 /*
- * genblinds: slats one above the other, each a rectangle or, bent about a line along it, as many as
- * keep the bend between two at no more than three degrees.
+ * genblinds: slats one above the other. Each is a rectangle or, if bent about a line along it, so
+ * many rectangles that two meet at no more than three degrees.
  */
 #include <stdio.h>
 #include <string.h>
@@ -13,10 +13,10 @@ struct blinds {
     const char *material, *name;
     double depth, width, height, angle_rad;
     int slats;
-    double radius; /* of the bend: positive with its middle up, negative with it down, 0: flat */
-    int parts;     /* of a slat */
+    double radius; /* bend radius: positive with the middle up, negative with it down; 0: flat */
+    int parts;     /* number of rectangles in a slat */
     double x[PARTS_MAX][2],
-        z[PARTS_MAX][2]; /* of the two long sides of each, from the slat's edge */
+        z[PARTS_MAX][2]; /* long sides of each rectangle, from the slat's edge */
 };
 
 static int read_words(struct blinds *blinds, struct orl_words *words, struct orl_error *err)
@@ -49,8 +49,9 @@ static int read_words(struct blinds *blinds, struct orl_words *words, struct orl
     return code;
 }
 
-/* From the edge at (x, z), the other long side of part k. */
-static void place(struct blinds *blinds, int k, double x, double z, double length, double slope_rad)
+/* Sets part k, from the edge at (x, z) to the other long side. */
+static void place_part(struct blinds *blinds, int k, double x, double z, double length,
+                       double slope_rad)
 {
     blinds->x[k][0] = x;
     blinds->z[k][0] = z;
@@ -58,8 +59,8 @@ static void place(struct blinds *blinds, int k, double x, double z, double lengt
     blinds->z[k][1] = length * sin(slope_rad) + z;
 }
 
-/* In the order of these sums and differences lie the zeros that the program prints. */
-static int bend(struct blinds *blinds, struct orl_error *err)
+/* The order of these sums and differences determines the signs of zeros that the program prints. */
+static int bend_slats(struct blinds *blinds, struct orl_error *err)
 {
     const double degree = ORL_PI / 180.0, step_deg = 3.0, r = fabs(blinds->radius);
     const double sweep = 2 * asin(blinds->depth / (2 * r));
@@ -78,7 +79,7 @@ static int bend(struct blinds *blinds, struct orl_error *err)
     for (int k = 0; k < blinds->parts; k++) {
         const double turn = k * degree * part_deg, at = up ? first - turn : first + turn;
         const double slope = up ? ORL_PI - first + turn - half : half - at;
-        place(blinds, k, side * r * cos(at) - x0, -side * r * sin(at) - z0, length, slope);
+        place_part(blinds, k, side * r * cos(at) - x0, -side * r * sin(at) - z0, length, slope);
     }
     return 0;
 }
@@ -105,9 +106,9 @@ int orl_genblinds(const char *const *words, size_t count, struct orl_text *text,
     struct orl_words rest = {"genblinds", words + 1, count - 1};
     int code = read_words(&blinds, &rest, err);
     if (code == 0 && blinds.radius != 0)
-        code = bend(&blinds, err);
+        code = bend_slats(&blinds, err);
     else
-        place(&blinds, 0, 0, 0, blinds.depth, blinds.angle_rad);
+        place_part(&blinds, 0, 0, 0, blinds.depth, blinds.angle_rad);
     for (int i = 1; i <= blinds.slats && code == 0; i++)
         add_slat(&blinds, i, text);
     return code;

@@ -34,7 +34,7 @@ static void add_box(struct orl_text *text, const struct orl_genbox *box)
             add_face(text, box, corners[i]);
 }
 
-static int refuse(const char *option, const char *hint, struct orl_error *err)
+static int refuse_option(const char *option, const char *hint, struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "genbox: option '%s' is not supported", option);
     orl_error_hint(err, "%s", hint);
@@ -59,12 +59,12 @@ static int read_option(struct orl_words *words, struct orl_genbox *box, int *seg
         enum { SEGMENTS_MAX = 256 };
         code = orl_words_int(words, option, 1, SEGMENTS_MAX, segments, err);
     } else if (strcmp(option, "-o") == 0) {
-        code = refuse(option, "it writes no scene text, but an OBJ file: leave it out", err);
+        code = refuse_option(option, "it writes no scene text, but an OBJ file: leave it out", err);
     } else if (strcmp(option, "-s") == 0) {
-        code = refuse(option,
-                      "leave it out: normals do not vary over a polygon, and more segments "
-                      "(-n) are as smooth",
-                      err);
+        code = refuse_option(option,
+                             "leave it out: normals do not vary over a polygon, and more segments "
+                             "(-n) are as smooth",
+                             err);
     } else {
         code = orl_error_set(err, ORL_ERR_SYNTAX, "genbox: '%.40s' is no option", option);
     }
@@ -99,7 +99,7 @@ int orl_genbox(const char *const *words, size_t count, struct orl_text *text, st
         code = read_option(&rest, &box, &segments, err);
     if (code < 0)
         return code;
-    /* From without, cylinders and spheres look round; from within they would stand in the way. */
+    /* Cylinders and spheres look right from outside only; from inside they would be in the way. */
     if (box.inverted && segments == 1)
         segments = 32;
     while (box.rounded && (1 << box.level) < segments)

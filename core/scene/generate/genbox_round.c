@@ -1,7 +1,7 @@
 /*
  * A box whose round edges are flat pieces: strips along the edges, and at the corners eighths of a
- * sphere, each cut into four triangles again and again. The program that this is after collects its
- * faces and lists them from the last to the first, numbered, without those of no area.
+ * sphere, each recursively divided into four triangles. As in Radiance's program, faces are
+ * collected and listed from the last to the first, numbered, without those of zero area.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,8 +18,8 @@ struct pieces {
     size_t n;
 };
 
-static void add(struct pieces *pieces, unsigned n, struct orl_vec3 a, struct orl_vec3 b,
-                struct orl_vec3 c, struct orl_vec3 d)
+static void add_piece(struct pieces *pieces, unsigned n, struct orl_vec3 a, struct orl_vec3 b,
+                      struct orl_vec3 c, struct orl_vec3 d)
 {
     pieces->items[pieces->n++] = (struct piece){{a, b, c, d}, n};
 }
@@ -29,7 +29,7 @@ static struct orl_vec3 along(unsigned axis, double length)
     return orl_v3(axis == 0 ? length : 0, axis == 1 ? length : 0, axis == 2 ? length : 0);
 }
 
-/* The way out of the box at right angles to an edge, as far as its radius. */
+/* Returns the vector out of the box perpendicular to an edge, of the radius' length. */
 static struct orl_vec3 outward(const struct orl_genbox *box, struct orl_vec3 point, unsigned axis)
 {
     const double at = axis == 0 ? point.x : axis == 1 ? point.y : point.z;
@@ -48,8 +48,8 @@ static void add_edge(struct pieces *pieces, const struct orl_genbox *box, const 
     for (unsigned i = 1; i <= n; i++) {
         const struct orl_vec3 now =
             orl_add(orl_scale(first, cos(step_rad * i)), orl_scale(last, sin(step_rad * i)));
-        add(pieces, 4, orl_add(from, before), orl_add(to, before), orl_add(to, now),
-            orl_add(from, now));
+        add_piece(pieces, 4, orl_add(from, before), orl_add(to, before), orl_add(to, now),
+                  orl_add(from, now));
         before = now;
     }
 }
@@ -59,20 +59,20 @@ static struct orl_vec3 middle(struct orl_vec3 a, struct orl_vec3 b)
     return orl_normalize(orl_add(a, b));
 }
 
-/* The part of a sphere between three directions. */
-static void add_part(struct pieces *pieces, struct orl_vec3 center, double radius,
-                     const struct orl_vec3 d[3], unsigned level)
+/* Adds the part of a sphere between three directions. */
+static void add_sphere_part(struct pieces *pieces, struct orl_vec3 center, double radius,
+                            const struct orl_vec3 d[3], unsigned level)
 {
     if (level == 0) {
-        add(pieces, 3, orl_madd(center, d[0], radius), orl_madd(center, d[1], radius),
-            orl_madd(center, d[2], radius), center);
+        add_piece(pieces, 3, orl_madd(center, d[0], radius), orl_madd(center, d[1], radius),
+                  orl_madd(center, d[2], radius), center);
         return;
     }
     const struct orl_vec3 m[3] = {middle(d[0], d[1]), middle(d[1], d[2]), middle(d[2], d[0])};
     for (unsigned i = 0; i < 3; i++)
-        add_part(pieces, center, radius, (struct orl_vec3[3]){d[i], m[i], m[(i + 2) % 3]},
-                 level - 1);
-    add_part(pieces, center, radius, m, level - 1);
+        add_sphere_part(pieces, center, radius, (struct orl_vec3[3]){d[i], m[i], m[(i + 2) % 3]},
+                        level - 1);
+    add_sphere_part(pieces, center, radius, m, level - 1);
 }
 
 static void add_end(struct pieces *pieces, const struct orl_genbox *box, char letter)
@@ -87,7 +87,7 @@ static void add_end(struct pieces *pieces, const struct orl_genbox *box, char le
         d[0] = d[1];
         d[1] = x;
     }
-    add_part(pieces, orl_box_corner(box, letter), box->bevel, d, box->level);
+    add_sphere_part(pieces, orl_box_corner(box, letter), box->bevel, d, box->level);
 }
 
 static double area(const struct piece *piece)
@@ -124,9 +124,10 @@ int orl_genbox_pieces(const struct orl_genbox *box, struct orl_text *text, struc
     if (!pieces.items)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < 6; i++)
-        add(&pieces, 4, orl_box_corner(box, orl_box_inset[i][0]),
-            orl_box_corner(box, orl_box_inset[i][1]), orl_box_corner(box, orl_box_inset[i][2]),
-            orl_box_corner(box, orl_box_inset[i][3]));
+        add_piece(&pieces, 4, orl_box_corner(box, orl_box_inset[i][0]),
+                  orl_box_corner(box, orl_box_inset[i][1]),
+                  orl_box_corner(box, orl_box_inset[i][2]),
+                  orl_box_corner(box, orl_box_inset[i][3]));
     for (size_t i = 0; i < 12; i++)
         add_edge(&pieces, box, orl_box_edges[i]);
     for (size_t i = 0; i < 8; i++)

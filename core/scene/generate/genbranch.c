@@ -1,6 +1,6 @@
 /*
  * genbranch: a branch of a fir tree. Each branch is a stick with shoots to its right and left,
- * which are branches themselves, down to leaves; a stick is a cone with a sphere at its tip.
+ * which are branches themselves, down to leaves. A stick is a cone with a sphere at its tip.
  */
 #include <stdio.h>
 #include <string.h>
@@ -9,7 +9,7 @@
 
 #include "scene/generate/solids.h"
 
-/* Sticks of one branch, and levels of branches on branches. */
+/* Limits: sticks of one branch, and nested levels of branches. */
 enum {
     STICKS_MAX = ORL_LIMIT_SURFACES < 500000 ? (int)ORL_LIMIT_SURFACES : 500000,
     LEVELS_MAX = 16
@@ -20,28 +20,28 @@ struct branch {
     struct orl_vec3 start, end;
     double radius, narrowing, ratio, variation;
     int shoots, levels;
-    uint64_t state; /* of its random numbers */
-    size_t sticks;  /* so far */
+    uint64_t state; /* state of its random number generator */
+    size_t sticks;  /* written so far */
     struct orl_text *text;
 };
 
-/* POSIX's drand48: x' = 25214903917 x + 11 modulo 2^48, from 0 as the C library starts. */
+/* POSIX's drand48: x' = 25214903917 x + 11 modulo 2^48, starting from 0 like the C library. */
 #define MULTIPLIER 25214903917U
 #define MODULUS ((uint64_t)1 << 48)
 
-static double draw(struct branch *branch)
+static double draw_random(struct branch *branch)
 {
     branch->state = (branch->state * MULTIPLIER + 11) % MODULUS;
     return (double)branch->state / (double)MODULUS;
 }
 
-static double spread(struct branch *branch)
+static double draw_variation(struct branch *branch)
 {
-    return branch->variation * (0.5 - draw(branch));
+    return branch->variation * (0.5 - draw_random(branch));
 }
 
-/* Passes over n numbers, by squaring. */
-static void skip(struct branch *branch, int n)
+/* Skips n random numbers, by repeated squaring. */
+static void skip_random(struct branch *branch, int n)
 {
     uint64_t a = MULTIPLIER, c = 11;
     for (; n > 0; n >>= 1) {
@@ -92,7 +92,7 @@ static int read_option(struct branch *branch, struct orl_words *words, struct or
     if (strcmp(option, "-s") != 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "genbranch: '%.40s' is no option", option);
     code = orl_words_int(words, option, 0, 2000000000, &seed, err);
-    skip(branch, seed);
+    skip_random(branch, seed);
     return code;
 }
 
@@ -130,22 +130,22 @@ static void add_stick(struct branch *branch, const char *material, struct orl_ve
 static void add_branch(struct branch *branch, struct orl_vec3 from, struct orl_vec3 to,
                        double radius, int level);
 
-/* A shoot to one side; which: from 1. Every draw has its place in the sequence. */
+/* Adds a shoot to one side; which: from 1. Every draw has a fixed position in the sequence. */
 static void add_shoot(struct branch *branch, struct orl_vec3 from, struct orl_vec3 to,
                       double radius, int level, int which, double side)
 {
     const struct orl_vec3 way = orl_sub(to, from);
-    double t = (which + spread(branch)) / (branch->shoots + 2);
+    double t = (which + draw_variation(branch)) / (branch->shoots + 2);
     struct orl_vec3 start, end;
     t = (t + sqrt(t)) / 2;
     start = orl_v3(way.x * t + from.x, way.y * t + from.y, way.z * t + from.z);
-    end.x = start.x + way.x * (1 + spread(branch)) / (branch->shoots + 2);
-    end.y = start.y + way.y * (1 + spread(branch)) / (branch->shoots + 2);
-    end.z = start.z + way.z * (1 + spread(branch)) / (branch->shoots + 2);
+    end.x = start.x + way.x * (1 + draw_variation(branch)) / (branch->shoots + 2);
+    end.y = start.y + way.y * (1 + draw_variation(branch)) / (branch->shoots + 2);
+    end.z = start.z + way.z * (1 + draw_variation(branch)) / (branch->shoots + 2);
     const double ratio = side * branch->ratio;
-    end.x += (to.z - start.z) * ratio * (1 + spread(branch));
-    end.y += (to.y - start.y) * branch->ratio * (1 + spread(branch));
-    end.z -= (to.x - start.x) * ratio * (1 + spread(branch));
+    end.x += (to.z - start.z) * ratio * (1 + draw_variation(branch));
+    end.y += (to.y - start.y) * branch->ratio * (1 + draw_variation(branch));
+    end.z -= (to.x - start.x) * ratio * (1 + draw_variation(branch));
     add_branch(branch, start, end,
                (1 - (1 - branch->narrowing) * t) * (1 + 2 * branch->ratio) / 3 * radius, level - 1);
 }

@@ -1,6 +1,6 @@
 /*
- * genclock: a clock of radius 1.1 about the x axis, which looks along it, with its materials. The
- * figures on its face are text, painted by a pattern.
+ * genclock: a clock of radius 1.1 about the x axis, facing along it, with its materials. The
+ * figures on its face are a text pattern.
  */
 #include <ctype.h>
 #include <string.h>
@@ -9,11 +9,11 @@
 #include "scene/generate/solids.h"
 
 struct clock {
-    const char *face, *case_, *name; /* materials: NULL for its own */
+    const char *face, *case_, *name; /* materials; NULL: the program's own */
     double hour;
 };
 
-/* "HH:MM", or hours with a fraction. */
+/* Reads "HH:MM", or hours with a fraction. */
 static int read_hour(const char *word, double *ret_hour, struct orl_error *err)
 {
     const size_t digits = strspn(word, "0123456789"), length = strlen(word);
@@ -88,7 +88,7 @@ static void add_body(const struct clock *clock, struct orl_text *text)
     add_ring(clock, "clock_face_paint", "face", ".05 0 0 1 0 0 0 1", text);
 }
 
-/* From tail to tip in the plane x, the first two corners at the tail. */
+/* Adds a hand from tail to tip in a plane of constant x; the first two corners are at the tail. */
 static void add_hand(const struct clock *clock, const char *part, double x, const double tail[2],
                      const double tip[2], double angle_rad, struct orl_text *text)
 {

@@ -15,7 +15,7 @@
 enum input { INPUT_PEREZ, INPUT_NORMAL_W, INPUT_NORMAL_LX, INPUT_HORIZONTAL_W, INPUT_GLOBAL_W };
 enum output { OUTPUT_VISIBLE = 0, OUTPUT_SOLAR = 1, OUTPUT_LUMEN = 2 };
 
-/* Extraterrestrial normal irradiance (W/m2) and illuminance (lx), as the program has them. */
+/* Extraterrestrial normal irradiance (W/m2) and illuminance (lx), with the program's values. */
 #define SOLAR_CONSTANT_W 1367.0
 #define SOLAR_CONSTANT_LX 127500.0
 #define HALF_SUN_DEG (0.5 * ORL_SUN_DIAMETER_DEG)
@@ -24,16 +24,17 @@ struct gendaylit {
     struct orl_location site;
     struct orl_moment moment;
     struct orl_sun_position sun;
-    const struct orl_sun_position *placed; /* where the caller has it; NULL: by the words */
+    const struct orl_sun_position *placed; /* sun position from the caller; NULL: from the words */
     bool by_angle, with_sun, cloudy, quiet;
     enum input input;
     enum output output;
-    double first, second; /* the numbers after -P, -W, -L, -G, -E */
+    double first, second; /* the numbers behind -P, -W, -L, -G, -E */
     double ground_reflectance, dew_point_c, interval_min;
-    /* found on the way */
+    /* results */
     struct orl_vec3 direction, true_direction;
-    double height;     /* sine of the altitude by which level and normal irradiance differ */
-    double zenith_deg; /* of the sun, at most 90 once the air mass is asked for */
+    /* sine of the altitude, for converting between horizontal and normal irradiance */
+    double height;
+    double zenith_deg; /* the sun's zenith angle; at most 90 after air_mass() */
     double clearness, brightness, water_cm;
     double direct_w, diffuse_w, direct_lx, diffuse_lx;
     struct orl_perez shape;
@@ -42,7 +43,7 @@ struct gendaylit {
 
 /* ---- Options --------------------------------------------------------------------------------- */
 
-/* The program reads "12:30" as 12, and so do we, aloud. */
+/* The program reads "12:30" as 12; so does this, with a warning. */
 static int read_hour(struct gendaylit *sky, const char *word, struct orl_text *text,
                      struct orl_error *err)
 {
@@ -94,7 +95,7 @@ static int read_output(struct gendaylit *sky, struct orl_words *words, struct or
     return code;
 }
 
-static int unknown(const char *option, struct orl_error *err)
+static int fail_unknown_option(const char *option, struct orl_error *err)
 {
     return orl_error_set(err, ORL_ERR_SYNTAX, "gendaylit: '%.40s' is no option", option);
 }
@@ -105,7 +106,7 @@ static int read_option(struct gendaylit *sky, struct orl_words *words, struct or
     double unused;
     words->left--;
     if ((option[0] != '-' && option[0] != '+') || option[1] == '\0' || option[2] != '\0')
-        return unknown(option, err);
+        return fail_unknown_option(option, err);
     switch (option[1]) {
     case 's':
         sky->with_sun = option[0] == '+';
@@ -146,7 +147,7 @@ static int read_option(struct gendaylit *sky, struct orl_words *words, struct or
         return read_input(sky, words, option, INPUT_GLOBAL_W, err);
     case 'R':
     case 't':
-    case 'b': /* accepted and without effect there, too */
+    case 'b': /* accepted without effect, as in the program */
         return orl_words_number(words, option, &unused, err);
     case 'C':
     case 'l':
@@ -154,13 +155,13 @@ static int read_option(struct gendaylit *sky, struct orl_words *words, struct or
                       option);
         return ORL_ERR_UNSUPPORTED;
     default:
-        return unknown(option, err);
+        return fail_unknown_option(option, err);
     }
 }
 
 /* ---- The sun --------------------------------------------------------------------------------- */
 
-/* Half the day's length in hours by the fitted declination; NaN in polar day and night. */
+/* Returns half the day's length in hours by the fitted declination; NaN in polar day and night. */
 static double half_day(const struct gendaylit *sky)
 {
     const int day = orl_day_of_year(sky->moment.month, sky->moment.day);
@@ -171,7 +172,7 @@ static double half_day(const struct gendaylit *sky)
 
 /*
  * Moves a time near sunrise or sunset into the middle of the interval's sunlit part (-i). Returns
- * false when the sun is down: the program then writes a black sky.
+ * false if the sun is down: the program then writes a black sky.
  */
 static bool sun_is_up(const struct gendaylit *sky, double *hour, struct orl_text *text)
 {
@@ -189,7 +190,7 @@ static bool sun_is_up(const struct gendaylit *sky, double *hour, struct orl_text
     return !(*hour < rise - margin || *hour > set + margin);
 }
 
-/* Returns false when the sky is to be black. */
+/* Returns false if the sky is black. */
 static bool place_sun(struct gendaylit *sky, struct orl_text *text)
 {
     const double highest = 87.0 * ORL_DEG_TO_RAD;
@@ -218,21 +219,22 @@ static bool place_sun(struct gendaylit *sky, struct orl_text *text)
     return up;
 }
 
-/* ---- From what was measured to clearness and brightness -------------------------------------- */
+/* ---- From measurements to clearness and brightness
+ * -------------------------------------------- */
 
 static double zenith_rad(const struct gendaylit *sky)
 {
     return sky->zenith_deg * ORL_DEG_TO_RAD;
 }
 
-/* Relative optical air mass; a sun below the horizon counts as on it, from then on. */
+/* Relative optical air mass. A sun below the horizon is moved to the horizon, permanently. */
 static double air_mass(struct gendaylit *sky)
 {
     sky->zenith_deg = fmin(sky->zenith_deg, 90.0);
     return 1.0 / (cos(zenith_rad(sky)) + 0.15 * pow(93.885 - sky->zenith_deg, -1.253));
 }
 
-/* Extraterrestrial normal irradiance: the distance from the sun varies over the year. */
+/* Extraterrestrial normal irradiance, with the annual variation of the sun's distance. */
 static double extraterrestrial(const struct gendaylit *sky)
 {
     const int day = sky->by_angle ? 0 : orl_day_of_year(sky->moment.month, sky->moment.day);
@@ -257,7 +259,7 @@ static void clamp_indices(struct gendaylit *sky)
         fmin(fmax(sky->brightness, ORL_PEREZ_BRIGHTNESS_MIN), ORL_PEREZ_BRIGHTNESS_MAX);
 }
 
-/* Perez 1990, equations 1 and 2. The order matters: the air mass limits the zenith angle. */
+/* Perez 1990, equations 1 and 2. The order matters: air_mass() limits the zenith angle. */
 static void find_brightness(struct gendaylit *sky)
 {
     sky->brightness = sky->diffuse_w * air_mass(sky) / extraterrestrial(sky);
@@ -310,9 +312,9 @@ static double direct_efficacy(const struct gendaylit *sky)
 }
 
 /*
- * Finds the irradiances that illuminances stand for. Efficacies depend on the answer, so nine
- * rounds are made, which is what the program makes, too: inside the model's range its test for an
- * early end never holds.
+ * Finds the irradiances for given illuminances. Efficacies depend on the result, so nine iterations
+ * are made. The program makes nine, too: within the model's range its test for an early end is
+ * never true.
  */
 static bool irradiance_from_illuminance(struct gendaylit *sky)
 {
@@ -337,7 +339,7 @@ static bool irradiance_from_illuminance(struct gendaylit *sky)
 
 /* ---- The sky --------------------------------------------------------------------------------- */
 
-/* Negative values become 0. Returns false, with the reason, for a sky that is to be black. */
+/* Clamps negative values to 0. Returns false, with a warning, if the sky is black. */
 static bool check_pair(const struct gendaylit *sky, double *direct, double *diffuse, double most,
                        const char *what, struct orl_text *text)
 {
@@ -397,7 +399,7 @@ static bool find_indices(struct gendaylit *sky, struct orl_text *text)
     return true;
 }
 
-/* Illuminances, for the outputs that need them. Returns false for a black sky. */
+/* Computes illuminances for the outputs that need them. Returns false for a black sky. */
 static bool find_illuminance(struct gendaylit *sky, struct orl_text *text)
 {
     if (orl_perez_bin(sky->clearness) < 0) {
@@ -411,7 +413,7 @@ static bool find_illuminance(struct gendaylit *sky, struct orl_text *text)
     return check_illuminance(sky, text);
 }
 
-/* The ground's share of zenith radiance, from the CIE sky that comes closest. */
+/* The ground's factor of zenith radiance, from the closest CIE sky. */
 static double ground_factor(const struct gendaylit *sky)
 {
     if (sky->clearness == 1.0)
@@ -431,7 +433,7 @@ static void find_radiances(struct gendaylit *sky, struct orl_text *text)
                          orl_perez_patch_integral(&sky->shape, z) / unit;
     sky->solar = (solar_output ? sky->direct_w : sky->direct_lx) / disc_sr / unit;
     if (sky->sun.altitude_rad <= -HALF_SUN_DEG * ORL_DEG_TO_RAD) {
-        /* The program lets it shine, from below. */
+        /* The program includes direct light from below the horizon. */
         if (sky->with_sun && sky->solar > 0)
             orl_text_warn(text, "gendaylit: the sun is below the horizon: its direct light is "
                                 "left out");
@@ -445,8 +447,8 @@ static void find_radiances(struct gendaylit *sky, struct orl_text *text)
     sky->ground *= sky->ground_reflectance;
 }
 
-/* From the options to radiances. Returns false for a black sky. */
-static bool solve(struct gendaylit *sky, struct orl_text *text)
+/* Computes radiances from the options. Returns false for a black sky. */
+static bool compute_sky(struct gendaylit *sky, struct orl_text *text)
 {
     if (sky->dew_point_c < -40 || sky->dew_point_c > 40)
         sky->dew_point_c = 10.97353115;
@@ -457,7 +459,7 @@ static bool solve(struct gendaylit *sky, struct orl_text *text)
     return true;
 }
 
-static void give_numbers(const struct gendaylit *sky, struct orl_sky_numbers *numbers)
+static void store_numbers(const struct gendaylit *sky, struct orl_sky_numbers *numbers)
 {
     const double *c = sky->shape.c;
     const struct orl_vec3 d = sky->direction;
@@ -470,7 +472,7 @@ static void give_numbers(const struct gendaylit *sky, struct orl_sky_numbers *nu
         .true_sun = sky->true_direction,
         .sun_radiance = sky->with_sun && sky->clearness > 1.0 ? sky->solar : 0.0,
         .sun_measured = sky->solar,
-        .black = c[1] > 0, /* grows without bound at the horizon */
+        .black = c[1] > 0, /* the formula diverges at the horizon */
         .no_gradation = c[1] > 0,
         .sun_angle_deg = 2.0 * HALF_SUN_DEG,
         .diffuse = sky->output == OUTPUT_SOLAR ? sky->diffuse_w : sky->diffuse_lx};
@@ -496,8 +498,8 @@ int orl_gendaylit_numbers(const char *const *words, size_t count,
         code = orl_error_set(err, ORL_ERR_RANGE, "gendaylit: the interval -i is negative");
     if (code < 0)
         return code;
-    if (solve(&sky, text))
-        give_numbers(&sky, ret_numbers);
+    if (compute_sky(&sky, text))
+        store_numbers(&sky, ret_numbers);
     else
         *ret_numbers = (struct orl_sky_numbers){.pattern = {.kind = ORL_SKY_PEREZ, .n_args = 10},
                                                 .black = true,

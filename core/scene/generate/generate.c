@@ -29,7 +29,7 @@ static bool make_room(struct orl_text *text, size_t more)
     return true;
 }
 
-/* Into the room there is; into what is needed, where that was too little. */
+/* Prints into the usual room first; grows it if the text is longer. */
 void orl_text_add(struct orl_text *text, const char *format, ...)
 {
     enum { USUAL = 512 };
@@ -70,8 +70,8 @@ void orl_text_warn(struct orl_text *text, const char *format, ...)
     va_end(args);
 }
 
-static int take(struct orl_words *words, const char *option, const char **ret_word,
-                struct orl_error *err)
+static int take_word(struct orl_words *words, const char *option, const char **ret_word,
+                     struct orl_error *err)
 {
     if (words->left == 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "%s: '%.40s' needs a number after it",
@@ -86,7 +86,7 @@ int orl_words_number(struct orl_words *words, const char *option, double *ret_va
 {
     const char *word = "";
     enum orl_number_fault fault;
-    int code = take(words, option, &word, err);
+    int code = take_word(words, option, &word, err);
     if (code < 0)
         return code;
     fault = orl_number_read(word, strlen(word), ret_value);
@@ -101,7 +101,7 @@ int orl_words_int(struct orl_words *words, const char *option, int low, int high
                   struct orl_error *err)
 {
     const char *word = "";
-    int value = 0, code = take(words, option, &word, err);
+    int value = 0, code = take_word(words, option, &word, err);
     if (code < 0)
         return code;
     if (orl_number_read_int(word, strlen(word), &value) != ORL_NUMBER_OK)

@@ -1,6 +1,6 @@
 /*
- * genprism: an outline in the plane z = 0, extruded. With -r its edges are rounded: its flat faces
- * are moved in by the radius, and cylinders and spheres fill what that leaves.
+ * genprism: an outline in the plane z = 0, extruded. With -r its edges are rounded: the flat faces
+ * are moved inwards by the radius, and cylinders and spheres fill the gaps.
  */
 #include <ctype.h>
 #include <stdio.h>
@@ -12,13 +12,13 @@
 #include "base/number.h"
 #include "scene/generate/solids.h"
 
-/* Lengths and shares below this are none. */
+/* Lengths and shares below this count as 0. */
 static const double tiny = 1e-6;
 
 struct corner {
     double x, y;
-    double back[2]; /* unit, towards the corner before */
-    double turn;    /* tangent of half the angle that the outline turns by, to the left positive */
+    double back[2]; /* unit, towards the previous corner */
+    double turn;    /* tangent of half the outline's turning angle, positive to the left */
 };
 
 struct prism {
@@ -26,7 +26,7 @@ struct prism {
     struct corner *corners;
     size_t n, room;
     struct orl_vec3 extrusion;
-    double radius; /* of edges; negative when extruded downwards; 0: sharp */
+    double radius; /* radius of edges; negative if extruded downwards; 0: sharp */
     bool open, bare;
 };
 
@@ -49,7 +49,7 @@ static int add_corner(struct prism *prism, double x, double y, struct orl_error 
     return 0;
 }
 
-/* The next two numbers of a file: 1, 0 at its end, or a negative error. */
+/* Reads the next two numbers of a file: returns 1, 0 at its end, or a negative error. */
 static int next_pair(const char **at, double pair[2], const char *name, struct orl_error *err)
 {
     for (int k = 0; k < 2; k++) {
@@ -143,17 +143,18 @@ static int read_option(struct prism *prism, struct orl_words *words, struct orl_
 
 /* ---- Sharp edges ----------------------------------------------------------------------------- */
 
-static struct orl_vec3 plain(const struct prism *prism, size_t i, bool top)
+static struct orl_vec3 sharp_corner(const struct prism *prism, size_t i, bool top)
 {
     const struct orl_vec3 at = orl_v3(prism->corners[i].x, prism->corners[i].y, 0);
     return top ? orl_add(at, prism->extrusion) : at;
 }
 
-/* A corner of the ends of a round prism: lifted above the lower end, or below the upper one. */
-static struct orl_vec3 moved(const struct prism *prism, size_t i, bool top, double lift)
+/* Returns a corner of the ends of a rounded prism, lifted above the lower end, or below the upper
+ * one. */
+static struct orl_vec3 rounded_corner(const struct prism *prism, size_t i, bool top, double lift)
 {
     const struct corner *c = &prism->corners[i];
-    const struct orl_vec3 foot = plain(prism, i, top);
+    const struct orl_vec3 foot = sharp_corner(prism, i, top);
     return orl_v3(foot.x + prism->radius * (c->turn * c->back[0] - c->back[1]),
                   foot.y + prism->radius * (c->turn * c->back[1] + c->back[0]),
                   top ? foot.z - lift : lift);
@@ -166,8 +167,8 @@ static void add_ends(const struct prism *prism, struct orl_text *text)
                           3 * prism->n);
         for (size_t k = 0; k < prism->n; k++) {
             const size_t i = top ? prism->n - 1 - k : k;
-            orl_text_add_point(text,
-                               prism->radius != 0 ? moved(prism, i, top, 0) : plain(prism, i, top));
+            orl_text_add_point(text, prism->radius != 0 ? rounded_corner(prism, i, top, 0)
+                                                        : sharp_corner(prism, i, top));
         }
         orl_text_add(text, "\n");
     }
@@ -186,8 +187,9 @@ static void add_quad(const struct prism *prism, size_t i, const struct orl_vec3 
 
 static void add_side(const struct prism *prism, size_t i, size_t next, struct orl_text *text)
 {
-    const struct orl_vec3 corners[4] = {plain(prism, i, false), plain(prism, i, true),
-                                        plain(prism, next, true), plain(prism, next, false)};
+    const struct orl_vec3 corners[4] = {sharp_corner(prism, i, false), sharp_corner(prism, i, true),
+                                        sharp_corner(prism, next, true),
+                                        sharp_corner(prism, next, false)};
     add_quad(prism, i, corners, text);
 }
 
@@ -198,7 +200,7 @@ static double side_of(const struct prism *prism)
     return prism->extrusion.z < 0 ? -1 : 1;
 }
 
-static int measure(struct prism *prism, struct orl_error *err)
+static int measure_corners(struct prism *prism, struct orl_error *err)
 {
     const size_t n = prism->n;
     for (size_t i = 0; i < n; i++) {
@@ -229,14 +231,14 @@ static int measure(struct prism *prism, struct orl_error *err)
     return 0;
 }
 
-/* Along the rim of an end: a cylinder an edge, and a sphere where the outline turns outwards. */
+/* Adds the rim of an end: a cylinder per edge, and a sphere where the outline is convex. */
 static void add_rim(const struct prism *prism, bool top, struct orl_text *text)
 {
     const double radius = side_of(prism) * prism->radius;
-    struct orl_vec3 before = moved(prism, prism->n - 1, top, prism->radius);
+    struct orl_vec3 before = rounded_corner(prism, prism->n - 1, top, prism->radius);
     char part[24];
     for (size_t i = 0; i < prism->n; i++) {
-        const struct orl_vec3 now = moved(prism, i, top, prism->radius);
+        const struct orl_vec3 now = rounded_corner(prism, i, top, prism->radius);
         if (side_of(prism) * prism->corners[i].turn > 0) {
             snprintf(part, sizeof part, "%sc%zu", top ? "t" : "b", i + 1);
             orl_text_add_sphere(text, prism->material, prism->name, part, now, radius);
@@ -247,7 +249,7 @@ static void add_rim(const struct prism *prism, bool top, struct orl_text *text)
     }
 }
 
-/* A side between its rounded edges, which it touches, and the upright edge behind it. */
+/* Adds a side between its rounded edges, tangent to them, and the vertical edge behind it. */
 static void add_round_side(const struct prism *prism, size_t i, size_t next, struct orl_text *text)
 {
     const struct corner *a = &prism->corners[i], *b = &prism->corners[next];
@@ -262,7 +264,7 @@ static void add_round_side(const struct prism *prism, size_t i, size_t next, str
     for (int k = 0; k < 4; k++) {
         const bool top = k == 1 || k == 2;
         const double shift = k < 2 ? -a->turn : b->turn;
-        const struct orl_vec3 foot = plain(prism, k < 2 ? i : next, top);
+        const struct orl_vec3 foot = sharp_corner(prism, k < 2 ? i : next, top);
         corners[k] = orl_v3(foot.x + r * (t[0] + shift * u[0]), foot.y + r * (t[1] + shift * u[1]),
                             foot.z + r * (t[2] + (top ? -1 : 1)));
     }
@@ -270,11 +272,12 @@ static void add_round_side(const struct prism *prism, size_t i, size_t next, str
     if (side_of(prism) * b->turn < 0)
         return;
     snprintf(part, sizeof part, "e%zu", i + 1);
-    orl_text_add_cylinder(text, prism->material, prism->name, part, moved(prism, next, false, r),
-                          moved(prism, next, true, r), side_of(prism) * r);
+    orl_text_add_cylinder(text, prism->material, prism->name, part,
+                          rounded_corner(prism, next, false, r),
+                          rounded_corner(prism, next, true, r), side_of(prism) * r);
 }
 
-/* ---- All of it ------------------------------------------------------------------------------- */
+/* ---- Entry point ----------------------------------------------------------------------------- */
 
 static int check_radius(struct prism *prism, struct orl_error *err)
 {
@@ -283,7 +286,7 @@ static int check_radius(struct prism *prism, struct orl_error *err)
                              "genprism: the radius %g is larger than the prism is high",
                              prism->radius);
     prism->radius = prism->radius > tiny ? prism->radius * side_of(prism) : 0;
-    return prism->radius != 0 ? measure(prism, err) : 0;
+    return prism->radius != 0 ? measure_corners(prism, err) : 0;
 }
 
 static void add_prism(const struct prism *prism, struct orl_text *text)

@@ -1,26 +1,26 @@
 /*
- * genrev: a surface of revolution about the z axis, of cones, cylinders and rings along a curve of
- * heights and radii. Where the curve goes down it is seen from within. With -s each piece has a
- * texture of its own (rev.cal), which turns its normals towards those of its neighbours.
+ * genrev: a surface of revolution about the z axis, made of cones, cylinders and rings along a
+ * curve of heights and radii. Where the curve goes down, the front is inside. With -s each piece
+ * has a texture (rev.cal) that interpolates normals between neighbours.
  */
 #include <stdio.h>
 
 #include "scene/generate/curve.h"
 
-/* A piece of the curve: heights and radii of its ends, the normal there is (height, radius). */
+/* A segment of the curve: heights and radii of its ends, and its normal (height, radius). */
 struct piece {
     double from[2], to[2], normal[2];
 };
 
-/* The change from one step to the next: -1, 0 or 1. */
-static int direction(double from, double to)
+/* Sign of the change from one step to the next: -1, 0 or 1. */
+static int sign_of_change(double from, double to)
 {
     const double tiny = 1e-9;
     return to < from - tiny ? -1 : to > from + tiny ? 1 : 0;
 }
 
-/* What is added to a coordinate of the normal along the piece: a line through what the neighbours'
- * normals are. Where the piece does not change, what is on the side that is seen. */
+/* Adds the coefficients of a normal's coordinate along the piece: a line through the neighbours'
+ * normals. If the piece does not change in that coordinate, the visible side. */
 static int add_line(double change, double start, double before, double after, int side,
                     struct orl_text *text, struct orl_error *err)
 {
@@ -39,8 +39,8 @@ static int add_texture(const struct orl_generator_curve *curve, const struct pie
                        const struct piece *before, const struct piece *after, struct orl_text *text,
                        struct orl_error *err)
 {
-    const int up = direction(piece->from[0], piece->to[0]);
-    const int out = direction(piece->from[1], piece->to[1]);
+    const int up = sign_of_change(piece->from[0], piece->to[0]);
+    const int out = sign_of_change(piece->from[1], piece->to[1]);
     orl_text_add(text, "'%s' texfunc Phong\n4 rev_dx rev_dy rev_dz rev.cal\n0\n4", curve->material);
     int code = add_line(up ? piece->to[0] - piece->from[0] : 0, piece->from[0], before->normal[0],
                         after->normal[0], out < 0 ? 1 : -1, text, err);
@@ -55,7 +55,7 @@ static int add_piece(const struct orl_generator_curve *curve, int number,
                      const struct piece pieces[3], struct orl_text *text, struct orl_error *err)
 {
     const double *const from = pieces[1].from, *const to = pieces[1].to;
-    const int up = direction(from[0], to[0]), out = direction(from[1], to[1]);
+    const int up = sign_of_change(from[0], to[0]), out = sign_of_change(from[1], to[1]);
     const char *type = up == 0    ? "ring"
                        : out == 0 ? (up < 0 ? "tube" : "cylinder")
                                   : (up < 0 ? "cup" : "cone");
@@ -75,9 +75,10 @@ static int add_piece(const struct orl_generator_curve *curve, int number,
     return code;
 }
 
-/* The piece behind one, up to the step; beyond the curve's end nothing, without a normal. */
-static int follow(const struct orl_generator_curve *curve, const struct piece *before, int step,
-                  struct piece *ret_piece, struct orl_error *err)
+/* Returns the piece behind `before`, up to the step; beyond the curve's end it is empty, without a
+ * normal. */
+static int find_next_piece(const struct orl_generator_curve *curve, const struct piece *before,
+                           int step, struct piece *ret_piece, struct orl_error *err)
 {
     double at[ORL_CURVE_MOST];
     *ret_piece = (struct piece){{before->to[0], before->to[1]}, {0, 0}, {0, 0}};
@@ -98,17 +99,17 @@ int orl_genrev(const char *const *words, size_t count, const struct orl_generato
 {
     struct orl_words rest = {"genrev", words + 1, count - 1};
     struct orl_generator_curve curve = {0};
-    struct piece pieces[3] = {{{0, 0}, {0, 0}, {0, 0}}}; /* the one before, it, the one behind */
+    struct piece pieces[3] = {{{0, 0}, {0, 0}, {0, 0}}}; /* previous, current and next piece */
     double start[ORL_CURVE_MOST];
     int code = orl_curve_read(&curve, &rest, 2, true, files, err);
     if (code == 0)
         code = orl_curve_at(&curve, 0, start, err);
     if (code == 0) {
         pieces[0] = (struct piece){{0, 0}, {start[0], start[1]}, {0, 0}};
-        code = follow(&curve, &pieces[0], 1, &pieces[1], err);
+        code = find_next_piece(&curve, &pieces[0], 1, &pieces[1], err);
     }
     for (int i = 1; i <= curve.segments && code == 0; i++) {
-        code = follow(&curve, &pieces[1], i + 1, &pieces[2], err);
+        code = find_next_piece(&curve, &pieces[1], i + 1, &pieces[2], err);
         if (code == 0)
             code = add_piece(&curve, i, pieces, text, err);
         pieces[0] = pieces[1];

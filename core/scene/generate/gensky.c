@@ -13,13 +13,13 @@
 #include "scene/generate/cie.h"
 #include "scene/generate/sun.h"
 
-/* The first argument of skybright.cal. */
+/* First argument of skybright.cal. */
 enum sky { SKY_CLEAR = 1, SKY_OVERCAST = 2, SKY_UNIFORM = 3, SKY_INTERMEDIATE = 4 };
 
-/* How a brightness was given on the command line. */
+/* Form in which a brightness was given on the command line. */
 enum given { GIVEN_NOT, GIVEN_RADIANCE, GIVEN_IRRADIANCE };
 
-/* lm/W, by which the program turns its empirical luminances into radiances. */
+/* Efficacies, lm/W, by which the program converts its empirical luminances to radiances. */
 #define SKY_EFFICACY 203.0
 #define SUN_EFFICACY 208.0
 
@@ -27,7 +27,7 @@ struct gensky {
     struct orl_location site;
     struct orl_moment moment;
     struct orl_sun_position sun;
-    const struct orl_sun_position *placed; /* where the caller has it; NULL: by the words */
+    const struct orl_sun_position *placed; /* sun position from the caller; NULL: from the words */
     bool by_angle, zone_given;
     enum sky type;
     bool with_sun;
@@ -64,7 +64,7 @@ static int set_zone(struct gensky *sky, const char *name, struct orl_error *err)
     return ORL_ERR_SYNTAX;
 }
 
-/* [+]hour, [+]hour.fraction or [+]hour:minutes, and a zone after standard time. */
+/* Reads [+]hour, [+]hour.fraction or [+]hour:minutes, and a time zone after standard time. */
 static int read_hour(struct gensky *sky, const char *word, struct orl_error *err)
 {
     const char *at = word + (*word == '+'), *start = at;
@@ -144,7 +144,7 @@ static int read_option(struct gensky *sky, struct orl_words *words, struct orl_e
         return orl_words_angle(words, option, &sky->site.latitude_rad, err);
     case 'o':
         return orl_words_angle(words, option, &sky->site.longitude_rad, err);
-    case 'm': /* a time zone overrides it */
+    case 'm': /* overridden by a time zone */
         return orl_words_angle(words, option, sky->zone_given ? &unused : &sky->site.meridian_rad,
                                err);
     default:
@@ -201,7 +201,7 @@ static double zenith_by_model(const struct gensky *sky)
     return value < 0.0 ? 0.0 : value * 1000.0 / SKY_EFFICACY;
 }
 
-/* Solar radiance; false when there is no sun to write. */
+/* Sets the solar radiance; returns false if no sun is written. */
 static bool find_solar(struct gensky *sky)
 {
     const double height = sky->direction.z;

@@ -1,13 +1,13 @@
 /*
- * gensurf: the grid of a surface by functions of s and t, row by row. With -s normals are means
- * over neighbours, also of those one step beyond the edges; scene text then has a texture for each
+ * gensurf: a grid surface by functions of s and t, row by row. With -s normals are averaged over
+ * neighbours, including those one step beyond the edges. Scene text then has a texture for each
  * polygon (surf.cal), an OBJ file (-o) the normals themselves.
  */
 #include <stdlib.h>
 
 #include "scene/generate/gensurf.h"
 
-/* One row of vertices from one before t = 0 to one behind t = 1; at[0] is that of t = 0. */
+/* Computes a row of vertices; at[0] is at t = 0. With -s it extends one step beyond both ends. */
 static int fill_row(const struct orl_gensurf *surface, int i, struct orl_gensurf_vertex *at,
                     struct orl_error *err)
 {
@@ -22,7 +22,7 @@ static int fill_row(const struct orl_gensurf *surface, int i, struct orl_gensurf
 
 /* ---- Normals --------------------------------------------------------------------------------- */
 
-/* From one neighbour to the other, or to or from the one that there is. */
+/* Difference between the two neighbours, or between the point and its only neighbour. */
 static bool difference(const struct orl_gensurf_vertex *before, const struct orl_gensurf_vertex *at,
                        const struct orl_gensurf_vertex *behind, struct orl_vec3 *ret_way)
 {
@@ -83,9 +83,10 @@ static void write_row(struct orl_gensurf *surface, struct orl_gensurf_vertex *ro
     }
 }
 
-/* ---- All of it ------------------------------------------------------------------------------- */
+/* ---- Output ---------------------------------------------------------------------------------- */
 
-/* Fields between two rows, cut alternately, or so that three corners do where one is missing. */
+/* Adds the quadrilaterals between two rows, split along alternating diagonals, or along the one
+ * that keeps a triangle if a corner is missing. */
 static void add_fields(struct orl_gensurf *surface, struct orl_gensurf_vertex *const rows[3],
                        struct orl_text *text)
 {
@@ -102,7 +103,7 @@ static void add_fields(struct orl_gensurf *surface, struct orl_gensurf_vertex *c
     }
 }
 
-static void step(struct orl_gensurf_vertex *rows[3])
+static void rotate_rows(struct orl_gensurf_vertex *rows[3])
 {
     struct orl_gensurf_vertex *first = rows[0];
     rows[0] = rows[1];
@@ -125,7 +126,7 @@ static int add_rows(struct orl_gensurf *surface, struct orl_gensurf_vertex *rows
         write_row(surface, rows[1], text);
     }
     for (int i = 0; i < surface->m && code == 0 && !text->failed; i++) {
-        step(rows);
+        rotate_rows(rows);
         code = fill_row(surface, i + 2, rows[2], err);
         if (code < 0)
             break;

@@ -3,8 +3,8 @@
 
 #include "scene/generate/gensurf.h"
 
-/* A normal over a field: a linear function of u v, u, v and 1, which are the coordinates beside an
- * axis. */
+/* A normal over a cell: a linear function of u v, u, v and 1, where u and v are the coordinates
+ * other than the axis. */
 struct turning {
     bool given;
     int axis;
@@ -16,8 +16,8 @@ static double coordinate(struct orl_vec3 v, int axis)
     return axis % 3 == 0 ? v.x : axis % 3 == 1 ? v.y : v.z;
 }
 
-/* The inverse of a by elimination with pivots by column, which end up on its diagonal; false where
- * there is none. */
+/* Inverts a by elimination with column pivots, which are swapped onto its diagonal; false if
+ * singular. */
 static bool invert(double a[4][4], double inverse[4][4])
 {
     for (int i = 0; i < 4; i++)
@@ -75,7 +75,7 @@ static struct turning find_turning(const struct orl_gensurf *surface,
     return turning;
 }
 
-/* flat: the normal of the polygon, which the texture's is added to. */
+/* flat: the polygon's normal, to which the texture's value is added. */
 static void add_texture(const struct orl_gensurf *surface, const struct turning *turning,
                         struct orl_vec3 flat, struct orl_text *text)
 {
@@ -116,8 +116,9 @@ static void add_face(const struct orl_gensurf *surface,
     orl_text_add(text, "\n");
 }
 
-static void add(struct orl_gensurf *surface, const struct turning *turning, struct orl_vec3 flat,
-                const struct orl_gensurf_vertex *const *corners, size_t n, struct orl_text *text)
+static void write_piece(struct orl_gensurf *surface, const struct turning *turning,
+                        struct orl_vec3 flat, const struct orl_gensurf_vertex *const *corners,
+                        size_t n, struct orl_text *text)
 {
     if (surface->object)
         add_face(surface, corners, n, text);
@@ -125,7 +126,7 @@ static void add(struct orl_gensurf *surface, const struct turning *turning, stru
         add_polygon(surface, turning, flat, corners, n, text);
 }
 
-/* A unit normal; false unless all three are there and span something. */
+/* Returns the unit normal; false unless all three vertices exist and are not collinear. */
 static bool is_triangle(const struct orl_gensurf_vertex *a, const struct orl_gensurf_vertex *b,
                         const struct orl_gensurf_vertex *c, struct orl_vec3 *ret_normal)
 {
@@ -152,11 +153,11 @@ void orl_gensurf_add_field(struct orl_gensurf *surface,
         return;
     const struct turning turning = find_turning(surface, c);
     if (has_first && has_second && orl_dot(first, second) >= 1 - 1e-12) {
-        add(surface, &turning, orl_scale(orl_add(first, second), .5), around, 4, text);
+        write_piece(surface, &turning, orl_scale(orl_add(first, second), .5), around, 4, text);
         return;
     }
     if (has_first)
-        add(surface, &turning, first, triangles[0], 3, text);
+        write_piece(surface, &turning, first, triangles[0], 3, text);
     if (has_second)
-        add(surface, &turning, second, triangles[1], 3, text);
+        write_piece(surface, &turning, second, triangles[1], 3, text);
 }

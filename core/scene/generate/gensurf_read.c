@@ -4,7 +4,7 @@
 #include "base/number.h"
 #include "scene/generate/gensurf.h"
 
-/* Fields along one side, and in all. */
+/* Limits of cells along one side, and in total. */
 enum { SIDE_MAX = 20000, FIELDS_MAX = 1000000 };
 
 void orl_gensurf_done(struct orl_gensurf *surface)
@@ -13,7 +13,7 @@ void orl_gensurf_done(struct orl_gensurf *surface)
     free(surface->data.values);
 }
 
-/* ---- Numbers of a file ----------------------------------------------------------------------- */
+/* ---- Data files ------------------------------------------------------------------------------ */
 
 static int read_values(struct orl_gensurf_data *data, size_t most, const char *text,
                        const char *name, size_t *ret_n, struct orl_error *err)
@@ -60,7 +60,8 @@ static int read_data(struct orl_gensurf *surface, size_t each, const char *text,
     return 0;
 }
 
-static double between(const struct orl_gensurf_data *data, size_t coordinate, double s, double t)
+static double interpolate_data(const struct orl_gensurf_data *data, size_t coordinate, double s,
+                               double t)
 {
     const double u = data->middles ? s * data->n_s - .5 : s * (data->n_s - 1);
     const double v = data->middles ? t * data->n_t - .5 : t * (data->n_t - 1);
@@ -90,7 +91,8 @@ static int read_option(struct orl_gensurf *surface, struct orl_words *words,
     return 0;
 }
 
-/* Where z is a file's name, it is read: of all three, if those are the same. */
+/* Reads z's word as a file if it exists; it gives all three coordinates if their words are
+ * equal. */
 static int read_file(struct orl_gensurf *surface, const char *const texts[3],
                      const struct orl_generator_files *files, struct orl_error *err)
 {
@@ -107,7 +109,8 @@ static int read_file(struct orl_gensurf *surface, const char *const texts[3],
     return code;
 }
 
-static int compile(struct orl_gensurf *surface, const char *const texts[3], struct orl_error *err)
+static int compile_expressions(struct orl_gensurf *surface, const char *const texts[3],
+                               struct orl_error *err)
 {
     static const char valid[] = "valid(s,t)";
     const size_t places = (size_t)(surface->m + 3) * (size_t)(surface->n + 3);
@@ -161,7 +164,7 @@ int orl_gensurf_read(struct orl_gensurf *surface, struct orl_words *words,
         code = read_counts(surface, texts + 3, err);
     if (code == 0)
         code = read_file(surface, texts, files, err);
-    return code < 0 ? code : compile(surface, texts, err);
+    return code < 0 ? code : compile_expressions(surface, texts, err);
 }
 
 /* ---- Values ---------------------------------------------------------------------------------- */
@@ -172,7 +175,7 @@ int orl_gensurf_at(const struct orl_gensurf *surface, int i, int j,
     const double at[2] = {(double)i / surface->m, (double)j / surface->n};
     const struct orl_gensurf_data *data = &surface->data;
     double values[4] = {0}, place[3];
-    const size_t given = 3 - data->each; /* by expressions */
+    const size_t given = 3 - data->each; /* number of coordinates by expressions */
     const int code = surface->expressions.function
                          ? orl_expressions_at(&surface->expressions, at, values, err)
                          : 0;
@@ -182,7 +185,7 @@ int orl_gensurf_at(const struct orl_gensurf *surface, int i, int j,
     if (code < 0 || !ret_vertex->valid)
         return code;
     for (size_t k = 0; k < 3; k++)
-        place[k] = k < given ? values[k] : between(data, k - given, at[0], at[1]);
+        place[k] = k < given ? values[k] : interpolate_data(data, k - given, at[0], at[1]);
     ret_vertex->place = orl_v3(place[0], place[1], place[2]);
     ret_vertex->s = at[0];
     ret_vertex->t = at[1];

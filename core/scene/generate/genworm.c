@@ -1,5 +1,5 @@
 /*
- * genworm: spheres along a curve in space, and cones or cylinders between them that touch both.
+ * genworm: spheres along a curve in space, and between them cones or cylinders tangent to both.
  */
 #include <stdio.h>
 
@@ -17,7 +17,8 @@ static void add_joint(const struct orl_generator_curve *curve, int number, const
         orl_text_add_cylinder(text, curve->material, curve->name, part, a, b, to[3]);
         return;
     }
-    /* The cone touches each sphere on a circle off its middle, by the sine of its slope. */
+    /* The cone touches each sphere on a circle that is offset from its centre by the sine of its
+     * slope. */
     const double slope = change / orl_dot(way, way), cosine2 = 1 - change * slope;
     const double cosine = cosine2 <= 0 ? 0 : sqrt(cosine2);
     const double p = slope * from[3], q = slope * to[3];

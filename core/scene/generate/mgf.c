@@ -1,5 +1,5 @@
-/* Entities of MGF, one after the other; transforms, which may repeat what they hold; other files.
- */
+/* Reads MGF entities in sequence; handles transforms, which may repeat their content, and included
+ * files. */
 #include "scene/generate/mgf.h"
 
 #include <stdio.h>
@@ -34,7 +34,7 @@ static int read_normal(struct orl_mgf_reader *r)
     return read_vector(r, &r->current[ORL_MGF_VERTEX]->is.vertex.normal);
 }
 
-static struct orl_mgf_material *changed(struct orl_mgf_reader *r)
+static struct orl_mgf_material *changed_material(struct orl_mgf_reader *r)
 {
     r->current[ORL_MGF_MATERIAL]->is.material.written = false;
     return &r->current[ORL_MGF_MATERIAL]->is.material;
@@ -42,7 +42,7 @@ static struct orl_mgf_material *changed(struct orl_mgf_reader *r)
 
 static int read_part(struct orl_mgf_reader *r)
 {
-    struct orl_mgf_material *m = changed(r);
+    struct orl_mgf_material *m = changed_material(r);
     struct orl_mgf_part part = {.color = r->current[ORL_MGF_COLOR]->is.color};
     const bool specular = r->words[0][1] == 's', lamp = r->words[0][0] == 'e';
     int code = orl_mgf_takes(r, specular ? 2 : 1, specular ? 2 : 1);
@@ -62,7 +62,7 @@ static int read_part(struct orl_mgf_reader *r)
 
 static int read_index(struct orl_mgf_reader *r)
 {
-    double imaginary = 0, *const index = &changed(r)->index;
+    double imaginary = 0, *const index = &changed_material(r)->index;
     int code = orl_mgf_takes(r, 2, 2);
     if (code == 0)
         code = orl_mgf_number(r, 1, index);
@@ -75,7 +75,7 @@ static int read_sides(struct orl_mgf_reader *r)
     if (code == 0 && strcmp(r->words[1], "1") != 0 && strcmp(r->words[1], "2") != 0)
         return orl_mgf_fail(r, ORL_ERR_RANGE, "surfaces have 1 side or 2");
     if (code == 0)
-        changed(r)->one_sided = r->words[1][0] == '1';
+        changed_material(r)->one_sided = r->words[1][0] == '1';
     return code;
 }
 
@@ -123,7 +123,7 @@ static int read_object(struct orl_mgf_reader *r)
     return 0;
 }
 
-/* One of the copies that a transform makes. */
+/* Adds one of the copies that a transform makes. */
 static int add_copy(void *ctx, const struct orl_xform_use *use, struct orl_error *err)
 {
     struct orl_mgf_frame *frame = ctx;
@@ -149,7 +149,7 @@ static int refuse_file(void *ctx, const char *name, char **ret_text, struct orl_
     return orl_error_set(err, ORL_ERR_UNSUPPORTED, "'%.60s': files are not read here", name);
 }
 
-/* Makes the frame's copy at hand the one that is under way. */
+/* Makes the frame's current copy the active transform. */
 static int use_copy(struct orl_mgf_reader *r, const struct orl_mgf_frame *frame)
 {
     const struct orl_mgf_copy *copy = &frame->copies[frame->copy];
@@ -158,7 +158,7 @@ static int use_copy(struct orl_mgf_reader *r, const struct orl_mgf_frame *frame)
     return copy->name[0] ? push_object(r, copy->name) : 0;
 }
 
-/* By words; of what lies between start, behind that line, and its end. */
+/* Starts a transform given by words; start: scanner behind its line, for repeating its content. */
 static int begin_xform(struct orl_mgf_reader *r, const char *const *words, size_t n,
                        const struct orl_scanner *start)
 {
@@ -183,7 +183,7 @@ static int begin_xform(struct orl_mgf_reader *r, const char *const *words, size_
     return use_copy(r, frame);
 }
 
-/* The next copy is read from the transform's start on, or it has ended. */
+/* Rewinds to the transform's start for the next copy, or ends it. */
 static int end_xform(struct orl_mgf_reader *r, bool *ret_ended)
 {
     struct orl_mgf_frame *frame = &r->frames[r->n_frames - 1];
@@ -211,7 +211,7 @@ static int read_xform(struct orl_mgf_reader *r)
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-static int refuse(struct orl_mgf_reader *r)
+static int refuse_entity(struct orl_mgf_reader *r)
 {
     const int code = orl_mgf_fail(r, ORL_ERR_UNSUPPORTED, "'%s' is not read here", r->words[0]);
     orl_error_hint(r->err, "convert the geometry with mgf2rad beforehand, and include its output");
@@ -245,13 +245,13 @@ static int begin_text(const struct orl_mgf_reader *r, const struct orl_mgf_text 
     return code;
 }
 
-/* "i file [transform]" */
-static int include(struct orl_mgf_reader *r)
+/* Handles "i file [transform]". */
+static int include_file(struct orl_mgf_reader *r)
 {
     struct orl_mgf_place place = {.placed = r->n_words > 2, .back = r->scanner};
     struct orl_scanner scanner;
     if (!r->mgf->open)
-        return refuse(r);
+        return refuse_entity(r);
     int code = r->n_words > 1 ? open_text(r, &place.text) : orl_mgf_takes(r, 1, 1);
     if (code == 0)
         code = begin_text(r, &place.text, &scanner);
@@ -265,7 +265,7 @@ static int include(struct orl_mgf_reader *r)
     return 0;
 }
 
-/* At the end of a text: it is repeated, or the one before goes on, if there is one. */
+/* At the end of a text: repeats it, or returns to the including one, if any. */
 static int leave_text(struct orl_mgf_reader *r, bool *ret_ended)
 {
     const struct orl_mgf_place *const place = &r->texts[r->n_texts - 1];
@@ -290,34 +290,20 @@ static const struct {
     const char *name;
     int (*read)(struct orl_mgf_reader *reader);
 } entities[] = {
-    {"c", read_color_name},
-    {"cct", orl_mgf_cct},
-    {"cmix", orl_mgf_cmix},
-    {"cone", orl_mgf_cone},
-    {"cspec", orl_mgf_cspec},
-    {"cxy", orl_mgf_cxy},
-    {"cyl", orl_mgf_cylinder},
-    {"ed", read_part},
-    {"f", orl_mgf_face},
-    {"fh", orl_mgf_face_with_holes},
-    {"i", include},
-    {"ies", refuse},
-    {"ir", read_index},
-    {"m", read_material_name},
-    {"n", read_normal},
-    {"o", read_object},
-    {"p", read_point},
-    {"prism", orl_mgf_prism},
-    {"rd", read_part},
-    {"ring", orl_mgf_ring},
-    {"rs", read_part},
-    {"sides", read_sides},
-    {"sph", orl_mgf_sphere},
-    {"td", read_part},
-    {"torus", orl_mgf_torus},
-    {"ts", read_part},
-    {"v", read_vertex_name},
-    {"xf", read_xform},
+    {"c", read_color_name},    {"cct", orl_mgf_cct},
+    {"cmix", orl_mgf_cmix},    {"cone", orl_mgf_cone},
+    {"cspec", orl_mgf_cspec},  {"cxy", orl_mgf_cxy},
+    {"cyl", orl_mgf_cylinder}, {"ed", read_part},
+    {"f", orl_mgf_face},       {"fh", orl_mgf_face_with_holes},
+    {"i", include_file},       {"ies", refuse_entity},
+    {"ir", read_index},        {"m", read_material_name},
+    {"n", read_normal},        {"o", read_object},
+    {"p", read_point},         {"prism", orl_mgf_prism},
+    {"rd", read_part},         {"ring", orl_mgf_ring},
+    {"rs", read_part},         {"sides", read_sides},
+    {"sph", orl_mgf_sphere},   {"td", read_part},
+    {"torus", orl_mgf_torus},  {"ts", read_part},
+    {"v", read_vertex_name},   {"xf", read_xform},
 };
 
 static int read_entity(struct orl_mgf_reader *r)
@@ -329,7 +315,7 @@ static int read_entity(struct orl_mgf_reader *r)
     return 0;
 }
 
-/* Behind the words that there are, each ended by NUL. Names that could not stand in scene text are
+/* Appends a word to the buffer, NUL-terminated. Names that are invalid in scene text are
  * refused. */
 static int add_word(struct orl_mgf_reader *r, struct orl_slice word, size_t *used)
 {
@@ -347,8 +333,8 @@ static int add_word(struct orl_mgf_reader *r, struct orl_slice word, size_t *use
     return 0;
 }
 
-/* The entity at hand, with lines that a backslash joins, into words; none of a comment or an empty
- * line. */
+/* Splits the current entity, with lines continued by a backslash, into words; comments and blank
+ * lines have none. */
 static int read_words(struct orl_mgf_reader *r)
 {
     const char *const start = r->scanner.at;
@@ -381,7 +367,7 @@ static int read_all(struct orl_mgf_reader *r)
     return code;
 }
 
-static void warn(const struct orl_mgf_reader *r)
+static void warn_of_content(const struct orl_mgf_reader *r)
 {
     if (r->smooth)
         orl_text_warn(r->text, "the geometry's normals of corners are left out: its faces are "
@@ -418,7 +404,7 @@ int orl_mgf_write(const struct orl_mgf *mgf, struct orl_text *text, struct orl_e
         if (code == 0)
             code = read_all(r);
         if (code == 0)
-            warn(r);
+            warn_of_content(r);
         for (size_t i = 0; i < r->n_frames; i++)
             free(r->frames[i].copies);
         pop_objects(r, 0);

@@ -1,4 +1,4 @@
-/* Colours of MGF: by chromaticity, spectrum or temperature, and mixed. */
+/* Colours of MGF: by chromaticity, spectrum or temperature, and mixtures. */
 #include <math.h>
 
 #include "scene/generate/mgf_context.h"
@@ -6,7 +6,7 @@
 
 enum { STEP_NM = 5 };
 
-static struct orl_mgf_color *current(struct orl_mgf_reader *r)
+static struct orl_mgf_color *current_color(struct orl_mgf_reader *r)
 {
     return &r->current[ORL_MGF_COLOR]->is.color;
 }
@@ -33,7 +33,7 @@ static int set_seen(struct orl_mgf_reader *r, struct orl_tristimulus seen)
     const double sum = seen.x + seen.y + seen.z;
     if (!(seen.y > 0) || !isfinite(sum))
         return orl_mgf_fail(r, ORL_ERR_RANGE, "nothing of the colour can be seen");
-    *current(r) = (struct orl_mgf_color){seen.x / sum, seen.y / sum};
+    *current_color(r) = (struct orl_mgf_color){seen.x / sum, seen.y / sum};
     return 0;
 }
 
@@ -48,11 +48,11 @@ int orl_mgf_cxy(struct orl_mgf_reader *r)
     if (code == 0 && !(x >= 0 && y > 1e-4 && x + y <= 1.0001))
         code = orl_mgf_fail(r, ORL_ERR_RANGE, "x %g and y %g are no chromaticity", x, y);
     if (code == 0)
-        *current(r) = (struct orl_mgf_color){x, y};
+        *current_color(r) = (struct orl_mgf_color){x, y};
     return code;
 }
 
-/* Values at even distances, linear in between. */
+/* Evenly spaced values, linear in between. */
 int orl_mgf_cspec(struct orl_mgf_reader *r)
 {
     struct orl_tristimulus seen = {0};
@@ -78,7 +78,7 @@ int orl_mgf_cspec(struct orl_mgf_reader *r)
     return code == 0 ? set_seen(r, seen) : code;
 }
 
-/* A black body's, by Planck's law; K. */
+/* Colour of a black body by Planck's law; temperature in K. */
 int orl_mgf_cct(struct orl_mgf_reader *r)
 {
     const double second_radiation_constant = 1.4388e7; /* nm K */
@@ -98,7 +98,7 @@ int orl_mgf_cct(struct orl_mgf_reader *r)
     return code == 0 ? set_seen(r, seen) : code;
 }
 
-/* Colours added, each of a luminance. */
+/* Sum of colours, each weighted by a luminance. */
 int orl_mgf_cmix(struct orl_mgf_reader *r)
 {
     struct orl_tristimulus seen = {0};

@@ -1,4 +1,4 @@
-/* What has a name in MGF, and what is current; words as numbers. */
+/* Named and current items of MGF; conversion of words to numbers. */
 #include "scene/generate/mgf_context.h"
 
 #include <search.h>
@@ -63,7 +63,7 @@ static const struct orl_mgf_item defaults[ORL_MGF_KINDS] = {
 };
 static char no_name[] = "";
 
-static int compare(const void *a, const void *b)
+static int compare_names(const void *a, const void *b)
 {
     return strcmp(((const struct orl_mgf_item *)a)->name, ((const struct orl_mgf_item *)b)->name);
 }
@@ -93,7 +93,7 @@ void orl_mgf_context_done(struct orl_mgf_reader *r)
 static struct orl_mgf_item *look_up(struct orl_mgf_reader *r, enum orl_mgf_kind kind, char *name)
 {
     const struct orl_mgf_item key = {.name = name};
-    struct orl_mgf_item *const *found = tfind(&key, &r->named[kind], compare);
+    struct orl_mgf_item *const *found = tfind(&key, &r->named[kind], compare_names);
     return found ? *found : NULL;
 }
 
@@ -107,8 +107,9 @@ const struct orl_mgf_item *orl_mgf_find(struct orl_mgf_reader *r, enum orl_mgf_k
     return item;
 }
 
-/* One of that name, made if there is none. */
-static struct orl_mgf_item *provide(struct orl_mgf_reader *r, enum orl_mgf_kind kind, char *name)
+/* Returns the item of that name, created if there is none. */
+static struct orl_mgf_item *find_or_add(struct orl_mgf_reader *r, enum orl_mgf_kind kind,
+                                        char *name)
 {
     struct orl_mgf_item *item = look_up(r, kind, name);
     if (item)
@@ -116,7 +117,7 @@ static struct orl_mgf_item *provide(struct orl_mgf_reader *r, enum orl_mgf_kind 
     item = calloc(1, sizeof *item);
     if (item)
         item->name = strdup(name);
-    if (!item || !item->name || !tsearch(item, &r->named[kind], compare)) {
+    if (!item || !item->name || !tsearch(item, &r->named[kind], compare_names)) {
         if (item)
             free_item(item);
         orl_mgf_fail(r, ORL_ERR_NOMEM, "out of memory");
@@ -139,7 +140,7 @@ int orl_mgf_context(struct orl_mgf_reader *r, enum orl_mgf_kind kind)
     if (r->n_words == 2)
         item = (struct orl_mgf_item *)orl_mgf_find(r, kind, r->words[1]);
     else if (r->n_words > 2 && from)
-        item = provide(r, kind, (char *)r->words[1]);
+        item = find_or_add(r, kind, (char *)r->words[1]);
     if (!from || !item)
         return r->err->code;
     if (r->n_words != 2) {

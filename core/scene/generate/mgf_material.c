@@ -1,7 +1,7 @@
 /*
- * Which of Radiance's materials one of MGF is: lamps by what they emit, panes and prisms by their
- * index of refraction, trans by what passes, plastic and metal by the colour of their gloss, and
- * WGMDfunc where parts have colours or roughnesses that none of these can keep apart.
+ * Conversion of MGF materials to Radiance's: lamps by their emission; panes and prisms by their
+ * refractive index; trans by its transmission; plastic and metal by the colour of their specular
+ * part. WGMDfunc is used for parts whose colours or roughnesses none of these can represent.
  */
 #include <math.h>
 
@@ -9,9 +9,9 @@
 
 typedef struct orl_mgf_material material_t;
 
-/* lm/W of white, by which Radiance makes radiances of light. */
+/* lm/W of white, by which Radiance converts luminous to radiant quantities. */
 static const double white_efficacy = 179;
-/* How thick a solid of one-sided faces is taken to be, for what its colour stands for. */
+/* Thickness of a solid of one-sided faces, for which its colour is the transmittance. */
 static const double solid_m = 0.005;
 
 static void add_rgb(struct orl_text *text, struct orl_rgb color)
@@ -19,8 +19,8 @@ static void add_rgb(struct orl_text *text, struct orl_rgb color)
     orl_text_add(text, " %f %f %f", color.r, color.g, color.b);
 }
 
-/* A share of the light. Colours of more luminance than a surface of theirs can have come to more
- * than all of it in a channel: that is cut off. */
+/* Adds a share of the light. Colours brighter than a surface can be exceed 1 in a channel; they are
+ * clamped. */
 static void add_share(struct orl_mgf_reader *r, struct orl_rgb color)
 {
     r->n_cut += orl_rgb_max(color) > 1;
@@ -38,7 +38,8 @@ static struct orl_rgb part_rgb(const struct orl_mgf_part *part, double scale)
     return part->value > 0 ? orl_mgf_rgb(part->color, part->value * scale) : orl_gray(0);
 }
 
-/* ---- Lamps, and what is clear ---------------------------------------------------------------- */
+/* ---- Lamps and clear materials
+ * ---------------------------------------------------------------- */
 
 static void write_lamp(struct orl_mgf_reader *r, const material_t *m, const char *name)
 {
@@ -70,10 +71,11 @@ static void write_clear(struct orl_mgf_reader *r, const material_t *m, const cha
         orl_text_add(r->text, "4 %f %f %f %f\n", color.r, color.g, color.b, m->index);
 }
 
-/* ---- What has parts that differ -------------------------------------------------------------- */
+/* ---- Materials with different parts
+ * ----------------------------------------------------------- */
 
-/* Both are there, and of colours that are not the same. */
-static bool clash(const struct orl_mgf_part *a, const struct orl_mgf_part *b)
+/* Returns true if both parts exist and have different colours. */
+static bool colors_differ(const struct orl_mgf_part *a, const struct orl_mgf_part *b)
 {
     return a->value > 0.01 && b->value > 0.01 && !orl_mgf_same_color(a->color, b->color);
 }
@@ -83,13 +85,13 @@ static bool needs_parts(const material_t *m)
     const bool two_roughnesses =
         m->rs.value > 0.02 && m->ts.value > 0.02 && fabs(m->rs.roughness - m->ts.roughness) > 0.02;
     const bool colored_gloss = m->rs.value > 0.05 && m->rd.value > 0.05 &&
-                               !orl_mgf_is_gray(m->rs.color) && clash(&m->rd, &m->rs);
-    return two_roughnesses || colored_gloss || clash(&m->ts, &m->td) || clash(&m->td, &m->rd) ||
-           clash(&m->rd, &m->ts);
+                               !orl_mgf_is_gray(m->rs.color) && colors_differ(&m->rd, &m->rs);
+    return two_roughnesses || colored_gloss || colors_differ(&m->ts, &m->td) ||
+           colors_differ(&m->td, &m->rd) || colors_differ(&m->rd, &m->ts);
 }
 
-/* A specular part as WGMDfunc has it: a pattern, what that is multiplied by, and roughness along
- * both axes. Where it has a colour, the pattern is all of it. */
+/* A specular part for WGMDfunc: a pattern, the factor of it, and the roughness along both axes. For
+ * a coloured part, the pattern includes the value. */
 struct specular {
     const char *pattern;
     double value, roughness;
@@ -162,7 +164,8 @@ static void write_opaque(struct orl_mgf_reader *r, const material_t *m, const ch
     orl_text_add(r->text, " %f %f\n", plastic ? m->rs.value : m->rs.value / all, m->rs.roughness);
 }
 
-/* ---- Which it is ----------------------------------------------------------------------------- */
+/* ---- Selection
+ * -------------------------------------------------------------------------------- */
 
 static void write_material(struct orl_mgf_reader *r, const material_t *m, const char *name)
 {

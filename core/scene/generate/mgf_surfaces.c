@@ -1,4 +1,4 @@
-/* Surfaces of MGF, written as polygons, spheres, cylinders, cones and rings. */
+/* MGF surfaces, written as polygons, spheres, cylinders, cones and rings. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,11 +15,12 @@ static const vertex_t *find_vertex(struct orl_mgf_reader *r, size_t word)
     return item ? &item->is.vertex : NULL;
 }
 
-/* What mgf2rad calls surfaces of a kind, before their number. */
+/* Kinds of surface by which mgf2rad numbers names. */
 enum counted { FACE, SPHERE, CYLINDER, CONE, RING };
 
-/* "material type objects.number", and its counts. */
-static int begin(struct orl_mgf_reader *r, enum counted counted, const char *type, size_t n_reals)
+/* Writes "material type objects.number", and the argument counts. */
+static int write_head(struct orl_mgf_reader *r, enum counted counted, const char *type,
+                      size_t n_reals)
 {
     static const char *const letters[] = {"f", "s", "cy", "c", "r"};
     const char *const material = orl_mgf_use_material(r);
@@ -49,13 +50,13 @@ static void add_point(struct orl_mgf_reader *r, struct orl_vec3 point)
 static int write_polygon(struct orl_mgf_reader *r, const struct orl_vec3 *corners, size_t n,
                          bool turned)
 {
-    const int code = begin(r, FACE, "polygon", 3 * n);
+    const int code = write_head(r, FACE, "polygon", 3 * n);
     for (size_t i = 0; i < n && code == 0; i++)
         add_point(r, corners[turned != (r->xform.mirrored != r->xform.inverted) ? n - 1 - i : i]);
     return code;
 }
 
-/* Do normals of corners all look away from the side that their order says? */
+/* Returns true if all corner normals point away from the side that the corners' order gives. */
 static bool is_turned(const vertex_t *const *vertices, size_t n)
 {
     struct orl_vec3 normal = {0};
@@ -68,7 +69,7 @@ static bool is_turned(const vertex_t *const *vertices, size_t n)
     return n <= 4;
 }
 
-/* The words of that order as vertices. */
+/* Writes a polygon of the vertices in these words. */
 static int write_face(struct orl_mgf_reader *r, const size_t *order, size_t n)
 {
     static const size_t most = ORL_MGF_WORDS;
@@ -95,7 +96,7 @@ int orl_mgf_face(struct orl_mgf_reader *r)
     return code < 0 ? code : write_face(r, order, n);
 }
 
-/* How many of the words from first on come before the next '-'. */
+/* Returns the number of words from first on before the next '-'. */
 static size_t count_outline(const struct orl_mgf_reader *r, size_t first)
 {
     size_t n = 0;
@@ -105,8 +106,8 @@ static size_t count_outline(const struct orl_mgf_reader *r, size_t first)
 }
 
 /*
- * "fh a b c - d e f - ...": each hole becomes a way from the outline's last corner around it and
- * back, as polygons of the scene have holes.
+ * Handles "fh a b c - d e f - ...": each hole becomes a path from the outline's last corner around
+ * it and back, as holes of Radiance's polygons are written.
  */
 int orl_mgf_face_with_holes(struct orl_mgf_reader *r)
 {
@@ -160,9 +161,10 @@ int orl_mgf_prism(struct orl_mgf_reader *r)
     return code == 0 ? write_polygon(r, near, n, false) : code;
 }
 
-/* ---- Round ones ------------------------------------------------------------------------------ */
+/* ---- Quadrics and rings
+ * ----------------------------------------------------------------------- */
 
-/* The radius in word, in the scene's units. */
+/* Reads the radius in a word, and scales it to the scene's units. */
 static int read_radius(struct orl_mgf_reader *r, size_t word, double *ret_radius)
 {
     const int code = orl_mgf_number(r, word, ret_radius);
@@ -182,7 +184,7 @@ int orl_mgf_sphere(struct orl_mgf_reader *r)
     center = find_vertex(r, 1);
     if (!center)
         return r->err->code;
-    code = begin(r, SPHERE, radius < 0 ? "bubble" : "sphere", 4);
+    code = write_head(r, SPHERE, radius < 0 ? "bubble" : "sphere", 4);
     if (code == 0) {
         add_point(r, center->point);
         orl_text_add(r->text, "%18.12g\n", fabs(radius));
@@ -190,13 +192,13 @@ int orl_mgf_sphere(struct orl_mgf_reader *r)
     return code;
 }
 
-/* Both ends, which are words 1 and last, and what comes behind. */
+/* Writes both ends, which are words 1 and last, and the head before them. */
 static int write_ends(struct orl_mgf_reader *r, size_t last, enum counted counted, const char *type,
                       size_t n_reals)
 {
     const vertex_t *const from = find_vertex(r, 1);
     const vertex_t *const to = from ? find_vertex(r, last) : NULL;
-    const int code = to ? begin(r, counted, type, n_reals) : r->err->code;
+    const int code = to ? write_head(r, counted, type, n_reals) : r->err->code;
     if (code == 0) {
         add_point(r, from->point);
         add_point(r, to->point);
@@ -247,7 +249,7 @@ int orl_mgf_ring(struct orl_mgf_reader *r)
         return r->err->code;
     if (!(orl_length(center->normal) > 0) || radii[0] < 0 || !(radii[1] > radii[0]))
         return orl_mgf_fail(r, ORL_ERR_RANGE, "a ring needs a normal, and its larger radius last");
-    code = begin(r, RING, "ring", 8);
+    code = write_head(r, RING, "ring", 8);
     if (code == 0) {
         add_point(r, center->point);
         add_vector(r, orl_normalize(orl_xform_vector(&r->xform, center->normal)));

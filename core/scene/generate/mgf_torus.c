@@ -1,4 +1,4 @@
-/* A torus of MGF, as the cones that mgf2rad makes of it: ten outside, ten cups inside. */
+/* A torus of MGF, as mgf2rad approximates it: ten cones outside, ten cups inside. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 
 #include "scene/generate/mgf_context.h"
 
-/* A number as a word. */
+/* A number printed as a word. */
 struct word {
     char text[24];
 };
@@ -18,7 +18,7 @@ static struct word word_of(double value)
     return word;
 }
 
-/* Makes "v name [= template]" of the words. */
+/* Executes "v name [= template]". */
 static int name_vertex(struct orl_mgf_reader *r, const char *name, const char *from)
 {
     const char *const words[4] = {"v", name, "=", from};
@@ -27,8 +27,9 @@ static int name_vertex(struct orl_mgf_reader *r, const char *name, const char *f
     return orl_mgf_context(r, ORL_MGF_VERTEX);
 }
 
-/* The current vertex, so far from the centre along its normal. */
-static void place(struct orl_mgf_reader *r, const struct orl_mgf_vertex *center, double along)
+/* Moves the current vertex along the centre's normal. */
+static void place_vertex(struct orl_mgf_reader *r, const struct orl_mgf_vertex *center,
+                         double along)
 {
     const struct orl_vec3 n = orl_normalize(center->normal);
     const struct orl_vec3 at = orl_add(center->point, orl_scale(n, along));
@@ -45,7 +46,7 @@ static int add_cone(struct orl_mgf_reader *r, const struct word *first, const st
     return orl_mgf_cone(r);
 }
 
-/* radii: of the hole and of the whole, both below 0 for one that is seen from within. */
+/* radii: of the hole and of the whole; both negative if the front is inside. */
 static int write_torus(struct orl_mgf_reader *r, const char *name, const double radii[2])
 {
     enum { QUARTER = 5 };
@@ -58,7 +59,7 @@ static int write_torus(struct orl_mgf_reader *r, const char *name, const double 
         return orl_mgf_fail(r, ORL_ERR_RANGE, "a torus needs a normal");
     int code = name_vertex(r, "_tv2", name);
     if (code == 0)
-        place(r, &center, fabs(half));
+        place_vertex(r, &center, fabs(half));
     for (int i = 1; i <= 4 * QUARTER && code == 0; i++) {
         const double before = (i - 1) * M_PI_2 / QUARTER, angle = i * M_PI_2 / QUARTER;
         const double side = i <= 2 * QUARTER ? 1 : -1;
@@ -69,7 +70,7 @@ static int write_torus(struct orl_mgf_reader *r, const char *name, const double 
             code = name_vertex(r, "_tv2", NULL);
         if (code < 0)
             return code;
-        place(r, &center, fabs(half) * cos(angle));
+        place_vertex(r, &center, fabs(half) * cos(angle));
         code = add_cone(r, &radius[0], &radius[1]);
     }
     return code;

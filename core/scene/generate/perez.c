@@ -86,7 +86,7 @@ struct orl_perez orl_perez_shape(double sun_zenith_rad, double clearness, double
     const int bin = bin_of((float)clearness);
     const float(*x)[4] = shapes[bin];
     const double z = sun_zenith_rad;
-    /* Below 0.2 the model misbehaves for intermediate skies: the authors' own correction. */
+    /* Below 0.2 the model fails for intermediate skies; this is the authors' own correction. */
     const double delta = clearness > 1.065 && clearness < 2.8 ? fmax(brightness, 0.2) : brightness;
     struct orl_perez shape;
     for (size_t i = 0; i < 5; i++)
@@ -107,7 +107,7 @@ double orl_perez_luminance(const struct orl_perez *shape, double zenith_rad, dou
 
 double orl_perez_patch_integral(const struct orl_perez *shape, double sun_zenith_rad)
 {
-    /* Tregenza's rows from the horizon up: patches in each, 12 degrees apart. */
+    /* Number of patches in each of Tregenza's rows, 12 degrees apart, from the horizon up. */
     static const int patches[8] = {30, 30, 24, 24, 18, 12, 6, 1};
     double sum = 0;
     for (int row = 0; row < 8; row++) {

@@ -10,34 +10,34 @@
 #ifndef ORL_SCENE_GENERATE_PEREZ_H
 #define ORL_SCENE_GENERATE_PEREZ_H
 
-/* The range in which the model was fitted: clearness must stay below the upper bound. */
+/* Range for which the model was fitted; clearness must stay below the upper bound. */
 #define ORL_PEREZ_CLEARNESS_MIN 1.0
 #define ORL_PEREZ_CLEARNESS_MAX 12.01
 #define ORL_PEREZ_BRIGHTNESS_MIN 0.01
 #define ORL_PEREZ_BRIGHTNESS_MAX 0.6
 
 /*
- * a..e of (1 + a exp(b / cos zenith)) (1 + c exp(d gamma) + e cos^2 gamma). Coefficients are kept
- * in single precision, as the program whose digits we match does.
+ * Coefficients a..e of (1 + a exp(b / cos zenith)) (1 + c exp(d gamma) + e cos^2 gamma). The tables
+ * are in single precision, as in the program whose digits are matched.
  */
 struct orl_perez {
     double c[5];
 };
 struct orl_perez orl_perez_shape(double sun_zenith_rad, double clearness, double brightness);
 
-/* Relative luminance at an angle from the zenith and an angle from the sun. */
+/* Returns the relative luminance at an angle from the zenith and an angle from the sun. */
 double orl_perez_luminance(const struct orl_perez *shape, double zenith_rad, double gamma_rad);
 
 /*
- * The horizontal integral of the relative luminance by the mean over Tregenza's 145 patches. It is
- * 0.7 to 2.7 % off the true integral; kept because sky files are normalised by it.
+ * Returns the horizontal integral of the relative luminance by the mean over Tregenza's 145
+ * patches. It is 0.7 to 2.7 % off the true integral; kept because sky files are normalised by it.
  */
 double orl_perez_patch_integral(const struct orl_perez *shape, double sun_zenith_rad);
 
-/* The bin (0..7) of Perez 1990 a clearness falls into; -1 outside the model's range. */
+/* Returns the bin (0..7) of Perez 1990 for a clearness; -1 outside the model's range. */
 int orl_perez_bin(double clearness);
 
-/* Efficacies in a bin; water_cm is the precipitable water. */
+/* Return efficacies in a bin; water_cm is the precipitable water. */
 double orl_perez_diffuse_efficacy(int bin, double brightness, double sun_zenith_rad,
                                   double water_cm);
 double orl_perez_direct_efficacy(int bin, double brightness, double sun_zenith_rad,

@@ -1,29 +1,29 @@
 /*
  * The generators of solids that scene files call. Each reads the words of its command (words[0] is
- * its name) and writes the scene text that Radiance's program of that name writes, with the same
- * numbers to the printed digit and the same names of surfaces; genbox -o and -s are refused.
+ * its name) and writes the scene text of Radiance's program of that name. The printed digits and
+ * the names of surfaces are equal. genbox -o and -s are refused.
  *
- * Units are the scene's. Errors: as generate.h has them, and ORL_ERR_LIMIT for solids of more
- * pieces than anybody needs. References: genbox(1), genprism(1), genblinds(1), genclock(1),
- * genrev(1), genworm(1) and gensurf(1) of Radiance, and what these programs print.
+ * Units are the scene's. Errors: as in generate.h, and ORL_ERR_LIMIT for solids with too many
+ * pieces. References: genbox(1), genprism(1), genblinds(1), genclock(1), genrev(1), genworm(1) and
+ * gensurf(1) of Radiance, and the output of these programs.
  */
 #ifndef ORL_SCENE_GENERATE_SOLIDS_H
 #define ORL_SCENE_GENERATE_SOLIDS_H
 
 #include "scene/generate/generate.h"
 
-/* Where generators find the files that their words name. */
+/* Access to the files that the words of generators name. */
 struct orl_generator_files {
     void *ctx;
-    /* Fetches a text into an owned string. */
+    /* Reads a text into an owned string. */
     int (*read)(void *ctx, const char *name, char **ret_text, struct orl_error *err);
 };
 
-/* Flat, bevelled (-b) or round (-r) at its edges, inside out (-i), in segments (-n). */
+/* A box with sharp, bevelled (-b) or round (-r) edges, inverted (-i), in segments (-n). */
 int orl_genbox(const char *const *words, size_t count, struct orl_text *text,
                struct orl_error *err);
 
-/* An outline of the words or of a file, extruded (-l), open (-c), without ends (-e), round (-r). */
+/* An outline from the words or a file, extruded (-l), open (-c), without ends (-e), round (-r). */
 int orl_genprism(const char *const *words, size_t count, const struct orl_generator_files *files,
                  struct orl_text *text, struct orl_error *err);
 
@@ -39,29 +39,31 @@ int orl_genclock(const char *const *words, size_t count, struct orl_text *text,
 int orl_genbranch(const char *const *words, size_t count, struct orl_text *text,
                   struct orl_error *err);
 
-/* A curve's way about the z axis: "z(t)" "r(t)" segments; smooth (-s). */
+/* A surface of revolution about the z axis: "z(t)" "r(t)" segments; smooth (-s). */
 int orl_genrev(const char *const *words, size_t count, const struct orl_generator_files *files,
                struct orl_text *text, struct orl_error *err);
 
-/* A thread along a curve: "x(t)" "y(t)" "z(t)" "r(t)" segments. */
+/* A tube along a curve: "x(t)" "y(t)" "z(t)" "r(t)" segments. */
 int orl_genworm(const char *const *words, size_t count, const struct orl_generator_files *files,
                 struct orl_text *text, struct orl_error *err);
 
-/* A surface: "x(s,t)" "y(s,t)" "z(s,t)" and how many fields along s and t, or files of numbers;
- * smooth (-s), inside out (-i), as an OBJ file (-o), and where valid(s,t), if that is defined. */
+/* A surface: "x(s,t)" "y(s,t)" "z(s,t)", or files of numbers, and the number of cells along s and
+ * t; smooth (-s), inverted (-i), as an OBJ file (-o). If valid(s,t) is defined, it selects the
+ * vertices. */
 int orl_gensurf(const char *const *words, size_t count, const struct orl_generator_files *files,
                 struct orl_text *text, struct orl_error *err);
 
-/* ---- What they share ------------------------------------------------------------------------- */
+/* ---- Shared
+ * ----------------------------------------------------------------------------------- */
 
-/* A word that becomes a name in the text: of a material, or before those of surfaces. */
+/* Reads a word that becomes a name in the text: of a material, or a prefix of surface names. */
 int orl_words_name(struct orl_words *words, const char *option, const char **ret_name,
                    struct orl_error *err);
 
-/* "'material' type 'name.part'", and the counts: what follows are n_reals numbers. */
+/* Adds "'material' type 'name.part'", and the counts; n_reals numbers must follow. */
 void orl_text_add_head(struct orl_text *text, const char *material, const char *type,
                        const char *name, const char *part, size_t n_reals);
-/* A place, to the digits that Radiance's generators print. */
+/* Adds a point with the digits that Radiance's generators print. */
 void orl_text_add_point(struct orl_text *text, struct orl_vec3 point);
 void orl_text_add_sphere(struct orl_text *text, const char *material, const char *name,
                          const char *part, struct orl_vec3 center, double radius);

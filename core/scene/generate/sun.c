@@ -23,7 +23,7 @@ static double time_shift(const struct orl_location *site, int day_of_year)
            12.0 / ORL_PI * (site->meridian_rad - site->longitude_rad);
 }
 
-/* value brought into [0, period) */
+/* Wraps value into [0, period). */
 static double wrapped(double value, double period)
 {
     value = fmod(value, period);
@@ -40,7 +40,7 @@ double orl_sun_hours_apart(double hours, double others)
     return wrapped(hours - others + 12.0, 24.0) - 12.0;
 }
 
-/* Days since noon UT on 1 January 2000, by the almanac's count from 1949. */
+/* Days since noon UT on 1 January 2000, computed as in the almanac from 1949. */
 static double almanac_days(const struct orl_location *site, const struct orl_moment *moment)
 {
     const bool leap_day = moment->month > 2 && moment->year % 4 == 0;

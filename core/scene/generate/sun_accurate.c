@@ -1,8 +1,8 @@
 /*
- * The sun's place to 0.01 degrees, by the equations of the NREL report on its Solar Position
- * Algorithm (Reda and Andreas 2004) with the Earth's motion as mean elements, equation of the
- * centre (Meeus, "Astronomical Algorithms", 2nd edition 1998, chapters 7, 12, 22, 25, 40) and the
- * largest perturbations of its longitude (Bretagnon and Francou 1988, VSOP87).
+ * Position of the sun to 0.01 degrees, by the equations of the NREL report on its Solar Position
+ * Algorithm (Reda and Andreas 2004). The Earth's motion is given by mean elements, the equation of
+ * the centre, and the largest perturbations of its longitude. Sources: Meeus, "Astronomical
+ * Algorithms", 2nd edition 1998, chapters 7, 12, 22, 25, 40; Bretagnon and Francou 1988, VSOP87.
  */
 #include "scene/generate/sun.h"
 
@@ -10,13 +10,13 @@
 
 enum { YEAR = 2017, LEAP_YEAR = 2016 };
 
-/* Terrestrial less universal time: 29 s in 1950, 64 in 2000, 69 in 2020. The sun moves by 0.00001
+/* Terrestrial minus universal time: 29 s in 1950, 64 in 2000, 69 in 2020. The sun moves by 0.00001
  * degrees in a second. */
 #define DELTA_T_S 69.0
 
-/* The sun as seen from the middle of the Earth, all in radians. */
+/* The sun's geocentric position, in radians. */
 struct equatorial {
-    double declination, hour_angle; /* the latter at Greenwich, from noon, westwards */
+    double declination, hour_angle; /* hour_angle: at Greenwich, from noon, positive westwards */
 };
 
 static double sine(double degrees)
@@ -29,7 +29,7 @@ static double cosine(double degrees)
     return cos(degrees * ORL_DEG_TO_RAD);
 }
 
-/* The year that a moment is taken in: its own within the range of these formulas. */
+/* Returns the year used for a moment: its own within the range of these formulas. */
 static int year_of(const struct orl_moment *moment)
 {
     if (moment->year >= ORL_SUN_FIRST_YEAR && moment->year <= ORL_SUN_LAST_YEAR)
@@ -49,11 +49,12 @@ static double days_since_2000(const struct orl_location *site, const struct orl_
     return date - 2451545.0 + hour_ut / 24.0;
 }
 
-/* By planets and the moon, in degrees: what remains is below 0.002 in sum. */
+/* Perturbation of the longitude by planets and the moon, in degrees; the sum of omitted terms is
+ * below 0.002. */
 static double perturbation(double centuries)
 {
     static const struct {
-        double size, phase, rate; /* 1e-8 rad, rad, rad in a century */
+        double size, phase, rate; /* 1e-8 rad, rad, rad per century */
     } terms[] = {{3497, 2.7441, 575.33849}, {3418, 2.8289, 0.35231},   {3136, 3.6277, 7771.37715},
                  {2676, 4.4181, 786.04194}, {2343, 6.1352, 393.02097}, {1324, 0.7425, 1150.67698},
                  {1273, 2.0371, 52.9691},   {1199, 1.1096, 157.73435}};
@@ -85,8 +86,8 @@ static struct equatorial place_of(double days)
                                fmod(sidereal - ascension, 360.0) * ORL_DEG_TO_RAD};
 }
 
-/* As seen from the Earth's surface it stands lower by the parallax (Meeus, chapter 40): at most
- * 8.794 seconds of arc. */
+/* On the Earth's surface the sun is lower by the parallax (Meeus, chapter 40): at most 8.794
+ * seconds of arc. */
 struct orl_sun_position orl_sun_accurate(const struct orl_location *site,
                                          const struct orl_moment *moment)
 {

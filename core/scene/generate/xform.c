@@ -23,17 +23,17 @@ struct orl_xform orl_xform_compose(const struct orl_xform *outer, const struct o
     return both;
 }
 
-static int bad(struct orl_error *err, int code, const char *option, const char *what)
+static int fail_option(struct orl_error *err, int code, const char *option, const char *what)
 {
     return orl_error_set(err, code, "xform: option '%.40s' %s", option, what);
 }
 
-/* The count numbers that must follow words[0]. */
+/* Reads the count numbers that must follow words[0]. */
 static int numbers_after(const char *const *words, size_t n_words, size_t count, double *ret_values,
                          struct orl_error *err)
 {
     if (n_words < count + 1)
-        return bad(err, ORL_ERR_SYNTAX, words[0], "lacks a number after it");
+        return fail_option(err, ORL_ERR_SYNTAX, words[0], "lacks a number after it");
     for (size_t i = 0; i < count; i++) {
         const char *word = words[i + 1];
         const enum orl_number_fault fault = orl_number_read(word, strlen(word), ret_values + i);
@@ -45,7 +45,7 @@ static int numbers_after(const char *const *words, size_t n_words, size_t count,
     return 0;
 }
 
-/* A right-handed turn about axis 0, 1 or 2. */
+/* Returns a right-handed rotation about axis 0, 1 or 2. */
 static struct orl_xform rotation(int axis, double angle_deg)
 {
     const double c = cos(angle_deg * ORL_DEG_TO_RAD), s = sin(angle_deg * ORL_DEG_TO_RAD);
@@ -74,13 +74,14 @@ static struct orl_xform scaling(double x, double y, double z)
     return t;
 }
 
-/* Which axis option -rx, -my, ... names; -1 if none. */
+/* Returns the axis that an option -rx, -my, ... names; -1 if none. */
 static int axis_of(const char *word)
 {
     return word[2] >= 'x' && word[2] <= 'z' && word[3] == '\0' ? word[2] - 'x' : -1;
 }
 
-/* One transform (not -i). Returns the words it took, 0 if words[0] is none, or a negative error. */
+/* Reads one transform (not -i). Returns the number of words it took, 0 if words[0] is none, or a
+ * negative error. */
 static int read_one(const char *const *words, size_t count, struct orl_xform *ret_one,
                     struct orl_error *err)
 {
@@ -97,7 +98,7 @@ static int read_one(const char *const *words, size_t count, struct orl_xform *re
     if (strcmp(word, "-s") == 0) {
         code = numbers_after(words, count, 1, n, err);
         if (code == 0 && n[0] == 0.0)
-            code = bad(err, ORL_ERR_RANGE, word, "must not be 0");
+            code = fail_option(err, ORL_ERR_RANGE, word, "must not be 0");
         if (code == 0)
             *ret_one = scaling(n[0], n[0], n[0]);
         return code < 0 ? code : 2;
@@ -120,14 +121,15 @@ int orl_xform_repeats(const char *word, int *ret_repeats, struct orl_error *err)
 {
     int repeats = 0;
     if (!word || orl_number_read_int(word, strlen(word), &repeats) != ORL_NUMBER_OK)
-        return bad(err, ORL_ERR_SYNTAX, "-i", "needs a whole number after it");
+        return fail_option(err, ORL_ERR_SYNTAX, "-i", "needs a whole number after it");
     if (repeats > (int)ORL_LIMIT_XFORM_ARRAY)
-        return bad(err, ORL_ERR_LIMIT, "-i", "asks for too many repeats");
+        return fail_option(err, ORL_ERR_LIMIT, "-i", "asks for too many repeats");
     *ret_repeats = repeats;
     return 0;
 }
 
-/* By squaring: an array of n copies repeats its block n^2 / 2 times in all. */
+/* Composes by repeated squaring, because an array of n copies repeats its block n^2 / 2 times in
+ * total. */
 void orl_xform_repeat(struct orl_xform *total, const struct orl_xform *block, int times)
 {
     struct orl_xform power = *block;

@@ -1,10 +1,10 @@
 /*
- * Similarity transforms as the xform command writes them, and the command's own options.
+ * Similarity transforms as in the xform command, and the command's own options.
  *
- * Conventions: p' = linear p + offset; linear is |scale| times an orthogonal matrix, its
- * determinant negative when mirrored. "Inverted" (-I) turns surfaces inside out without moving
- * them. Transforms apply in the order written; -i N repeats those up to the next -i. Reference:
- * xform(1) of Radiance.
+ * Conventions: p' = linear p + offset; linear is |scale| times an orthogonal matrix, whose
+ * determinant is negative if mirrored. "Inverted" (-I) flips surfaces without moving them.
+ * Transforms apply in the order written; -i N repeats those up to the next -i. Reference: xform(1)
+ * of Radiance.
  */
 #ifndef ORL_SCENE_GENERATE_XFORM_H
 #define ORL_SCENE_GENERATE_XFORM_H
@@ -16,10 +16,10 @@
 #include <oriel/vec.h>
 
 struct orl_xform {
-    struct orl_vec3 row[3]; /* of the linear part */
+    struct orl_vec3 row[3]; /* rows of the linear part */
     struct orl_vec3 offset;
     double scale;  /* positive */
-    bool mirrored; /* polygons must be listed the other way round */
+    bool mirrored; /* polygons must be listed in reverse order */
     bool inverted;
 };
 
@@ -34,39 +34,40 @@ static inline struct orl_vec3 orl_xform_point(const struct orl_xform *t, struct 
     return orl_add(orl_xform_vector(t, p), t->offset);
 }
 
-/* First inner, then outer. */
+/* Returns the transform that applies inner first, then outer. */
 struct orl_xform orl_xform_compose(const struct orl_xform *outer, const struct orl_xform *inner);
 
 /*
- * Reads transforms from the front of words until one is none; ret_used says how many words that
- * took. Fails with ORL_ERR_SYNTAX or _RANGE (not finite, scale 0).
+ * Reads transforms from the front of words until one is none; *ret_used: number of words read.
+ * Fails with ORL_ERR_SYNTAX or _RANGE (not finite, scale 0).
  */
 int orl_xform_read(const char *const *words, size_t count, struct orl_xform *ret_xform,
                    size_t *ret_used, struct orl_error *err);
 
-/* What it is made of: the number behind -i (NULL: there is none), the block repeated behind what is
- * there, and ORL_ERR_RANGE unless it is within range. */
+/* Parts of orl_xform_read: _repeats reads the number behind -i (word NULL: missing), _repeat
+ * composes the block repeatedly behind total, _check returns ORL_ERR_RANGE unless the transform is
+ * within range. */
 int orl_xform_repeats(const char *word, int *ret_repeats, struct orl_error *err);
 void orl_xform_repeat(struct orl_xform *total, const struct orl_xform *block, int times);
 int orl_xform_check(const struct orl_xform *t, struct orl_error *err);
 
-/* Room for the prefix that -n puts before names. */
+/* Size of a prefix for names (-n). */
 enum { ORL_PREFIX_BYTES = 512 };
 
-/* One plain use of the command: what -a and -f have been expanded to. */
+/* One use of the command after -a and -f have been expanded. */
 struct orl_xform_use {
     struct orl_xform xform;
-    const char *modifier;     /* -m, or NULL */
-    const char *prefix;       /* -n, or NULL */
+    const char *modifier;     /* -m; may be NULL */
+    const char *prefix;       /* -n; may be NULL */
     const char *const *files; /* the words after the transforms */
     size_t n_files;
-    size_t n_words; /* that were read for it, those of many transforms as one */
+    size_t n_words; /* number of words read for it; combined transforms count as one */
 };
 
-/* Called for each use in order; borrowed arguments. A negative result ends the expansion. */
+/* Called for each use in order with borrowed arguments. A negative result ends the expansion. */
 typedef int (*orl_xform_user)(void *ctx, const struct orl_xform_use *use, struct orl_error *err);
 
-/* Fetches the text of an argument file (-f) into an owned string. */
+/* Reads the text of an argument file (-f) into an owned string. */
 typedef int (*orl_xform_reader)(void *ctx, const char *name, char **ret_text,
                                 struct orl_error *err);
 

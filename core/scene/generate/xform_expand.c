@@ -1,6 +1,6 @@
 /*
- * The options of the xform command: -a (arrays) and -f (argument files) make many uses of one; what
- * is left of each is -m, -n, -I, -c, -e, transforms and file names, in that order.
+ * Options of the xform command: -a (arrays) and -f (argument files) expand a command to many uses.
+ * Each use then has -m, -n, -I, -c, -e, transforms and file names, in that order.
  *
  * Transforms between these are read once, however many copies are made: a copy costs a few steps
  * for each -a and -f, not one for every word.
@@ -27,10 +27,10 @@ struct expansion {
     unsigned depth;
 };
 
-static int expand(struct expansion *e, const struct orl_xform_word *words, size_t count,
-                  struct orl_error *err);
+static int expand_words(struct expansion *e, const struct orl_xform_word *words, size_t count,
+                        struct orl_error *err);
 
-static size_t find(const struct orl_xform_word *words, size_t count, const char *option)
+static size_t find_option(const struct orl_xform_word *words, size_t count, const char *option)
 {
     size_t i = 0;
     while (i < count && !orl_xform_is(&words[i], option))
@@ -40,7 +40,7 @@ static size_t find(const struct orl_xform_word *words, size_t count, const char 
 
 /* ---- One use --------------------------------------------------------------------------------- */
 
-/* Appends ".word"; what does not fit fills the prefix up, which use_once refuses. */
+/* Appends ".word"; a prefix that is too long is filled up, which read_use refuses. */
 static size_t join_prefix(char prefix[ORL_PREFIX_BYTES], size_t length, const char *word)
 {
     const size_t room = ORL_PREFIX_BYTES - length;
@@ -49,7 +49,7 @@ static size_t join_prefix(char prefix[ORL_PREFIX_BYTES], size_t length, const ch
     return more < room ? length + more : ORL_PREFIX_BYTES - 1;
 }
 
-/* -m, -n and the flags, as far as they go. Several -n join with dots; the first -m counts. */
+/* Reads leading -m, -n and flags. Several -n join with dots; the first -m counts. */
 static size_t read_options(const struct orl_xform_word *words, size_t count,
                            struct orl_xform_use *use, bool *inverted, char prefix[ORL_PREFIX_BYTES])
 {
@@ -65,14 +65,14 @@ static size_t read_options(const struct orl_xform_word *words, size_t count,
             use->prefix = prefix;
             length = join_prefix(prefix, length, words[i].text);
         } else if (!orl_xform_is(&words[i], "-c") && !orl_xform_is(&words[i], "-e")) {
-            /* -c leaves commands for the reader to expand and -e expands them: the same here. */
+            /* -c leaves commands unexpanded and -e expands them; both have no effect here. */
             break;
         }
     }
     return i;
 }
 
-/* A transform that was left as words: judged up to the next -i. */
+/* Reads a transform that was left as words, up to the next -i. */
 static int read_words(const struct orl_xform_word *words, size_t count, const char **texts,
                       struct orl_xform *ret_some, size_t *ret_used, struct orl_error *err)
 {
@@ -82,7 +82,8 @@ static int read_words(const struct orl_xform_word *words, size_t count, const ch
     return orl_xform_read(texts, n, ret_some, ret_used, err);
 }
 
-/* The transforms at the front, each -i repeating those up to the next; ret_used: how many words. */
+/* Reads leading transforms, where each -i repeats those up to the next; *ret_used: number of
+ * words. */
 static int read_transforms(const struct orl_xform_word *words, size_t count, const char **texts,
                            struct orl_xform *ret_xform, size_t *ret_used, struct orl_error *err)
 {
@@ -113,7 +114,7 @@ static int read_transforms(const struct orl_xform_word *words, size_t count, con
     return orl_xform_check(&total, err);
 }
 
-/* What stands behind the transforms: names of files. */
+/* Reads the file names behind the transforms. */
 static int read_files(const struct orl_xform_word *words, size_t count, const char **files,
                       struct orl_error *err)
 {
@@ -154,7 +155,7 @@ static int read_use(struct expansion *e, const struct orl_xform_word *words, siz
     return read_files(words + options + used, use->n_files, texts, err);
 }
 
-/* No -a and no -f is left: one use. */
+/* Handles a command without -a and -f: one use. */
 static int use_once(struct expansion *e, const struct orl_xform_word *words, size_t count,
                     struct orl_error *err)
 {
@@ -173,8 +174,8 @@ static int use_once(struct expansion *e, const struct orl_xform_word *words, siz
 /* ---- Copies ---------------------------------------------------------------------------------- */
 
 /*
- * Puts the copy's number behind the names that -n gives, as the command does: an argument file
- * extends the first, an array sets them all to the last one. Returns false when there is none.
+ * Appends the copy's number to the names that -n gives, as the command does: an argument file
+ * extends the first, an array sets all of them to the last one. Returns false if there is none.
  */
 static bool number_names(struct orl_xform_word *words, size_t count, char letter, size_t number,
                          char name[ORL_PREFIX_BYTES])
@@ -197,8 +198,8 @@ static bool number_names(struct orl_xform_word *words, size_t count, char letter
 }
 
 /*
- * The words with item and its value replaced by middle, and the copy's number added to its names,
- * or "-n <letter><number>" put in front.
+ * Expands a copy of the words in which middle replaces item and its value. The copy's number is
+ * appended to its names, or "-n <letter><number>" is put in front.
  */
 static int expand_copy(struct expansion *e, const struct orl_xform_word *words, size_t count,
                        size_t item, const struct orl_xform_word *middle, size_t n_middle,
@@ -222,7 +223,7 @@ static int expand_copy(struct expansion *e, const struct orl_xform_word *words, 
         copy[1] = (struct orl_xform_word){.text = name};
         from = 0;
     }
-    code = expand(e, copy + from, n - from, err);
+    code = expand_words(e, copy + from, n - from, err);
     free(copy);
     return code;
 }
@@ -246,7 +247,7 @@ static int expand_array(struct expansion *e, const struct orl_xform_word *words,
     return code;
 }
 
-/* One line of an argument file; blank lines and comments make no copy. */
+/* Expands one line of an argument file; blank lines and comments make no copy. */
 static int expand_line(struct expansion *e, const struct orl_xform_word *words, size_t count,
                        size_t item, const char *line, size_t *number, struct orl_error *err)
 {
@@ -294,10 +295,10 @@ static int expand_file(struct expansion *e, const struct orl_xform_word *words, 
     return code;
 }
 
-static int expand(struct expansion *e, const struct orl_xform_word *words, size_t count,
-                  struct orl_error *err)
+static int expand_words(struct expansion *e, const struct orl_xform_word *words, size_t count,
+                        struct orl_error *err)
 {
-    const size_t file = find(words, count, "-f"), array = find(words, count, "-a");
+    const size_t file = find_option(words, count, "-f"), array = find_option(words, count, "-a");
     int code;
     if (e->depth >= DEPTH_MAX)
         return orl_error_set(err, ORL_ERR_LIMIT, "xform: more than %d of -a and -f", DEPTH_MAX - 1);
@@ -318,8 +319,8 @@ int orl_xform_expand(const char *const *words, size_t count, orl_xform_reader re
     struct expansion e = {reader, user, ctx, 0, 0};
     size_t n = 0;
     struct orl_xform_word *folded = orl_xform_fold(words, count, &n);
-    const int code =
-        folded ? expand(&e, folded, n, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    const int code = folded ? expand_words(&e, folded, n, err)
+                            : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     free(folded);
     return code;
 }

@@ -5,12 +5,12 @@
 struct folding {
     struct orl_xform_word *words;
     size_t n;
-    bool options;  /* no transform has come yet */
-    bool modified; /* a -m has */
-    bool turned;   /* the last of words is a -I */
+    bool options;  /* no transform has been read yet */
+    bool modified; /* a -m has been read */
+    bool turned;   /* the last word is a -I */
 };
 
-static void put(struct folding *f, const char *text)
+static void put_word(struct folding *f, const char *text)
 {
     f->words[f->n++] = (struct orl_xform_word){.text = text};
     f->turned = false;
@@ -21,7 +21,8 @@ static bool begins_copies(const char *word)
     return strcmp(word, "-a") == 0 || strcmp(word, "-f") == 0;
 }
 
-/* Those that begin with a transform, or with -i, up to the next -a or -f, or -i: how many. */
+/* Returns the number of words of a run of transforms: up to the next -a or -f, or -i unless the run
+ * begins with one. */
 static size_t run_length(const char *const *words, size_t count)
 {
     const bool repeats = strcmp(words[0], "-i") == 0;
@@ -31,7 +32,7 @@ static size_t run_length(const char *const *words, size_t count)
     return n;
 }
 
-/* Returns how many words an option and its value take, 0 when there is none. */
+/* Returns the number of words of an option and its value, 0 if there is none. */
 static size_t fold_option(struct folding *f, const char *const *words, size_t count)
 {
     if (strcmp(words[0], "-c") == 0 || strcmp(words[0], "-e") == 0)
@@ -40,7 +41,7 @@ static size_t fold_option(struct folding *f, const char *const *words, size_t co
         if (f->turned)
             f->n--;
         else
-            put(f, words[0]);
+            put_word(f, words[0]);
         f->turned = !f->turned;
         return 1;
     }
@@ -48,14 +49,15 @@ static size_t fold_option(struct folding *f, const char *const *words, size_t co
     if ((!modifier && strcmp(words[0], "-n") != 0) || count < 2)
         return 0;
     if (!modifier || !f->modified) {
-        put(f, words[0]);
-        put(f, words[1]);
+        put_word(f, words[0]);
+        put_word(f, words[1]);
     }
     f->modified = f->modified || modifier;
     return 2;
 }
 
-/* -a or -f with its value, or transforms that are read into one; 0: none of these. */
+/* Folds -a or -f with its value, or a run of transforms into one; returns the number of words, 0 if
+ * none. */
 static size_t fold_next(struct folding *f, const char *const *words, size_t count)
 {
     struct orl_xform_word run = {.text = NULL};
@@ -64,15 +66,15 @@ static size_t fold_next(struct folding *f, const char *const *words, size_t coun
         if (count < 2)
             return 0;
         f->options = f->options && strcmp(words[0], "-f") == 0;
-        put(f, words[0]);
-        put(f, words[1]);
+        put_word(f, words[0]);
+        put_word(f, words[1]);
         return 2;
     }
     if (orl_xform_read(words, run_length(words, count), &run.transform, &used, NULL) < 0)
         return 0;
     if (used > 0 && strcmp(words[0], "-i") == 0) {
-        put(f, "-i"); /* ends what an array repeats */
-        put(f, "1");
+        put_word(f, "-i"); /* ends the range that an array repeats */
+        put_word(f, "1");
     }
     if (used > 0)
         f->words[f->n++] = run;
@@ -82,7 +84,7 @@ static size_t fold_next(struct folding *f, const char *const *words, size_t coun
 
 struct orl_xform_word *orl_xform_fold(const char *const *words, size_t count, size_t *ret_n)
 {
-    /* "-i 1" and a transform may come of "-i N" alone. */
+    /* a single "-i N" may become "-i 1" and a transform */
     struct folding f = {.words = malloc((2 * count + 1) * sizeof *f.words), .options = true};
     size_t i = 0, taken = 1;
     if (!f.words)
@@ -94,7 +96,7 @@ struct orl_xform_word *orl_xform_fold(const char *const *words, size_t count, si
         i += taken;
     }
     while (i < count)
-        put(&f, words[i++]);
+        put_word(&f, words[i++]);
     *ret_n = f.n;
     return f.words;
 }

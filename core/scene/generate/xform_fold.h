@@ -1,6 +1,6 @@
 /*
- * The words of an xform command with its transforms read: several in a row are one, so that copies
- * made by -a and -f need not read them again. Internal to xform_expand.c.
+ * The words of an xform command with its transforms read: successive ones are combined, so that
+ * copies made by -a and -f need not read them again. Internal to xform_expand.c.
  */
 #ifndef ORL_SCENE_GENERATE_XFORM_FOLD_H
 #define ORL_SCENE_GENERATE_XFORM_FOLD_H
@@ -9,7 +9,7 @@
 
 #include "scene/generate/xform.h"
 
-/* A word of the command, or several of its transforms in one. */
+/* A word of the command, or a combined transform. */
 struct orl_xform_word {
     const char *text; /* NULL: a transform */
     struct orl_xform transform;
@@ -21,9 +21,9 @@ static inline bool orl_xform_is(const struct orl_xform_word *word, const char *t
 }
 
 /*
- * Returns the words (owned, free()), or NULL when out of memory. Options that change nothing are
- * left out: -c, -e, -I twice, -m behind another. What cannot be understood stays as it is, with all
- * behind it, for those who use it to refuse: file names too. Texts are borrowed.
+ * Returns the words (owned, free()), or NULL if out of memory. Options without effect are left out:
+ * -c, -e, -I twice, -m behind another. Words that are not understood, file names among them, are
+ * kept with all that follow; the caller handles or refuses them. Texts are borrowed.
  */
 struct orl_xform_word *orl_xform_fold(const char *const *words, size_t count, size_t *ret_n);
 

@@ -1,17 +1,18 @@
 /*
- * Antimatter: volumes in which surfaces of certain materials are not there, as in holes cut into
- * walls. Where the volume's own surface lies inside of what is cut, it is the hole's lining.
+ * Antimatter: volumes that remove surfaces of certain materials, like holes cut into walls. Where
+ * the volume's own surface lies inside the material that is cut, it is the hole's lining.
  *
- * What a ray meets is decided at the place it meets, whatever way it came: a surface that is cut
- * is not there where the volume is on either of its sides; the volume's surface is not there but
- * from within, and where the next surface behind it that is cut shows its back. Radiance (m_clip)
- * keeps count of what a ray entered, and so knows nothing of an eye or a reflection inside.
+ * Cuts are decided at the hit point, whatever way the ray came. A surface that is cut is absent
+ * where the volume is on either of its sides. The volume's surface is present only from within, and
+ * only where the next cut surface behind it shows its back. Radiance (m_clip) counts the volumes
+ * that a ray entered, which fails for an eye or a reflection inside one.
  *
- * Volumes are closed, their normals look outwards: a volume that is not is refused. The area of a
- * facet is that of all of it.
+ * Volumes must be closed with normals pointing outwards; others are refused. The area of a facet
+ * includes its cut parts.
  *
- * Only geometry.c and copies.c, which build and free, hits.c and linings.c include this. Ownership:
- * shared by a geometry and its subsets, by count. Threads: immutable once built.
+ * Included only by geometry.c and copies.c, which build and free holes, hits.c and linings.c.
+ * Ownership: reference-counted, shared by a geometry and its subsets. Threads: immutable once
+ * built.
  */
 #ifndef ORL_SCENE_GEOMETRY_ANTIMATTER_H
 #define ORL_SCENE_GEOMETRY_ANTIMATTER_H
@@ -20,26 +21,28 @@
 
 #include "scene/geometry/geometry.h"
 
-/* One antimatter: the surfaces of its volume, and those that it cuts, each alone. */
+/* One antimatter material. shell: geometry of its volume's surfaces; matter: geometry of the
+ * surfaces that it cuts. */
 struct orl_hole {
     struct orl_geometry *shell, *matter;
-    bool *cuts; /* by material */
+    bool *cuts; /* by material: true if it is cut */
     uint32_t material;
-    bool lined, left_away; /* ... its lining: see linings.h */
+    /* lined: it has a lining; left_away: the lining is omitted (linings.h) */
+    bool lined, left_away;
 };
 
 struct orl_holes {
     atomic_size_t holders;
     struct orl_hole *items;
     size_t n;
-    int32_t *of_facet; /* whose volume's surface a facet is, or or one of those below */
+    int32_t *of_facet; /* by facet: the hole whose volume it bounds, or one of the values below */
 };
 
-/* Of a facet that is no volume's surface, but may be cut; and of all others. */
+/* NONE: a facet that may be cut, but bounds no volume. UNTOUCHED: neither. */
 enum { ORL_HOLE_NONE = -1, ORL_HOLE_UNTOUCHED = -2 };
 
-/* antimatter_build.c: the holes of a geometry that has none yet. Lined facets take the lining's
- * material. Returns 0, ORL_ERR_NOMEM, ORL_ERR_RANGE, ORL_ERR_LIMIT. */
+/* antimatter_build.c: builds the holes of a geometry that has none yet. Lined facets get the
+ * lining's material. Returns 0, ORL_ERR_NOMEM, ORL_ERR_RANGE, ORL_ERR_LIMIT. */
 int orl_holes_build(struct orl_geometry *geometry, const struct orl_description *description,
                     struct orl_error *err);
 
@@ -47,19 +50,20 @@ int orl_holes_build(struct orl_geometry *geometry, const struct orl_description 
 struct orl_holes *orl_holes_hold(struct orl_holes *holes); /* NULL is allowed */
 void orl_holes_release(struct orl_holes *holes);           /* NULL is allowed */
 
-/* Ways out of the volume along a ray, less ways in: above 0 inside. */
+/* Returns the exits from the volume along a ray, less the entries: above 0 if the point is
+ * inside. */
 int orl_hole_windings(const struct orl_geometry *shell, struct orl_vec3 point,
                       struct orl_vec3 direction);
-/* In no particular direction. */
+/* An arbitrary direction that no surface is likely to be parallel to. */
 extern const struct orl_vec3 orl_hole_skew;
 
 bool orl_hole_is_inside(const struct orl_hole *hole, struct orl_vec3 point);
-/* Of a place on its volume's surface: whether it lies in what the volume cuts, and in no other's.
- */
+/* Returns true if a hit on the volume's surface lies in material that the volume cuts, and in no
+ * other volume. */
 bool orl_hole_is_lining(const struct orl_geometry *geometry, const struct orl_hole *hole,
                         const struct orl_hit *hit);
 
-/* Whether there is anything where a ray has met that facet. */
+/* Returns true if the hit facet is present at the hit point. */
 bool orl_holes_leave(const struct orl_geometry *geometry, const struct orl_hit *hit);
 
 #endif

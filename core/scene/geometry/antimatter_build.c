@@ -1,4 +1,4 @@
-/* Antimatter: the volumes of a scene, each alone, and what they cut. */
+/* Builds antimatter: the geometry of each volume, and of the surfaces that it cuts. */
 #include "scene/geometry/antimatter.h"
 
 #include <stdio.h>
@@ -8,22 +8,22 @@
 
 #include "scene/geometry/quadric.h"
 
-static void include(struct orl_geometry *g, struct orl_vec3 p)
+static void include_point(struct orl_geometry *g, struct orl_vec3 p)
 {
     g->low = orl_v3(fmin(g->low.x, p.x), fmin(g->low.y, p.y), fmin(g->low.z, p.z));
     g->high = orl_v3(fmax(g->high.x, p.x), fmax(g->high.y, p.y), fmax(g->high.z, p.z));
 }
 
-/* Bounds of the facets that are left in it: those of the whole scene are the copy's. */
-static void bound(struct orl_geometry *g)
+/* Sets the bounds of the remaining facets; a subset starts with those of the whole scene. */
+static void bound_facets(struct orl_geometry *g)
 {
     g->low = orl_v3(INFINITY, INFINITY, INFINITY);
     g->high = orl_neg(g->low);
     for (size_t i = 0; i < orl_geometry_triangles_end(g); i++) {
         const struct orl_triangle t = orl_triangle_of(g, i);
-        include(g, t.a);
-        include(g, t.b);
-        include(g, t.c);
+        include_point(g, t.a);
+        include_point(g, t.b);
+        include_point(g, t.c);
     }
     for (size_t i = 0; i < g->n_facets; i++) {
         struct orl_facet own;
@@ -31,14 +31,14 @@ static void bound(struct orl_geometry *g)
         if (orl_facet_kind(g, i) == ORL_SURFACE_POLYGON || !(orl_facet_area(g, i) > 0))
             continue;
         orl_quadric_bounds(orl_facet_own(g, i, &own), &low, &high);
-        include(g, low);
-        include(g, high);
+        include_point(g, low);
+        include_point(g, high);
     }
 }
 
-/* A facet that is left in it. */
-static const struct orl_surface *one_of(const struct orl_geometry *g,
-                                        const struct orl_description *d)
+/* Returns the surface of one of the remaining facets, for messages. */
+static const struct orl_surface *find_any_surface(const struct orl_geometry *g,
+                                                  const struct orl_description *d)
 {
     for (size_t i = 0; i < g->n_facets; i++)
         if (orl_facet_area(g, i) > 0)
@@ -46,13 +46,15 @@ static const struct orl_surface *one_of(const struct orl_geometry *g,
     return NULL;
 }
 
-/* What places say of a volume. */
+/* Result of testing whether a volume is closed. */
 struct closed {
-    int unlike; /* that both ways along a line say different things, or that it is inside out */
+    /* places where both directions along a line disagree, or that say the volume is inside out */
+    int unlike;
     int inside;
 };
 
-static void ask(const struct orl_geometry *shell, struct orl_vec3 place, struct closed *closed)
+static void test_place(const struct orl_geometry *shell, struct orl_vec3 place,
+                       struct closed *closed)
 {
     const int on = orl_hole_windings(shell, place, orl_hole_skew),
               back = orl_hole_windings(shell, place, orl_neg(orl_hole_skew));
@@ -60,15 +62,15 @@ static void ask(const struct orl_geometry *shell, struct orl_vec3 place, struct 
     closed->inside += on > 0;
 }
 
-static struct orl_vec3 between(struct orl_vec3 low, struct orl_vec3 high, struct orl_vec3 u)
+static struct orl_vec3 place_between(struct orl_vec3 low, struct orl_vec3 high, struct orl_vec3 u)
 {
     return orl_v3(low.x + u.x * (high.x - low.x), low.y + u.y * (high.y - low.y),
                   low.z + u.z * (high.z - low.z));
 }
 
-/* On both sides of one of its triangles, a thousandth of that triangle's size away. */
-static void ask_beside(const struct orl_geometry *shell, size_t triangle, struct orl_vec3 u,
-                       struct closed *closed)
+/* Tests both sides of a point on a triangle, a thousandth of the triangle's size away. */
+static void test_beside(const struct orl_geometry *shell, size_t triangle, struct orl_vec3 u,
+                        struct closed *closed)
 {
     const struct orl_triangle t = orl_triangle_of(shell, triangle);
     const double s = sqrt(u.x), away = 1e-3;
@@ -77,12 +79,12 @@ static void ask_beside(const struct orl_geometry *shell, size_t triangle, struct
     const double size = sqrt(orl_length(n));
     if (!(size > 0))
         return;
-    ask(shell, orl_madd(p, n, away / size), closed);
-    ask(shell, orl_madd(p, n, -away / size), closed);
+    test_place(shell, orl_madd(p, n, away / size), closed);
+    test_place(shell, orl_madd(p, n, -away / size), closed);
 }
 
-/* Places all over its box, and beside its surfaces: of holes all over a building few are within
- * one. */
+/* Tests places in the volume's bounding box, and beside its surfaces: if holes are scattered over a
+ * building, few places of the box lie in one. */
 static int check_closed(const struct orl_hole *hole, const struct orl_description *d,
                         struct orl_error *err)
 {
@@ -95,14 +97,14 @@ static int check_closed(const struct orl_hole *hole, const struct orl_descriptio
         const struct orl_vec3 u =
             orl_v3(fmod(0.5 + 0.8191725133961645 * i, 1), fmod(0.5 + 0.6710436067037893 * i, 1),
                    fmod(0.5 + 0.5497004779019703 * i, 1));
-        ask(s, between(s->low, s->high, u), &all_over);
+        test_place(s, place_between(s->low, s->high, u), &all_over);
         if (triangles > 0)
-            ask_beside(s, (size_t)(u.z * (double)triangles), u, &beside);
+            test_beside(s, (size_t)(u.z * (double)triangles), u, &beside);
     }
     const bool unlike = all_over.unlike > MOST_UNLIKE || beside.unlike > MOST_UNLIKE;
     if (!unlike && all_over.inside + beside.inside > 0)
         return 0;
-    const struct orl_surface *const surface = one_of(s, d);
+    const struct orl_surface *const surface = find_any_surface(s, d);
     const struct orl_material *const m = &d->materials[surface->material];
     char name[ORL_ERROR_NAME_MAX];
     snprintf(name, sizeof name, "antimatter %.200s", m->name);
@@ -135,13 +137,13 @@ static int build_hole(struct orl_geometry *g, const struct orl_description *d, u
         code = orl_geometry_subset(g, keep, &hole->matter, err);
     if (code < 0)
         return code;
-    bound(hole->shell);
+    bound_facets(hole->shell);
     return check_closed(hole, d, err);
 }
 
-/* Which antimatters have surfaces, in order of their definition. */
-static size_t list(const struct orl_geometry *g, const struct orl_description *d, uint8_t *used,
-                   uint32_t *ret_materials)
+/* Lists the antimatters that have surfaces, in order of their definition. */
+static size_t list_antimatters(const struct orl_geometry *g, const struct orl_description *d,
+                               uint8_t *used, uint32_t *ret_materials)
 {
     size_t n = 0;
     for (size_t i = 0; i < g->n_facets; i++)
@@ -152,8 +154,8 @@ static size_t list(const struct orl_geometry *g, const struct orl_description *d
     return n;
 }
 
-static void mark(struct orl_geometry *g, const struct orl_description *d, struct orl_holes *holes,
-                 const uint32_t *materials)
+static void assign_facets(struct orl_geometry *g, const struct orl_description *d,
+                          struct orl_holes *holes, const uint32_t *materials)
 {
     for (size_t i = 0; i < g->n_facets; i++) {
         const uint32_t own = d->surfaces[orl_facet_surface(g, i)].material;
@@ -180,7 +182,7 @@ int orl_holes_build(struct orl_geometry *geometry, const struct orl_description 
     bool *const keep = malloc((geometry->n_facets + 1) * sizeof *keep);
     struct orl_holes *holes = NULL;
     int code = used && materials && keep ? 0 : ORL_ERR_NOMEM;
-    const size_t n = code == 0 ? list(geometry, description, used, materials) : 0;
+    const size_t n = code == 0 ? list_antimatters(geometry, description, used, materials) : 0;
     if (n == 0)
         goto done;
     if (n > ORL_LIMIT_ANTIMATTERS ||
@@ -206,7 +208,7 @@ int orl_holes_build(struct orl_geometry *geometry, const struct orl_description 
                           err);
     if (code < 0)
         goto done;
-    mark(geometry, description, holes, materials);
+    assign_facets(geometry, description, holes, materials);
     geometry->holes = holes;
     holes = NULL;
 done:

@@ -9,7 +9,7 @@
 #include "scene/geometry/sweep_order.h"
 
 enum { MOST_PASSES = 64, LONG_PASS = 2, FEW_EDGES = 2000 };
-/* Pairs looked at in one search for all meetings, and in all: about a second. */
+/* Limits of pairs tested in one search for all intersections, and in total: about a second. */
 static const uint64_t most_pairs = 20000000, most_tests = 60000000;
 
 static const double steps = 0x1p29 - 2;
@@ -26,11 +26,11 @@ struct split {
     double along;
 };
 
-enum scratch { BOXES, SPLITS, SPARE, TABLE }; /* boxes: also what a sweep needs */
+enum scratch { BOXES, SPLITS, SPARE, TABLE }; /* BOXES: also used as scratch by the sweep */
 
-/* ---- Room ------------------------------------------------------------------------------------ */
+/* ---- Memory ---------------------------------------------------------------------------------- */
 
-static bool grow(void *array, size_t *room, size_t wanted, size_t item)
+static bool grow_array(void *array, size_t *room, size_t wanted, size_t item)
 {
     void **pointer = array;
     if (wanted <= *room)
@@ -44,9 +44,9 @@ static bool grow(void *array, size_t *room, size_t wanted, size_t item)
     return true;
 }
 
-static void *scratch(struct orl_arrangement *a, enum scratch which, size_t count, size_t item)
+static void *scratch_array(struct orl_arrangement *a, enum scratch which, size_t count, size_t item)
 {
-    if (!grow(&a->scratch[which], &a->scratch_room[which], (count + 1) * item, 1))
+    if (!grow_array(&a->scratch[which], &a->scratch_room[which], (count + 1) * item, 1))
         return NULL;
     return a->scratch[which];
 }
@@ -71,18 +71,18 @@ static size_t slot_of(const struct orl_arrangement *a, int32_t x, int32_t y)
     return slot;
 }
 
-/* Room for that many more nodes, in the table too. */
+/* Makes room for more nodes, also in the hash table. */
 static bool make_room(struct orl_arrangement *a, size_t more)
 {
     const size_t wanted = a->n_nodes + more;
     size_t size = a->table_size ? a->table_size : 16;
-    if (!grow(&a->nodes, &a->nodes_room, wanted, sizeof *a->nodes))
+    if (!grow_array(&a->nodes, &a->nodes_room, wanted, sizeof *a->nodes))
         return false;
     while (size < 2 * wanted)
         size *= 2;
     if (size == a->table_size)
         return true;
-    a->table = scratch(a, TABLE, size, sizeof *a->table);
+    a->table = scratch_array(a, TABLE, size, sizeof *a->table);
     if (!a->table)
         return false;
     a->table_size = size;
@@ -92,7 +92,7 @@ static bool make_room(struct orl_arrangement *a, size_t more)
     return true;
 }
 
-/* The node there, new if need be; there is room. */
+/* Returns the node at a grid point, created if there is none; room must have been made. */
 static uint32_t node_at(struct orl_arrangement *a, int32_t x, int32_t y, struct orl_vec3 place)
 {
     const size_t slot = slot_of(a, x, y);
@@ -131,7 +131,8 @@ int orl_arrangement_add(struct orl_arrangement *a, const struct orl_vec3 *vertic
                         uint32_t layer)
 {
     uint32_t first = 0, last = 0;
-    if (!make_room(a, n) || !grow(&a->edges, &a->edges_room, a->n_edges + n, sizeof *a->edges))
+    if (!make_room(a, n) ||
+        !grow_array(&a->edges, &a->edges_room, a->n_edges + n, sizeof *a->edges))
         return ORL_ERR_NOMEM;
     for (uint32_t i = 0; i < n; i++) {
         const struct orl_vec3 d = orl_sub(vertices[i], a->middle);
@@ -148,7 +149,7 @@ int orl_arrangement_add(struct orl_arrangement *a, const struct orl_vec3 *vertic
     return 0;
 }
 
-/* ---- Edges that lie on one another ----------------------------------------------------------- */
+/* ---- Coincident edges ------------------------------------------------------------------------ */
 
 static int compare_edges(const void *left, const void *right)
 {
@@ -158,8 +159,8 @@ static int compare_edges(const void *left, const void *right)
     return a->high < b->high ? -1 : a->high > b->high;
 }
 
-/* Of each layer an even number cancels. */
-static void cancel(struct orl_arrangement *a)
+/* Merges coincident edges; in each layer an even number cancels. */
+static void merge_coincident_edges(struct orl_arrangement *a)
 {
     size_t kept = 0;
     qsort(a->edges, a->n_edges, sizeof *a->edges, compare_edges);
@@ -173,9 +174,9 @@ static void cancel(struct orl_arrangement *a)
     a->n_edges = kept;
 }
 
-/* ---- Where edges meet ------------------------------------------------------------------------ */
+/* ---- Intersections --------------------------------------------------------------------------- */
 
-static void measure(const struct orl_node *n, int32_t ret_extent[AXES])
+static void measure_extents(const struct orl_node *n, int32_t ret_extent[AXES])
 {
     ret_extent[0] = n->y;
     ret_extent[1] = n->x;
@@ -191,13 +192,13 @@ static int compare_boxes(const void *left, const void *right)
     return a->edge < b->edge ? -1 : a->edge > b->edge;
 }
 
-/* A step wider to all sides than half of it is. */
+/* Boxes are padded by a grid step on each side, more than the half step of rounding. */
 static void make_boxes(const struct orl_arrangement *a, struct box *boxes)
 {
     for (size_t i = 0; i < a->n_edges; i++) {
         int32_t low[AXES], high[AXES];
-        measure(&a->nodes[a->edges[i].low], low);
-        measure(&a->nodes[a->edges[i].high], high);
+        measure_extents(&a->nodes[a->edges[i].low], low);
+        measure_extents(&a->nodes[a->edges[i].high], high);
         boxes[i].edge = (uint32_t)i;
         for (int k = 0; k < AXES; k++) {
             boxes[i].low[k] = (low[k] < high[k] ? low[k] : high[k]) - 1;
@@ -207,7 +208,7 @@ static void make_boxes(const struct orl_arrangement *a, struct box *boxes)
     qsort(boxes, a->n_edges, sizeof *boxes, compare_boxes);
 }
 
-static bool apart(const struct box *a, const struct box *b)
+static bool are_apart(const struct box *a, const struct box *b)
 {
     bool result = false;
     for (int k = 1; k < AXES; k++)
@@ -225,7 +226,7 @@ struct search {
 static void add_split(struct search *s, uint32_t edge, uint32_t node, double along)
 {
     struct orl_arrangement *a = s->a;
-    struct split *splits = scratch(a, SPLITS, s->n_splits + 1, sizeof *splits);
+    struct split *splits = scratch_array(a, SPLITS, s->n_splits + 1, sizeof *splits);
     if (!splits)
         s->code = ORL_ERR_NOMEM;
     else if (a->n_edges + s->n_splits > 2 * (size_t)ORL_LIMIT_POLYGON_CROSSINGS)
@@ -234,7 +235,7 @@ static void add_split(struct search *s, uint32_t edge, uint32_t node, double alo
         splits[s->n_splits++] = (struct split){edge, node, along};
 }
 
-/* Splits the edge at a node that comes within a step of it. */
+/* Splits the edge at a node within one grid step of it. */
 static bool split_at(struct search *s, uint32_t edge, uint32_t node)
 {
     const struct orl_node *nodes = s->a->nodes, *p = &nodes[node];
@@ -251,7 +252,7 @@ static bool split_at(struct search *s, uint32_t edge, uint32_t node)
     return true;
 }
 
-/* Splits both where they cross; the node is new unless there is one. */
+/* Splits both edges where they cross, at a new node unless there is one. */
 static void split_crossing(struct search *s, uint32_t first, uint32_t second, int64_t to_low,
                            int64_t to_high)
 {
@@ -261,7 +262,7 @@ static void split_crossing(struct search *s, uint32_t first, uint32_t second, in
         s->code = ORL_ERR_NOMEM;
         return;
     }
-    /* Along f, by the distances of its ends from e. */
+    /* Interpolates along f, by the distances of its ends from e. */
     const double share = (double)to_low / ((double)to_low - (double)to_high);
     const struct orl_node *low = &a->nodes[f.low], *high = &a->nodes[f.high];
     const double dx = (double)high->x - low->x, dy = (double)high->y - low->y;
@@ -284,7 +285,7 @@ static void test_pair(struct search *s, uint32_t first, uint32_t second)
     const struct orl_node *n = a->nodes;
     const int64_t f_low = orl_node_turn(&n[e.low], &n[e.high], &n[f.low]);
     const int64_t f_high = orl_node_turn(&n[e.low], &n[e.high], &n[f.high]);
-    /* Both ends on one side, farther than two steps: no edge is longer than 2^31. */
+    /* Both ends are on one side, more than two steps away: no edge is longer than 2^31. */
     const int64_t far = (int64_t)1 << 32;
     if ((f_low > far && f_high > far) || (f_low < -far && f_high < -far))
         return;
@@ -301,12 +302,12 @@ static void test_pair(struct search *s, uint32_t first, uint32_t second)
         split_crossing(s, first, second, f_low, f_high);
 }
 
-/* All of them, or as many as there is time for. */
+/* Finds all intersections, or as many as the limit of tests allows. */
 static void find_meetings(struct search *s)
 {
     struct orl_arrangement *a = s->a;
     const uint64_t most = a->tests + most_pairs;
-    struct box *boxes = scratch(a, BOXES, a->n_edges, sizeof *boxes);
+    struct box *boxes = scratch_array(a, BOXES, a->n_edges, sizeof *boxes);
     if (!boxes) {
         s->code = ORL_ERR_NOMEM;
         return;
@@ -315,13 +316,14 @@ static void find_meetings(struct search *s)
     for (size_t i = 0; i < a->n_edges && a->tests < most && s->code == 0; i++) {
         size_t j = i + 1;
         for (; j < a->n_edges && boxes[j].low[0] <= boxes[i].high[0] && s->code == 0; j++)
-            if (!apart(&boxes[i], &boxes[j]))
+            if (!are_apart(&boxes[i], &boxes[j]))
                 test_pair(s, boxes[i].edge, boxes[j].edge);
         a->tests += j - i;
     }
 }
 
-/* ---- Whether edges meet at all --------------------------------------------------------------- */
+/* ---- Search by a sweep
+ * ------------------------------------------------------------------------ */
 
 /* The edges that the sweep cuts, from left to right. */
 struct front {
@@ -330,8 +332,8 @@ struct front {
     size_t n;
 };
 
-/* Takes out the edges that end at a node, which are not in their place: something crosses. */
-static size_t take_out(struct front *f, const struct orl_arrangement *a, uint32_t node)
+/* Removes the edges that end at a node when they are out of order, which means that edges cross. */
+static size_t remove_ending_edges(struct front *f, const struct orl_arrangement *a, uint32_t node)
 {
     size_t kept = 0;
     for (size_t i = 0; i < f->n; i++)
@@ -341,7 +343,7 @@ static size_t take_out(struct front *f, const struct orl_arrangement *a, uint32_
     return orl_sweep_count_left(a, f->edges, 1, f->n, node);
 }
 
-/* What comes to lie side by side is tested. */
+/* Processes one node; tests the edges that become neighbours. */
 static void pass_node(struct search *s, struct front *f, uint32_t node)
 {
     const struct orl_arrangement *a = s->a;
@@ -353,7 +355,7 @@ static void pass_node(struct search *s, struct front *f, uint32_t node)
         in_place = a->edges[f->edges[i]].high == node;
     if (!in_place) {
         s->a->tests += f->n / 16;
-        at = take_out(f, a, node);
+        at = remove_ending_edges(f, a, node);
         m = 0;
     }
     memmove(f->edges + at + k, f->edges + at + m, (f->n - at - m) * sizeof *f->edges);
@@ -365,15 +367,15 @@ static void pass_node(struct search *s, struct front *f, uint32_t node)
     s->a->tests += k + 1;
 }
 
-/* Some, if there are any: of edges that meet, two lie side by side before (Shamos and Hoey 1976).
- */
-static void find_some(struct search *s)
+/* Finds some intersection if there is any: two edges that meet are neighbours before (Shamos and
+ * Hoey 1976). */
+static void find_any_meeting(struct search *s)
 {
     struct orl_arrangement *a = s->a;
     struct orl_sweep_order order;
     struct front front = {.order = &order};
     const size_t words = orl_sweep_order_words(a), n_nodes = a->n_nodes;
-    uint32_t *room = scratch(a, BOXES, words + a->n_edges, sizeof *room);
+    uint32_t *room = scratch_array(a, BOXES, words + a->n_edges, sizeof *room);
     if (!room) {
         s->code = ORL_ERR_NOMEM;
         return;
@@ -396,7 +398,7 @@ static int compare_splits(const void *left, const void *right)
     return a->node < b->node ? -1 : a->node > b->node;
 }
 
-/* The measure that orders splits of one edge, whichever way they were found. */
+/* Computes the key that orders splits of one edge, independent of how they were found. */
 static void measure_splits(const struct orl_arrangement *a, struct split *splits, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -409,13 +411,13 @@ static void measure_splits(const struct orl_arrangement *a, struct split *splits
     qsort(splits, n, sizeof *splits, compare_splits);
 }
 
-static int apply(struct orl_arrangement *a, size_t n_splits)
+static int apply_splits(struct orl_arrangement *a, size_t n_splits)
 {
     struct split *splits = a->scratch[SPLITS];
     const size_t most = a->n_edges + n_splits;
-    struct orl_edge *pieces = scratch(a, SPARE, most, sizeof *pieces);
+    struct orl_edge *pieces = scratch_array(a, SPARE, most, sizeof *pieces);
     size_t n = 0, k = 0;
-    if (!pieces || !grow(&a->edges, &a->edges_room, most, sizeof *a->edges))
+    if (!pieces || !grow_array(&a->edges, &a->edges_room, most, sizeof *a->edges))
         return ORL_ERR_NOMEM;
     measure_splits(a, splits, n_splits);
     for (size_t i = 0; i < a->n_edges; i++) {
@@ -438,8 +440,8 @@ int orl_arrangement_split(struct orl_arrangement *a)
 {
     for (int pass = 0; pass < MOST_PASSES; pass++) {
         struct search search = {.a = a};
-        cancel(a);
-        find_some(&search);
+        merge_coincident_edges(a);
+        find_any_meeting(&search);
         if (search.n_splits > 0 && (pass == LONG_PASS || a->n_edges < FEW_EDGES)) {
             search.n_splits = 0;
             find_meetings(&search);
@@ -448,7 +450,7 @@ int orl_arrangement_split(struct orl_arrangement *a)
             return search.code;
         if (a->tests > most_tests)
             return ORL_ERR_LIMIT;
-        const int code = apply(a, search.n_splits);
+        const int code = apply_splits(a, search.n_splits);
         if (code < 0)
             return code;
     }

@@ -1,15 +1,15 @@
 /*
- * Outlines on a grid, cut where they meet: what triangulate.c and coincident.c see of polygons.
+ * Arrangements of polygon outlines on an integer grid, for triangulate.c and coincident.c.
  *
- * A polygon's corners, projected into its plane, move to a grid of 2^29 steps to either side (a 10
- * m wall: 0.02 um). Edges are then split wherever they cross, touch or overlap, until they have
- * nothing in common but ends; of edges that lie on one another an even number cancels. All tests
- * are exact in integers. Points where edges cross are rounded to the grid, as by snap rounding
- * (Hobby 1999): edges that come within a step of a corner are drawn there.
+ * A polygon's corners, projected into its plane, are snapped to a grid of 2^29 steps to either side
+ * (a 10 m wall: 0.02 um). Edges are then split wherever they cross, touch or overlap, until they
+ * share only their ends; of coincident edges an even number cancels. All tests are exact in
+ * integers. Points where edges cross are rounded to the grid, as by snap rounding (Hobby 1999):
+ * edges that come within a step of a corner are moved to it.
  *
- * Cost: a sweep finds out whether anything meets (Shamos and Hoey 1976), in O(n log n), and does so
- * again after splitting what it found; small sets, and stubborn ones, are tested pair by pair.
- * Crossings are bounded by ORL_LIMIT_POLYGON_CROSSINGS, and work to about a second.
+ * Cost: a sweep finds out whether any edges meet (Shamos and Hoey 1976), in O(n log n), again after
+ * each splitting. Small sets are tested pair by pair, and so is a set in its third pass. Crossings
+ * are bounded by ORL_LIMIT_POLYGON_CROSSINGS, and work to about a second.
  */
 #ifndef ORL_SCENE_GEOMETRY_ARRANGEMENT_H
 #define ORL_SCENE_GEOMETRY_ARRANGEMENT_H
@@ -22,11 +22,11 @@
 
 struct orl_node {
     int32_t x, y;
-    struct orl_vec3 place; /* the corner's own; of crossings, on one of the edges */
+    struct orl_vec3 place; /* the corner as given; for crossings, a point on one of the edges */
 };
 
-/* From the lower node (less y, then less x) to the higher; layers: a bit for each outline whose
- * border it is. */
+/* low is the lower node (less y, then less x). layers: one bit for each outline that has this
+ * edge. */
 struct orl_edge {
     uint32_t low, high, layers;
 };
@@ -34,19 +34,19 @@ struct orl_edge {
 struct orl_arrangement {
     struct orl_frame frame;
     struct orl_vec3 middle;
-    double step; /* of the grid */
+    double step; /* grid spacing */
     struct orl_node *nodes;
     size_t n_nodes, nodes_room;
     struct orl_edge *edges;
     size_t n_edges, edges_room;
-    uint32_t *table; /* open hashing of nodes by place on the grid: index + 1 */
+    uint32_t *table; /* open-addressing hash of nodes by grid position: index + 1 */
     size_t table_size;
-    void *scratch[4]; /* of arrangement.c */
+    void *scratch[4]; /* private to arrangement.c */
     size_t scratch_room[4];
-    uint64_t tests; /* pairs of edges looked at since orl_arrangement_begin */
+    uint64_t tests; /* pairs of edges tested since orl_arrangement_begin */
 };
 
-/* Empties it and sets the grid: the plane through middle, reach to all sides. */
+/* Empties the arrangement and sets its grid: the plane through middle, reach to all sides. */
 void orl_arrangement_begin(struct orl_arrangement *a, struct orl_vec3 normal,
                            struct orl_vec3 middle, double reach);
 /* Adds a closed outline as layer 1, 2, 4, ... Returns 0 or ORL_ERR_NOMEM. */
@@ -54,7 +54,7 @@ int orl_arrangement_add(struct orl_arrangement *a, const struct orl_vec3 *vertic
                         uint32_t layer);
 /* Splits and cancels. Returns 0, ORL_ERR_NOMEM, or ORL_ERR_LIMIT: too many crossings. */
 int orl_arrangement_split(struct orl_arrangement *a);
-void orl_arrangement_done(struct orl_arrangement *a); /* zeroed is fine */
+void orl_arrangement_done(struct orl_arrangement *a); /* accepts a zeroed struct */
 
 /* Twice the signed area of three nodes. */
 static inline int64_t orl_node_turn(const struct orl_node *a, const struct orl_node *b,

@@ -5,7 +5,7 @@
 
 #include "base/grow.h"
 
-/* A box's number, and its middle's place on the curve. */
+/* A box's index, and the Morton code of its centre. */
 struct leaf {
     uint64_t code;
     uint32_t number;
@@ -45,7 +45,7 @@ static const struct orl_box *box_at(const struct orl_box *boxes, size_t stride, 
     return (const struct orl_box *)((const char *)boxes + i * stride);
 }
 
-/* 21 bits, each with two free bits between it and the next. */
+/* Inserts two zero bits between the 21 low bits. */
 static uint64_t spread_bits(uint64_t x)
 {
     x = (x | x << 32) & UINT64_C(0x1f00000000ffff);
@@ -55,7 +55,7 @@ static uint64_t spread_bits(uint64_t x)
     return (x | x << 2) & UINT64_C(0x1249249249249249);
 }
 
-/* Place of a coordinate's middle within the range, as 21 bits. */
+/* Position of an interval's middle within the range, as 21 bits. */
 static uint64_t grid_place(double low, double high, double range_low, double range_high)
 {
     const double at = 0.5 * (low + high) - range_low, width = range_high - range_low;
@@ -125,7 +125,7 @@ static int compare_numbers(const void *left, const void *right)
 bool orl_box_tree_find(struct orl_box_tree *tree, const struct orl_box *box, int64_t after,
                        double pad, uint64_t *visits)
 {
-    enum { DEEPEST = 64 }; /* one sibling of each level waits */
+    enum { DEEPEST = 64 }; /* one sibling of each level is on the stack */
     size_t waiting[DEEPEST], n_waiting = 1;
     waiting[0] = 1;
     tree->n_found = 0;

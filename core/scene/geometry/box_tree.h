@@ -1,6 +1,6 @@
 /*
- * A binary tree of boxes for pairs that meet: n log n and the number of pairs, for boxes that are
- * not long and skew. Leaves follow a curve through the boxes' middles (Morton's order).
+ * A binary tree of boxes that finds pairs which meet. The time is n log n plus the number of pairs
+ * if the boxes are not long and skew. Leaves are in Morton order of the boxes' centres.
  */
 #ifndef ORL_SCENE_GEOMETRY_BOX_TREE_H
 #define ORL_SCENE_GEOMETRY_BOX_TREE_H
@@ -15,15 +15,15 @@ struct orl_box {
     struct orl_vec3 low, high;
 };
 
-/* No axis has a gap wider than pad between them. */
+/* Returns true if the boxes are no further apart than pad along each axis. */
 bool orl_boxes_meet(const struct orl_box *a, const struct orl_box *b, double pad);
 
 struct orl_box_node {
     struct orl_box box;
-    int64_t last; /* the largest number of a box below, or -1 */
+    int64_t last; /* largest box index in the subtree, or -1 */
 };
 
-/* Zeroed is empty. */
+/* A zeroed tree is empty. */
 struct orl_box_tree {
     struct orl_box_node *nodes; /* the root is 1, children of k are 2 k and 2 k + 1 */
     size_t n_leaves;            /* a power of two */
@@ -31,13 +31,12 @@ struct orl_box_tree {
     size_t n_found, room;
 };
 
-/* Boxes are numbered from 0 in the order they are in, stride bytes apart. Returns false when out of
- * memory. */
+/* Box i is at i * stride bytes. Returns false if out of memory. */
 bool orl_box_tree_build(struct orl_box_tree *tree, const struct orl_box *boxes, size_t stride,
                         size_t n);
 
-/* Finds the boxes of larger numbers than after, -1 for all, that meet the box, and adds the nodes
- * visited to visits. Returns false when out of memory. */
+/* Finds the boxes that meet the given box and have an index above `after` (-1 for all); adds the
+ * nodes visited to *visits. Returns false if out of memory. */
 bool orl_box_tree_find(struct orl_box_tree *tree, const struct orl_box *box, int64_t after,
                        double pad, uint64_t *visits);
 void orl_box_tree_done(struct orl_box_tree *tree);

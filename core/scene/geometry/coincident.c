@@ -11,8 +11,8 @@
 #include "scene/geometry/cutting.h"
 #include "scene/geometry/duplicates.h"
 
-/* Pairs that face opposite ways are looked at closely for words alone: of so many, and no longer.
- */
+/* Limits for opposed pairs, whose overlap is computed only for messages: number of pairs, and
+ * work. */
 enum { MOST_OPPOSED = 20000, RING_CORNERS = 64 };
 static const uint64_t most_work_of_words = 40000000;
 
@@ -22,7 +22,7 @@ struct settling {
     struct orl_pairs pairs;
     struct orl_coincidence_words words;
     struct orl_cutting cutting;
-    bool *cut; /* by material: by antimatter */
+    bool *cut; /* by material: true if antimatter cuts it */
 };
 
 /* ---- Polygons -------------------------------------------------------------------------------- */
@@ -38,9 +38,9 @@ static int keep_opposed(struct orl_description *d, const struct orl_pairs *oppos
     return 0;
 }
 
-/* Of polygons as they are before any is cut. What is of one material and alike on both sides may
- * face where it likes. */
-static int tell_opposed(struct settling *t, const struct orl_pairs *opposed)
+/* Warns of opposed polygons, as they are before any is cut. Pairs of one two-sided material are
+ * skipped, because their orientation does not matter. */
+static int warn_of_opposed(struct settling *t, const struct orl_pairs *opposed)
 {
     struct orl_cutting looking = {.d = t->d, .tolerance = t->place.tolerance};
     int code = 0;
@@ -66,9 +66,10 @@ static int tell_opposed(struct settling *t, const struct orl_pairs *opposed)
     return code;
 }
 
-/* ---- What is not settled --------------------------------------------------------------------- */
+/* ---- Unresolved pairs
+ * ------------------------------------------------------------------------- */
 
-/* Of polygons and rings; those that are left wholly inside a ring as it is. */
+/* Returns the outline of a polygon, or a polygon inscribed in a ring. */
 static struct orl_outline outline_within(const struct orl_surface *s,
                                          struct orl_vec3 corners[2 * RING_CORNERS + 2])
 {
@@ -87,7 +88,7 @@ static struct orl_outline outline_within(const struct orl_surface *s,
     return (struct orl_outline){corners, n, s->normal};
 }
 
-static int tell_open(struct settling *t, const struct orl_pairs *open)
+static int warn_of_open(struct settling *t, const struct orl_pairs *open)
 {
     struct orl_cutting looking = {.d = t->d, .tolerance = t->place.tolerance};
     int code = 0;
@@ -117,13 +118,13 @@ static int tell_open(struct settling *t, const struct orl_pairs *open)
     return code;
 }
 
-/* ---- Altogether ------------------------------------------------------------------------------ */
+/* ---- All pairs ------------------------------------------------------------------------------- */
 
 enum lot { LOSSES, OPPOSED, OPEN, NOTHING };
 
 /*
- * What becomes of a pair. A proxy may lie where the geometry is that it stands for, and another one
- * on its other side.
+ * Classifies a pair. A proxy may coincide with the geometry that it stands for, and with another
+ * proxy that faces the other way.
  */
 static enum lot lot_of(const struct orl_description *d, const struct orl_surface *a,
                        const struct orl_surface *b, int *ret_order)
@@ -140,7 +141,7 @@ static enum lot lot_of(const struct orl_description *d, const struct orl_surface
     return *ret_order == 0 ? OPPOSED : LOSSES;
 }
 
-/* Which materials antimatter cuts anywhere. */
+/* Lists the materials that any antimatter cuts. */
 static bool *list_cut(const struct orl_description *d)
 {
     bool *const cut = calloc(d->n_materials + 1, sizeof *cut);
@@ -152,7 +153,8 @@ static bool *list_cut(const struct orl_description *d)
     return cut;
 }
 
-/* A pane loses to a wall, and would be gone from the hole that is cut into that. */
+/* Refuses a pane in the plane of a wall that antimatter cuts: the pane loses to the wall, and would
+ * be missing from the hole. */
 static int check_pane(const struct settling *t, const struct orl_surface *pane,
                       const struct orl_surface *wall, struct orl_error *err)
 {
@@ -175,7 +177,8 @@ static int check_pane(const struct settling *t, const struct orl_surface *pane,
     return ORL_ERR_RANGE;
 }
 
-static int sort_out(const struct settling *t, struct orl_pairs lots[NOTHING], struct orl_error *err)
+static int classify_pairs(const struct settling *t, struct orl_pairs lots[NOTHING],
+                          struct orl_error *err)
 {
     for (size_t i = 0; i < t->pairs.n; i++) {
         if (orl_is_cancelled(t->d->cancel))
@@ -196,8 +199,8 @@ static int sort_out(const struct settling *t, struct orl_pairs lots[NOTHING], st
     return 0;
 }
 
-/* Takes out surfaces of which nothing is left, and renumbers the opposed ones. */
-static int compact(struct orl_description *d)
+/* Removes surfaces that were cut away completely, and renumbers the opposed ones. */
+static int remove_cut_surfaces(struct orl_description *d)
 {
     uint32_t *places = malloc((d->n_surfaces + 1) * sizeof *places);
     size_t kept = 0, pairs = 0;
@@ -221,7 +224,7 @@ static int compact(struct orl_description *d)
     return 0;
 }
 
-static int settle(struct settling *t, struct orl_pairs lots[NOTHING], struct orl_error *err)
+static int resolve_pairs(struct settling *t, struct orl_pairs lots[NOTHING], struct orl_error *err)
 {
     struct orl_looks *looks = &t->cutting.looks;
     int code = orl_duplicates_drop(t->d, t->cut, &t->words);
@@ -229,7 +232,7 @@ static int settle(struct settling *t, struct orl_pairs lots[NOTHING], struct orl
     if (code == 0)
         code = orl_coplanar_find(t->d, t->cut, &t->place, &t->pairs, looks);
     if (code == 0)
-        code = sort_out(t, lots, err);
+        code = classify_pairs(t, lots, err);
     if (code == 0)
         code = orl_concentric_find(t->d, &t->place, &lots[OPEN], looks);
     t->cutting.cut_short = looks->n > looks->most;
@@ -237,12 +240,12 @@ static int settle(struct settling *t, struct orl_pairs lots[NOTHING], struct orl
     if (code == 0)
         code = keep_opposed(t->d, &lots[OPPOSED]);
     if (code == 0)
-        code = tell_open(t, &lots[OPEN]);
+        code = warn_of_open(t, &lots[OPEN]);
     if (code == 0)
-        code = tell_opposed(t, &lots[OPPOSED]);
+        code = warn_of_opposed(t, &lots[OPPOSED]);
     if (code == 0 && lots[LOSSES].n > 0)
         code = orl_cutting_run(&t->cutting, &lots[LOSSES]);
-    return code == 0 && lots[LOSSES].n > 0 ? compact(t->d) : code;
+    return code == 0 && lots[LOSSES].n > 0 ? remove_cut_surfaces(t->d) : code;
 }
 
 int orl_coincident_settle(struct orl_description *description, struct orl_error *err)
@@ -251,7 +254,7 @@ int orl_coincident_settle(struct orl_description *description, struct orl_error 
     struct orl_pairs lots[NOTHING] = {{0}};
     t.cutting.words = &t.words;
     bool *const cut = t.cut = list_cut(description);
-    const int code = cut ? settle(&t, lots, err) : ORL_ERR_NOMEM;
+    const int code = cut ? resolve_pairs(&t, lots, err) : ORL_ERR_NOMEM;
     free(cut);
     orl_coincidence_end(&t.words, description);
     if (t.cutting.cut_short)

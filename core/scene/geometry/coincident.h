@@ -1,21 +1,21 @@
 /*
- * Polygons that lie in one place: which of them light meets, settled before anything is built.
+ * Coincident polygons: decides which of them rays hit, before geometry is built.
  *
- * The rule is Radiance's (rayreject): what has a material beats what has none, what lets no light
- * through beats glass, trans and the like, a front beats a back, and of those still alike the one
- * whose modifier was defined later wins. Where one polygon loses from both sides it is cut away
- * (cutting.h): its outline leaves out the winner's. Where two face opposite ways, as walls of
- * neighbouring rooms do, each is met from its front: they stay whole, and are listed for geometry.c
- * to choose by the side a ray comes from.
+ * The rule is Radiance's (rayreject). A surface with a material wins over one without; opaque
+ * materials win over glass, trans and the like; a front wins over a back; then the modifier that
+ * was defined later wins. A polygon that loses from both sides is cut (cutting.h): the winner's
+ * outline is subtracted from its own. Two that face opposite ways, as walls of neighbouring rooms
+ * do, are each hit from their front: they stay whole, and are listed for geometry.c to choose by
+ * the side that a ray comes from.
  *
- * All that is said (coincident_words.h), but where nothing hangs on it: of one material it is
- * counted, and of one that is alike on both sides it does not matter which way they face.
+ * All this is reported (coincident_words.h), except where it has no effect: pairs of one material
+ * are only counted, and for two-sided materials the orientation does not matter.
  *
- * "One place" is within 1e-6 of the files' unit, Radiance's, or what rays can tell apart, 2^-21 of
- * the scene's size. Round surfaces and rings, and BSDFs that stand for geometry and look the same
- * way, are left as they are: rays meet either, and a warning says so. Exact duplicates are dropped
- * first (duplicates.h), in n log n. Work on pairs is bounded in proportion to the scene's corners;
- * what is left when it is used up is said.
+ * Surfaces coincide within 1e-6 of the files' unit, as in Radiance, or within what rays can
+ * resolve, 2^-21 of the scene's size. Quadrics and rings, and BSDFs that stand for geometry and
+ * face the same way, are left as they are: rays hit either, and a warning says so. Exact duplicates
+ * are dropped first (duplicates.h), in n log n. Work on pairs is bounded in proportion to the
+ * scene's corners; a warning reports what remains.
  */
 #ifndef ORL_SCENE_GEOMETRY_COINCIDENT_H
 #define ORL_SCENE_GEOMETRY_COINCIDENT_H

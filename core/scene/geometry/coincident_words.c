@@ -7,10 +7,10 @@
 
 #include "scene/geometry/coincidence_rule.h"
 
-/* How many lines name pairs. Every box that stands on something faces it: there a line does for
- * all, and so it does for surfaces of one material. */
+/* Number of warnings that name pairs. Every box on a floor makes an opposed pair, and surfaces of
+ * one material are harmless: these kinds share one line. */
 static const uint64_t most_named[ORL_COINCIDENCES] = {3, 0, 3, 0, 3};
-/* Radiance starts a ray so far behind a surface, in the file's unit (FTINY). */
+/* Distance behind a surface at which Radiance starts a ray, in the file's unit (FTINY). */
 static const double behind = 1e-6;
 
 static void warn(struct orl_description *d, const char *format, ...)
@@ -36,7 +36,7 @@ static const char *kind_name(const struct orl_surface *s)
     return names[s->kind];
 }
 
-static void name(const struct orl_surface *s, char ret_name[200])
+static void copy_name(const struct orl_surface *s, char ret_name[200])
 {
     snprintf(ret_name, 200, "%s %.60s at %.100s:%d", kind_name(s), s->name, s->file, s->line);
 }
@@ -72,8 +72,8 @@ void orl_coincidence_tell(struct orl_coincidence_words *words, struct orl_descri
     const uint64_t before = words->told[kind]++;
     if (before >= most_named[kind] && (kind != ORL_COINCIDENCE_OPPOSED || before > 0))
         return;
-    name(first, names[0]);
-    name(second, names[1]);
+    copy_name(first, names[0]);
+    copy_name(second, names[1]);
     if (kind == ORL_COINCIDENCE_OPPOSED && before == 0)
         memcpy(words->opposed, names, sizeof names);
     if (before >= most_named[kind])
@@ -94,8 +94,8 @@ void orl_coincidence_tell(struct orl_coincidence_words *words, struct orl_descri
             names[0], names[1]);
 }
 
-static void tell_opposed(const struct orl_coincidence_words *words,
-                         struct orl_description *description)
+static void warn_of_opposed(const struct orl_coincidence_words *words,
+                            struct orl_description *description)
 {
     const uint64_t n = words->told[ORL_COINCIDENCE_OPPOSED];
     char more[64] = "";
@@ -118,7 +118,7 @@ void orl_coincidence_end(struct orl_coincidence_words *words, struct orl_descrip
         "surfaces in one place, of which light may meet either",
         "surfaces of one material in one place, where it makes no difference which light meets",
         "panes that count as one, of which light passes one alone"};
-    tell_opposed(words, description);
+    warn_of_opposed(words, description);
     for (int kind = 0; kind < ORL_COINCIDENCES; kind++) {
         const uint64_t left =
             words->told[kind] -

@@ -1,5 +1,5 @@
 /*
- * What is said of surfaces in one place: the first few pairs of every kind by name and line, the
+ * Warnings about coincident surfaces: the first few pairs of every kind by name and line, the
  * others by their number.
  */
 #ifndef ORL_SCENE_GEOMETRY_COINCIDENT_WORDS_H
@@ -8,32 +8,32 @@
 #include "scene/description.h"
 
 enum orl_coincidence {
-    ORL_COINCIDENCE_SETTLED, /* the second is met, from either side */
-    ORL_COINCIDENCE_OPPOSED, /* each from its front */
-    ORL_COINCIDENCE_OPEN,    /* either may be met */
-    ORL_COINCIDENCE_ALIKE,   /* either may be met: they are of one material */
-    ORL_COINCIDENCE_PANES,   /* two panes, apart by less than can be told: light passes one alone */
+    ORL_COINCIDENCE_SETTLED, /* rays hit the second, from either side */
+    ORL_COINCIDENCE_OPPOSED, /* rays hit each from its front */
+    ORL_COINCIDENCE_OPEN,    /* rays may hit either */
+    ORL_COINCIDENCE_ALIKE,   /* rays may hit either: both have the same material */
+    ORL_COINCIDENCE_PANES,   /* two panes closer than can be resolved: light passes only one */
     ORL_COINCIDENCES
 };
 
-/* Zeroed is ready. */
+/* A zeroed struct is ready to use. */
 struct orl_coincidence_words {
-    double tolerance; /* what lies closer is in one place */
+    double tolerance; /* distance below which surfaces coincide */
     uint64_t told[ORL_COINCIDENCES];
-    char opposed[2][200]; /* the first two */
+    char opposed[2][200]; /* names of the first opposed pair */
 };
 
-/* Returns true if both are panes that rays of Radiance would pass one after the other. */
+/* Returns true if both are panes that Radiance's rays would pass one after the other. */
 bool orl_coincidence_is_double_pane(const struct orl_description *description,
                                     const struct orl_surface *first,
                                     const struct orl_surface *second);
 
-/* Adds a warning of two surfaces. kind is ORL_COINCIDENCE_PANES for double panes. wholly: the first
- * surface lies on the second with all of its area. */
+/* Adds a warning about two surfaces. kind is ORL_COINCIDENCE_PANES for double panes. wholly: the
+ * whole area of the first surface lies on the second. */
 void orl_coincidence_tell(struct orl_coincidence_words *words, struct orl_description *description,
                           enum orl_coincidence kind, const struct orl_surface *first,
                           const struct orl_surface *second, bool wholly);
-/* How many more there were. */
+/* Adds warnings with the number of pairs that were not named. */
 void orl_coincidence_end(struct orl_coincidence_words *words, struct orl_description *description);
 
 #endif

@@ -7,7 +7,7 @@
 
 enum family { SPHERES, CYLINDERS, CONES, NO_FAMILY };
 
-/* A round surface; the key is alike for all that may lie in one place with it. */
+/* A quadric; surfaces that may coincide have about the same key. */
 struct round {
     enum family family;
     uint32_t surface;
@@ -33,7 +33,7 @@ static enum family family_of(const struct orl_surface *s)
     }
 }
 
-/* Either way round. */
+/* Returns the axis with a fixed sign, whichever end is listed first. */
 static struct orl_vec3 axis_of(const struct orl_surface *s)
 {
     const struct orl_vec3 axis = orl_normalize(orl_sub(s->round->center[1], s->round->center[0]));
@@ -54,7 +54,7 @@ static double key_of(const struct orl_surface *s, enum family family,
            place->reach * orl_dot(axis, odd) + s->round->radius[0];
 }
 
-static int compare(const void *left, const void *right)
+static int compare_rounds(const void *left, const void *right)
 {
     const struct round *a = left, *b = right;
     if (a->family != b->family)
@@ -64,17 +64,18 @@ static int compare(const void *left, const void *right)
     return a->surface < b->surface ? -1 : a->surface > b->surface;
 }
 
-static bool near(struct orl_vec3 a, struct orl_vec3 b, double tolerance)
+static bool are_near(struct orl_vec3 a, struct orl_vec3 b, double tolerance)
 {
     return orl_length(orl_sub(a, b)) <= tolerance;
 }
 
-static bool alike(double a, double b, double tolerance)
+static bool are_alike(double a, double b, double tolerance)
 {
     return fabs(a - b) <= tolerance;
 }
 
-/* Both about the first one's axis, and overlapping along it by more than a seam. */
+/* Returns true if both are about the first one's axis, and overlap along it by more than the
+ * seam. */
 static bool cylinders_meet(const struct orl_surface *a, const struct orl_surface *b, double seam)
 {
     const struct orl_vec3 along = orl_sub(a->round->center[1], a->round->center[0]);
@@ -86,7 +87,7 @@ static bool cylinders_meet(const struct orl_surface *a, const struct orl_surface
         if (orl_length(orl_madd(from, along, -at[i] / length)) > seam)
             return false;
     }
-    return alike(a->round->radius[0], b->round->radius[0], seam) &&
+    return are_alike(a->round->radius[0], b->round->radius[0], seam) &&
            fmin(fmax(at[0], at[1]), length) - fmax(fmin(at[0], at[1]), 0) > seam;
 }
 
@@ -95,25 +96,25 @@ static bool cones_meet(const struct orl_surface *a, const struct orl_surface *b,
     for (int turn = 0; turn < 2; turn++) {
         bool all = true;
         for (int i = 0; i < 2; i++)
-            all = all && near(a->round->center[i], b->round->center[i ^ turn], seam) &&
-                  alike(a->round->radius[i], b->round->radius[i ^ turn], seam);
+            all = all && are_near(a->round->center[i], b->round->center[i ^ turn], seam) &&
+                  are_alike(a->round->radius[i], b->round->radius[i ^ turn], seam);
         if (all)
             return true;
     }
     return false;
 }
 
-static bool meet(const struct orl_surface *a, const struct orl_surface *b, enum family family,
-                 double seam)
+static bool rounds_meet(const struct orl_surface *a, const struct orl_surface *b,
+                        enum family family, double seam)
 {
     if (family == SPHERES)
-        return near(a->round->center[0], b->round->center[0], seam) &&
-               alike(a->round->radius[0], b->round->radius[0], seam);
+        return are_near(a->round->center[0], b->round->center[0], seam) &&
+               are_alike(a->round->radius[0], b->round->radius[0], seam);
     return family == CYLINDERS ? cylinders_meet(a, b, seam) : cones_meet(a, b, seam);
 }
 
-static struct round *list(const struct orl_description *d, const struct orl_same_place *place,
-                          size_t *ret_n)
+static struct round *list_rounds(const struct orl_description *d,
+                                 const struct orl_same_place *place, size_t *ret_n)
 {
     size_t n = 0;
     for (size_t i = 0; i < d->n_surfaces; i++)
@@ -136,17 +137,17 @@ int orl_concentric_find(const struct orl_description *description,
 {
     const double seam = place->tolerance, apart = 4 * seam;
     size_t n;
-    struct round *rounds = list(description, place, &n);
+    struct round *rounds = list_rounds(description, place, &n);
     int code = rounds ? 0 : ORL_ERR_NOMEM;
     if (rounds)
-        qsort(rounds, n, sizeof *rounds, compare);
+        qsort(rounds, n, sizeof *rounds, compare_rounds);
     for (size_t i = 0; i < n && code == 0 && !orl_is_cancelled(description->cancel); i++) {
         const struct orl_surface *s = &description->surfaces[rounds[i].surface];
         for (size_t j = i + 1; j < n && code == 0 && rounds[j].family == rounds[i].family &&
                                rounds[j].key - rounds[i].key <= apart && looks->n <= looks->most;
              j++) {
             looks->n++;
-            if (meet(s, &description->surfaces[rounds[j].surface], rounds[i].family, seam) &&
+            if (rounds_meet(s, &description->surfaces[rounds[j].surface], rounds[i].family, seam) &&
                 !orl_pairs_add(pairs, rounds[i].surface, rounds[j].surface))
                 code = ORL_ERR_NOMEM;
         }

@@ -1,4 +1,4 @@
-/* Geometries that are parts of another; and the end of all. */
+/* Subsets of geometries, and freeing of geometries. */
 #include "scene/geometry/antimatter.h"
 
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #include "scene/geometry/embree.h"
 #include "scene/geometry/packed.h"
 
-/* The second of two that were one couple, as the first of another. */
+/* Returns a couple whose first triangle is the second of the given one. */
 static struct orl_couple second_alone(const struct orl_couple *couple)
 {
     return (struct orl_couple){
@@ -17,7 +17,7 @@ static struct orl_couple second_alone(const struct orl_couple *couple)
     };
 }
 
-/* Couples of which a half is kept; facets follow their triangles. */
+/* Copies the couples of which a half is kept; facets get their triangles' new indices. */
 static void keep_couples(struct orl_geometry *g, const struct orl_geometry *whole, const bool *keep)
 {
     for (size_t i = 0; i < whole->n_couples; i++) {
@@ -33,7 +33,8 @@ static void keep_couples(struct orl_geometry *g, const struct orl_geometry *whol
             to->next = 0;
         }
         for (int half = 0; half < 2; half++)
-            /* As it is in the whole: numbers that are given here are no greater. */
+            /* Tests against the index in the whole geometry; indices assigned here are not
+             * greater. */
             if (keep[facets[half]] &&
                 g->facets[facets[half]].first_triangle == 2 * i + (size_t)half)
                 g->facets[facets[half]].first_triangle =

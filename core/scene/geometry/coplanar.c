@@ -9,16 +9,16 @@
 #include "scene/geometry/covered.h"
 #include "scene/geometry/overlap.h"
 
-/* A polygon or ring in its plane. */
+/* A polygon or ring, with the key of its plane. */
 struct flat {
-    double key; /* alike for all of one plane */
+    double key; /* nearly equal for all surfaces of one plane */
     struct orl_box box;
     uint32_t surface;
 };
 
 struct search {
     const struct orl_description *d;
-    const bool *is_cut; /* by material: by antimatter */
+    const bool *is_cut; /* by material: true if antimatter cuts it */
     struct orl_same_place place;
     struct flat *flats;
     size_t n_flats;
@@ -37,8 +37,8 @@ static struct orl_vec3 point_of(const struct orl_surface *s)
     return s->kind == ORL_SURFACE_RING ? s->round->center[0] : s->vertices[0];
 }
 
-/* A number that tells planes apart: their distance, and their direction by a slope like no other's.
- */
+/* Returns a number that distinguishes planes: the distance, plus the normal's component along an
+ * odd direction. */
 static double key_of(const struct orl_same_place *place, const struct orl_surface *s)
 {
     const struct orl_vec3 odd = {0.5257311121191336, 0.3090169943749474, 0.7925302842541783};
@@ -49,7 +49,7 @@ static double key_of(const struct orl_same_place *place, const struct orl_surfac
 
 /* ---- Boxes ----------------------------------------------------------------------------------- */
 
-static void include(struct orl_vec3 p, struct orl_box *box)
+static void include_point(struct orl_vec3 p, struct orl_box *box)
 {
     box->low = orl_v3(fmin(box->low.x, p.x), fmin(box->low.y, p.y), fmin(box->low.z, p.z));
     box->high = orl_v3(fmax(box->high.x, p.x), fmax(box->high.y, p.y), fmax(box->high.z, p.z));
@@ -72,7 +72,7 @@ struct orl_box orl_box_of_flat(const struct orl_surface *surface)
         return box_of_ring(surface);
     struct orl_box box = {surface->vertices[0], surface->vertices[0]};
     for (uint32_t i = 1; i < surface->n_vertices; i++)
-        include(surface->vertices[i], &box);
+        include_point(surface->vertices[i], &box);
     return box;
 }
 
@@ -87,7 +87,8 @@ bool orl_boxes_overlap(const struct orl_box *a, const struct orl_box *b, double 
     return (common.x > pad) + (common.y > pad) + (common.z > pad) >= 2;
 }
 
-/* ---- In order -------------------------------------------------------------------------------- */
+/* ---- Sorting
+ * ---------------------------------------------------------------------------------- */
 
 static bool list_flats(struct search *t)
 {
@@ -102,8 +103,8 @@ static bool list_flats(struct search *t)
             continue;
         f->box = orl_box_of_flat(&d->surfaces[i]);
         f->surface = (uint32_t)i;
-        include(f->box.low, &all);
-        include(f->box.high, &all);
+        include_point(f->box.low, &all);
+        include_point(f->box.high, &all);
         t->n_flats++;
     }
     if (t->n_flats > 0) {
@@ -124,7 +125,7 @@ static int compare_keys(const void *left, const void *right)
     return a->surface < b->surface ? -1 : a->surface > b->surface;
 }
 
-/* Along the sum of all three axes: no plane of a building stands across it. */
+/* Coordinate along (1, 1, 1), which is perpendicular to no usual plane of a building. */
 static double start_of(const struct flat *f)
 {
     return f->box.low.x + f->box.low.y + f->box.low.z;
@@ -146,7 +147,7 @@ static int compare_starts(const void *left, const void *right)
 
 /* ---- Pairs ----------------------------------------------------------------------------------- */
 
-/* Whether one, or its corners, lies in the other's plane. */
+/* Returns true if all corners (or the ring's centre) lie in the other's plane. */
 static bool lies_in(const struct search *t, const struct orl_surface *s,
                     const struct orl_surface *plane)
 {
@@ -164,7 +165,7 @@ static struct orl_outline outline_of(const struct orl_surface *s)
     return (struct orl_outline){s->vertices, s->n_vertices, s->normal};
 }
 
-static bool look(struct search *t, const struct flat *a, const struct flat *b)
+static bool test_pair(struct search *t, const struct flat *a, const struct flat *b)
 {
     const double tolerance = t->place.tolerance;
     const struct orl_surface *s = &t->d->surfaces[a->surface];
@@ -183,7 +184,7 @@ static bool look(struct search *t, const struct flat *a, const struct flat *b)
 }
 
 /* Finds the pairs of many surfaces by a box tree, in the order of the sweep. */
-static bool look_by_tree(struct search *t, const struct flat *flats, size_t n)
+static bool test_by_tree(struct search *t, const struct flat *flats, size_t n)
 {
     struct orl_box_tree *const tree = &t->tree;
     const double tolerance = t->place.tolerance;
@@ -197,7 +198,7 @@ static bool look_by_tree(struct search *t, const struct flat *flats, size_t n)
         for (size_t k = 0; k < tree->n_found; k++) {
             if (t->looks->n > t->looks->most || (k % 1024 == 0 && orl_is_cancelled(t->d->cancel)))
                 return true;
-            if (!look(t, &flats[i], &flats[tree->found[k]]))
+            if (!test_pair(t, &flats[i], &flats[tree->found[k]]))
                 return false;
         }
     }
@@ -223,9 +224,9 @@ static void bring_largest_first(struct flat *flats, size_t n, size_t n_largest,
             }
 }
 
-/* Removes each polygon that one of the largest covers wholly; this pair is the only one kept of it.
- * Returns false when out of memory. */
-static bool take_covered_out(struct search *t, struct flat *flats, size_t *n)
+/* Removes each polygon that one of the largest covers completely, and keeps only that pair of it.
+ * Returns false if out of memory. */
+static bool remove_covered(struct search *t, struct flat *flats, size_t *n)
 {
     enum { LARGEST = 8 };
     size_t kept = 0;
@@ -234,7 +235,7 @@ static bool take_covered_out(struct search *t, struct flat *flats, size_t *n)
         const struct orl_surface *const loser = &t->d->surfaces[flats[i].surface];
         size_t k = 0;
         if (i % 1024 == 0 && orl_is_cancelled(t->d->cancel))
-            return true; /* the caller polls, too */
+            return true; /* the caller polls too */
         for (; k < LARGEST && k < kept; k++) {
             t->looks->n++;
             if (orl_polygon_covers(t->d, t->is_cut, &t->d->surfaces[flats[k].surface], loser,
@@ -250,22 +251,22 @@ static bool take_covered_out(struct search *t, struct flat *flats, size_t *n)
     return true;
 }
 
-/* All pairs of one plane, which lie in a row; of a few, by a sweep. */
-static bool look_within(struct search *t, struct flat *flats, size_t n)
+/* Finds all pairs of one plane, which are adjacent after sorting; a few are compared by a sweep. */
+static bool test_plane(struct search *t, struct flat *flats, size_t n)
 {
     enum { FEW = 16 };
-    if (n > FEW && !take_covered_out(t, flats, &n))
+    if (n > FEW && !remove_covered(t, flats, &n))
         return false;
     const int code = orl_sort(flats, n, sizeof *flats, compare_starts, t->d->cancel);
     if (code < 0)
         return code == ORL_ERR_CANCELLED;
     if (n > FEW)
-        return look_by_tree(t, flats, n);
+        return test_by_tree(t, flats, n);
     for (size_t i = 0; i < n; i++) {
         const double end = end_of(&flats[i]) + 3 * t->place.tolerance;
         for (size_t j = i + 1; j < n && start_of(&flats[j]) <= end; j++) {
             t->looks->n++;
-            if (!look(t, &flats[i], &flats[j]))
+            if (!test_pair(t, &flats[i], &flats[j]))
                 return false;
         }
     }
@@ -277,12 +278,12 @@ static bool find_pairs(struct search *t)
     const double apart = 4 * t->place.tolerance;
     const int code = orl_sort(t->flats, t->n_flats, sizeof *t->flats, compare_keys, t->d->cancel);
     if (code < 0)
-        return code == ORL_ERR_CANCELLED; /* the caller polls, too */
+        return code == ORL_ERR_CANCELLED; /* the caller polls too */
     for (size_t first = 0, next; first < t->n_flats; first = next) {
         for (next = first + 1;
              next < t->n_flats && t->flats[next].key - t->flats[next - 1].key <= apart; next++)
             ;
-        if (next - first > 1 && !look_within(t, t->flats + first, next - first))
+        if (next - first > 1 && !test_plane(t, t->flats + first, next - first))
             return false;
         if (t->looks->n > t->looks->most || orl_is_cancelled(t->d->cancel))
             break;

@@ -1,6 +1,6 @@
 /*
- * Pairs of polygons and rings that lie in one plane, and near each other there: candidates for
- * being in one place, which who asks has to look at closely.
+ * Finds pairs of polygons and rings that lie in one plane and near each other. They are candidates
+ * for coincidence, which the caller tests in detail.
  */
 #ifndef ORL_SCENE_GEOMETRY_COPLANAR_H
 #define ORL_SCENE_GEOMETRY_COPLANAR_H
@@ -9,28 +9,28 @@
 #include "scene/geometry/box_tree.h"
 #include "scene/geometry/pairs.h"
 
-/* What "in one place" means for a scene, and where it is. */
+/* The scene's extent, and the distance below which surfaces coincide. */
 struct orl_same_place {
     struct orl_vec3 middle;
     double reach, tolerance;
 };
 
-/* Pairs of boxes compared, or what takes as long. */
+/* Number of box comparisons or equivalent work; and its limit. */
 struct orl_looks {
     uint64_t n, most;
 };
 
-/* Of a polygon or ring. */
+/* Bounding box of a polygon or ring. */
 struct orl_box orl_box_of_flat(const struct orl_surface *surface);
-/* Their boxes share more than a seam; both lie in one plane, and may be thin across any one axis.
- */
+/* Returns true if the boxes of two coplanar surfaces overlap by more than a seam; they may be thin
+ * along any one axis. */
 bool orl_boxes_overlap(const struct orl_box *a, const struct orl_box *b, double tolerance);
 
 /*
- * Adds the pairs, and counts looks; stops when there are more than the most, or when cancelled. Of
- * a pair of polygons an edge's line may still part the two where they have many corners. Of a
- * polygon that a larger one covers wholly only the pair of these two need be among the pairs.
- * is_cut: by material, whether antimatter cuts it. Returns 0 or ORL_ERR_NOMEM.
+ * Adds the pairs, and counts comparisons; stops at the limit or when cancelled. Polygons of a pair
+ * may still be disjoint if they have many corners. If a larger polygon covers one completely, only
+ * that pair need be listed. is_cut: by material, true if antimatter cuts it. Returns 0 or
+ * ORL_ERR_NOMEM.
  */
 int orl_coplanar_find(const struct orl_description *description, const bool *is_cut,
                       struct orl_same_place *ret_place, struct orl_pairs *pairs,

@@ -22,7 +22,7 @@ void orl_corners_done(struct orl_corners *corners)
     free(corners->latest);
 }
 
-/* A place by its bits: 0 and -0 are two. */
+/* A place by its bits: 0 and -0 differ. */
 struct bits {
     uint64_t at[3];
 };

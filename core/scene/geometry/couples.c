@@ -4,8 +4,9 @@
 
 #include "base/grow.h"
 
-/* Whether two triangles share an edge, which they run along in opposite directions, and from where
- * on each is listed then: the first's last corner is the other's first, and the other way round. */
+/* Returns true if two triangles share an edge that they traverse in opposite directions. *ret_turn,
+ * *ret_other: corners from which to list each, so that the first's last corner is the other's
+ * first, and vice versa. */
 static bool find_turns(const uint32_t *first, const uint32_t *second, unsigned *ret_turn,
                        unsigned *ret_other)
 {
@@ -19,13 +20,13 @@ static bool find_turns(const uint32_t *first, const uint32_t *second, unsigned *
     return false;
 }
 
-/* Of a triangle that is turned as the couple has it: where its own list begins in that. */
+/* Returns the position of a triangle's original first corner after it has been rotated by turn. */
 static unsigned turned_back(unsigned turn)
 {
     return (3 - turn) % 3;
 }
 
-/* The first triangle, turned to begin there, alone. */
+/* A couple of one triangle, rotated by turn. */
 static struct orl_couple couple_of(const uint32_t *triangle, unsigned turn, uint32_t facet)
 {
     const uint32_t last = triangle[turn];
@@ -36,7 +37,7 @@ static struct orl_couple couple_of(const uint32_t *triangle, unsigned turn, uint
     };
 }
 
-/* The second beside it, of the same facet or of the one after it. */
+/* Adds the second triangle, which belongs to the same facet or the next one. */
 static void join(struct orl_couple *couple, const uint32_t *triangle, unsigned turn, uint32_t facet)
 {
     couple->corners[2] = triangle[(turn + 1) % 3];
@@ -54,7 +55,8 @@ static bool add_couple(struct orl_couples *c, const uint32_t *triangle, unsigned
     return true;
 }
 
-/* The only triangle of a polygon: beside that of the polygon before, if they share an edge. */
+/* Adds the only triangle of a polygon; pairs it with that of the previous polygon if they share an
+ * edge. */
 static bool add_one(struct orl_couples *c, uint32_t facet, const uint32_t *triangle)
 {
     struct orl_geometry *const g = c->geometry;

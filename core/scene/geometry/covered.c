@@ -6,8 +6,8 @@
 
 enum { MOST_CORNERS = 16 };
 
-/* Returns false for surfaces that antimatter cuts, among others: the search for all pairs decides
- * about them, and may refuse them. */
+/* Excludes surfaces that antimatter cuts, among others: the search for all pairs decides about
+ * them, and may refuse them. */
 static bool may_be_covered(const struct orl_description *d, const bool *is_cut,
                            const struct orl_surface *s)
 {
@@ -15,8 +15,8 @@ static bool may_be_covered(const struct orl_description *d, const bool *is_cut,
            !orl_surface_is_proxy(d, s) && orl_coincidence_class(&d->materials[s->material]) == 2;
 }
 
-/* Returns true if all corners of the loser lie in the winner's plane and on the inner side of each
- * line through an edge of the winner. Inside a concave winner some such line cuts. */
+/* Returns true if all corners of the loser lie in the winner's plane, on the inner side of each
+ * line through its edges. Inside a concave winner the test fails at some such line. */
 static bool holds_corners(const struct orl_surface *winner, const struct orl_surface *loser,
                           double tolerance)
 {

@@ -9,7 +9,7 @@
 #include "base/arena.h"
 #include "scene/geometry/coincidence_rule.h"
 
-/* Bounds: so much for any scene, and so much more for each corner; at most some seconds. */
+/* Limits: a constant for any scene, plus an amount per corner; at most some seconds. */
 static const uint64_t least_looks = 4000000, looks_a_corner = 250, most_looks = 400000000;
 static const uint64_t least_work = 20000000, work_a_corner = 2500, most_work = 400000000;
 
@@ -55,18 +55,18 @@ int orl_cutting_look(struct orl_cutting *cutting, const struct orl_outline *a,
     return code == ORL_ERR_NOMEM ? code : 0;
 }
 
-static void tell(struct orl_cutting *t, const struct orl_surface *loser,
-                 const struct orl_surface *winner)
+static void report_overlap(struct orl_cutting *t, const struct orl_surface *loser,
+                           const struct orl_surface *winner)
 {
     const bool alike = orl_surfaces_alike(t->d, loser, winner);
     orl_coincidence_tell(t->words, t->d, alike ? ORL_COINCIDENCE_ALIKE : ORL_COINCIDENCE_SETTLED,
                          loser, winner, t->overlap.n == 0);
 }
 
-/* Keeps the winners that do share an area with the loser, and tells them. Of many, one that covers
- * the loser wholly is kept alone: no others need be looked at. */
-static int sift(struct orl_cutting *t, const struct orl_surface *loser, struct orl_pair *losses,
-                size_t *n)
+/* Keeps the winners that share an area with the loser, and reports them. If there are many, one
+ * that covers the loser completely is kept alone. */
+static int keep_overlapping(struct orl_cutting *t, const struct orl_surface *loser,
+                            struct orl_pair *losses, size_t *n)
 {
     const struct orl_outline first = orl_outline_of(loser);
     const bool many = *n > FEW_WINNERS;
@@ -79,7 +79,7 @@ static int sift(struct orl_cutting *t, const struct orl_surface *loser, struct o
             return code;
         if (!t->overlap.shared)
             continue;
-        tell(t, loser, winner);
+        report_overlap(t, loser, winner);
         if (many && t->overlap.n == 0) {
             losses[0] = losses[i];
             kept = 1;
@@ -91,14 +91,14 @@ static int sift(struct orl_cutting *t, const struct orl_surface *loser, struct o
     return 0;
 }
 
-/* A winner's outline, with its box and its layer. */
+/* A winner's outline, with its bounding box and its layer. */
 struct layered {
     struct orl_box box;
     struct orl_outline outline;
-    uint32_t layer; /* ORL_OVERLAP_LAYERS: none yet */
+    uint32_t layer; /* ORL_OVERLAP_LAYERS: not assigned yet */
 };
 
-/* The layers of winners before the i-th whose boxes overlap its own, as bits. */
+/* Returns the layers, as bits, of winners before the i-th whose boxes overlap its box. */
 static int find_taken(struct orl_cutting *t, const struct layered *winners, size_t i,
                       uint32_t *ret_taken)
 {
@@ -114,8 +114,8 @@ static int find_taken(struct orl_cutting *t, const struct layered *winners, size
     return 0;
 }
 
-/* Gives layers to winners such that of one layer none overlap, and puts those that got one first:
- * their number. */
+/* Assigns layers to winners so that none of one layer overlap; moves those that got one to the
+ * front. *ret_laid: their number. */
 static int assign_layers(struct orl_cutting *t, struct layered *winners, size_t n, size_t *ret_laid)
 {
     size_t laid = 0;
@@ -140,12 +140,12 @@ static int assign_layers(struct orl_cutting *t, struct layered *winners, size_t 
     return 0;
 }
 
-/* The outline that is left becomes the surface's own. */
+/* Replaces the surface's outline by the remaining one. */
 static int take_outline(struct orl_cutting *t, struct orl_surface *left)
 {
     const size_t bytes = t->overlap.n * sizeof *left->vertices;
     left->n_vertices = t->overlap.n;
-    left->has_places = left->has_normals = false; /* those were of the corners that are gone */
+    left->has_places = left->has_normals = false; /* they belonged to the original corners */
     left->vertices = orl_arena_take(t->d->outlines, bytes + 1);
     if (!left->vertices)
         return ORL_ERR_NOMEM;
@@ -154,7 +154,7 @@ static int take_outline(struct orl_cutting *t, struct orl_surface *left)
     return 0;
 }
 
-/* Cuts the winners that have layers out of the loser; *ret_laid is their number. */
+/* Subtracts the winners that have layers from the loser; *ret_laid is their number. */
 static int subtract(struct orl_cutting *t, struct layered *winners, size_t n,
                     struct orl_surface *left, size_t *ret_laid)
 {
@@ -176,11 +176,12 @@ static int subtract(struct orl_cutting *t, struct layered *winners, size_t n,
     return code;
 }
 
-/* The loser without all its winners, of which the outlines are the original ones. */
-static int cut(struct orl_cutting *t, struct orl_pair *losses, size_t n, struct orl_surface *left)
+/* Subtracts all winners, with their original outlines, from the loser. */
+static int cut_loser(struct orl_cutting *t, struct orl_pair *losses, size_t n,
+                     struct orl_surface *left)
 {
     struct layered *const winners = malloc((n + 1) * sizeof *winners);
-    int code = winners ? sift(t, left, losses, &n) : ORL_ERR_NOMEM;
+    int code = winners ? keep_overlapping(t, left, losses, &n) : ORL_ERR_NOMEM;
     for (size_t i = 0; i < n && code == 0; i++) {
         const struct orl_surface *const winner = &t->d->surfaces[losses[i].b];
         winners[i] =
@@ -211,7 +212,7 @@ int orl_cutting_run(struct orl_cutting *cutting, struct orl_pairs *losses)
         for (next = first; next < losses->n && losses->items[next].a == losses->items[first].a;)
             next++;
         cuts[n_cuts] = d->surfaces[losses->items[first].a];
-        code = cut(t, losses->items + first, next - first, &cuts[n_cuts++]);
+        code = cut_loser(t, losses->items + first, next - first, &cuts[n_cuts++]);
         if (orl_is_cancelled(d->cancel))
             code = ORL_ERR_CANCELLED;
     }

@@ -1,6 +1,6 @@
 /*
- * Polygons cut away where others lie in their place: the outline of each that loses leaves out
- * those of all that win over it, as these were before any was cut.
+ * Cuts coincident polygons: the outline of each loser becomes its difference to the original
+ * outlines of all winners over it.
  */
 #ifndef ORL_SCENE_GEOMETRY_CUTTING_H
 #define ORL_SCENE_GEOMETRY_CUTTING_H
@@ -9,31 +9,31 @@
 #include "scene/geometry/coplanar.h"
 #include "scene/geometry/overlap.h"
 
-/* Zeroed but for the first three it is ready for orl_cutting_bound. */
+/* Ready for orl_cutting_bound when all but the first three fields are zero. */
 struct orl_cutting {
     struct orl_description *d;
     struct orl_coincidence_words *words;
     double tolerance;
     struct orl_looks looks;
-    uint64_t most_work; /* of the overlap; 0: none */
+    uint64_t most_work; /* limit of the overlap's work; 0: none */
     struct orl_overlap overlap;
     struct orl_box_tree tree;
-    bool cut_short; /* the work was bounded: something stayed as it was */
+    bool cut_short; /* a limit was reached: some polygons stayed uncut */
 };
 
-/* Bounds looks and work in proportion to the description's corners. */
+/* Sets limits of comparisons and work in proportion to the description's corners. */
 void orl_cutting_bound(struct orl_cutting *cutting);
 
 struct orl_outline orl_outline_of(const struct orl_surface *polygon);
 
-/* Whether two outlines share an area, which sets overlap.shared and what is left of the first. When
- * work is used up they do not, and cut_short is set. Returns 0 or ORL_ERR_NOMEM. */
+/* Sets overlap.shared if two outlines share an area, and computes what remains of the first. When
+ * the work is used up, shared is false and cut_short is set. Returns 0 or ORL_ERR_NOMEM. */
 int orl_cutting_look(struct orl_cutting *cutting, const struct orl_outline *a,
                      const struct orl_outline *b);
 
 /*
- * Cuts a by b for each pair, which it puts in order, and tells those that do share an area. Of
- * polygons of which nothing is left n_vertices is 0. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
+ * Cuts a by b for each pair, and reports pairs that share an area; sorts the pairs. Polygons that
+ * are cut away completely get n_vertices 0. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
 int orl_cutting_run(struct orl_cutting *cutting, struct orl_pairs *losses);
 void orl_cutting_done(struct orl_cutting *cutting);

@@ -6,8 +6,8 @@
 #include "base/sort.h"
 #include "scene/geometry/coincidence_rule.h"
 
-/* A surface, and where to begin its outline and which way to go, so that equal ones compare equal.
- */
+/* A surface with a canonical start and direction of its outline, so that equal outlines compare
+ * equal. */
 struct entry {
     const struct orl_surface *surface;
     uint32_t start;
@@ -77,7 +77,7 @@ static int compare_rounds(const struct orl_curved *a, const struct orl_curved *b
     return 0;
 }
 
-/* 0 for duplicates. */
+/* Returns 0 for duplicates. */
 static int compare_places(const struct entry *a, const struct entry *b)
 {
     if (a->surface->kind != b->surface->kind)
@@ -99,14 +99,14 @@ static int compare_entries(const void *left, const void *right)
 
 struct dropping {
     struct orl_description *d;
-    const bool *is_cut; /* by material */
+    const bool *is_cut; /* by material: true if antimatter cuts it */
     struct orl_coincidence_words *words;
     bool *gone; /* by surface */
     size_t n_gone;
 };
 
-static void drop(struct dropping *t, const struct orl_surface *loser,
-                 const struct orl_surface *winner)
+static void drop_surface(struct dropping *t, const struct orl_surface *loser,
+                         const struct orl_surface *winner)
 {
     const bool alike = orl_surfaces_alike(t->d, loser, winner);
     t->gone[loser - t->d->surfaces] = true;
@@ -115,7 +115,7 @@ static void drop(struct dropping *t, const struct orl_surface *loser,
                          loser, winner, true);
 }
 
-/* Antimatter cuts one of the group, and another may be a pane in it. */
+/* Returns true if antimatter cuts one of the group and another may be a pane in the hole. */
 static bool may_be_refused(const struct dropping *t, const struct entry *group, size_t n)
 {
     bool cut = false, pane = false;
@@ -129,7 +129,7 @@ static bool may_be_refused(const struct dropping *t, const struct entry *group, 
 
 static void drop_polygons(struct dropping *t, const struct entry *group, size_t n)
 {
-    const struct orl_surface *best[2] = {group[0].surface, NULL}; /* of each way to face */
+    const struct orl_surface *best[2] = {group[0].surface, NULL}; /* one per orientation */
     if (may_be_refused(t, group, n))
         return;
     for (size_t i = 1; i < n; i++) {
@@ -138,7 +138,7 @@ static void drop_polygons(struct dropping *t, const struct entry *group, size_t 
         if (!best[way] || orl_coincidence_compare(t->d, s, best[way]) > 0)
             best[way] = s;
     }
-    if (best[1]) { /* one may win from both sides */
+    if (best[1]) { /* one of them may win from both sides */
         const int order = orl_coincidence_compare(t->d, best[0], best[1]);
         best[order < 0 ? 0 : 1] = order == 0 ? best[1] : best[order < 0 ? 1 : 0];
     }
@@ -146,11 +146,11 @@ static void drop_polygons(struct dropping *t, const struct entry *group, size_t 
         const struct orl_surface *const s = group[i].surface;
         const int way = orl_dot(s->normal, group[0].surface->normal) < 0;
         if (s != best[0] && s != best[1])
-            drop(t, s, best[way] ? best[way] : best[0]);
+            drop_surface(t, s, best[way] ? best[way] : best[0]);
     }
 }
 
-/* Materials are compared with the first surface's alone. */
+/* Compares materials with the first surface's only. */
 static void drop_rounds(struct dropping *t, const struct entry *group, size_t n)
 {
     const struct orl_surface *const first = group[0].surface;
@@ -158,7 +158,7 @@ static void drop_rounds(struct dropping *t, const struct entry *group, size_t n)
         return;
     for (size_t i = 1; i < n; i++)
         if (orl_surfaces_alike(t->d, first, group[i].surface))
-            drop(t, group[i].surface, first);
+            drop_surface(t, group[i].surface, first);
 }
 
 static void remove_gone(const struct dropping *t)

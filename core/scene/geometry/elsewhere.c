@@ -1,4 +1,4 @@
-/* What is asked of a facet that is packed, or placed, by its number. */
+/* Accessors for facets that are packed or instanced. */
 #include "scene/geometry/packed.h"
 #include "scene/geometry/placed.h"
 

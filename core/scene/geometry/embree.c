@@ -13,7 +13,7 @@
 
 enum { GEOMETRY_TRIANGLES = 0, GEOMETRY_CURVED = 1, GEOMETRY_PLACED = 2 };
 
-/* Embree calls back for user geometry; single rays only, so N is 1. */
+/* Callbacks for user geometry. Only single rays are traced, so N is 1. */
 static void curved_bounds(const struct RTCBoundsFunctionArguments *args)
 {
     const struct orl_geometry *geometry = args->geometryUserPtr;
@@ -21,7 +21,8 @@ static void curved_bounds(const struct RTCBoundsFunctionArguments *args)
     struct orl_facet own;
     orl_quadric_bounds(orl_facet_own(geometry, geometry->n_facets - 1 - args->primID, &own), &low,
                        &high);
-    /* Floats round either way: widen by more than an ulp of the scene. */
+    /* Pads by more than an ulp of the scene's size, because conversion to float may round either
+     * way. */
     const double pad = geometry->radius * 1e-6;
     args->bounds_o->lower_x = (float)(low.x - pad);
     args->bounds_o->lower_y = (float)(low.y - pad);
@@ -38,9 +39,9 @@ static bool curved_test(const struct orl_geometry *geometry, uint32_t primitive,
     const struct orl_facet *facet =
         orl_facet_own(geometry, geometry->n_facets - 1 - primitive, &own);
     const struct orl_vec3 direction = orl_v3(ray->dir_x, ray->dir_y, ray->dir_z);
-    /* In a prototype the ray is as long as its place makes it. */
+    /* In a prototype the direction is not unit: it is scaled by the instance's transform. */
     const double length = geometry->n_places > 0 ? orl_length(direction) : 1;
-    /* Without area: left out of this geometry. */
+    /* Facets without area are not part of this geometry. */
     if (!(facet->area > 0) ||
         !orl_quadric_intersect(facet, orl_v3(ray->org_x, ray->org_y, ray->org_z),
                                orl_scale(direction, 1 / length), length * (double)ray->tnear,
@@ -73,7 +74,7 @@ static void curved_occluded(const struct RTCOccludedFunctionNArguments *args)
         ray->tfar = -INFINITY;
 }
 
-/* Embree's own numbers of corners, of each triangle alone. */
+/* Fills Embree's index buffer with single triangles. */
 static bool list_triangles(struct orl_geometry *geometry, RTCGeometry mesh)
 {
     const size_t n = orl_geometry_count_triangles(geometry);
@@ -93,7 +94,7 @@ static bool list_triangles(struct orl_geometry *geometry, RTCGeometry mesh)
     return true;
 }
 
-static bool give_corners(const struct orl_geometry *geometry, RTCGeometry mesh)
+static bool set_corners(const struct orl_geometry *geometry, RTCGeometry mesh)
 {
     const size_t n = geometry->n_corners;
     if (geometry->packed) {
@@ -112,15 +113,15 @@ static bool give_corners(const struct orl_geometry *geometry, RTCGeometry mesh)
 }
 
 /*
- * Couples are Embree's quadrangles where there are many: there these take half the memory that
- * triangles do, and rays less time. Of few, triangles are met sooner.
+ * Large geometries pass couples to Embree as quads: half the memory of triangles, and faster. In
+ * small ones triangles are faster.
  */
 static int build_triangles(struct orl_geometry *geometry, RTCDevice device, RTCScene scene)
 {
     const bool vast = orl_geometry_is_vast(geometry);
     RTCGeometry mesh =
         rtcNewGeometry(device, vast ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
-    if (!give_corners(geometry, mesh) || (!vast && !list_triangles(geometry, mesh))) {
+    if (!set_corners(geometry, mesh) || (!vast && !list_triangles(geometry, mesh))) {
         rtcReleaseGeometry(mesh);
         return ORL_ERR_NOMEM;
     }
@@ -173,8 +174,8 @@ static bool build_placed(const struct orl_geometry *geometry, RTCDevice device, 
     return true;
 }
 
-/* Embree asks this many times while it builds. */
-static bool goes_on(void *ctx, double fraction)
+/* Progress callback, which Embree calls many times while it builds. */
+static bool continue_build(void *ctx, double fraction)
 {
     const atomic_bool *cancel = ctx;
     (void)fraction;
@@ -185,7 +186,8 @@ static int refuse_build(enum RTCError failure, struct orl_error *err)
 {
     if (failure == RTC_ERROR_CANCELLED)
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while building the scene");
-    /* Unknown are exceptions that Embree does not expect: where memory ended within another. */
+    /* RTC_ERROR_UNKNOWN is an exception that Embree does not expect, such as a nested
+     * out-of-memory. */
     if (failure == RTC_ERROR_OUT_OF_MEMORY || failure == RTC_ERROR_UNKNOWN)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory building the scene");
     return orl_error_set(err, ORL_ERR_INTERNAL, "Embree failed to build the scene (error %d)",
@@ -210,7 +212,7 @@ int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
     if (!scene)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory to start Embree");
     geometry->scene = scene;
-    rtcGetDeviceError(device); /* of scenes before */
+    rtcGetDeviceError(device); /* discards errors of earlier scenes */
     geometry->curved = n_curved > 0;
     for (size_t i = 0; i < geometry->n_prototypes; i++)
         geometry->curved = geometry->curved || geometry->prototypes[i]->curved;
@@ -224,7 +226,7 @@ int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu instances",
                              geometry->n_placed);
     if (cancel)
-        rtcSetSceneProgressMonitorFunction(scene, goes_on, (void *)(uintptr_t)cancel);
+        rtcSetSceneProgressMonitorFunction(scene, continue_build, (void *)(uintptr_t)cancel);
     rtcCommitScene(scene);
     const enum RTCError failure = rtcGetDeviceError(device);
     return failure == RTC_ERROR_NONE ? 0 : refuse_build(failure, err);
@@ -254,7 +256,8 @@ static inline void set_ray(struct RTCRay *ray, struct orl_vec3 origin, struct or
     ray->flags = 0;
 }
 
-/* Embree's own assertion ends the process on rays from beyond 1.8e18; nothing is hit from there. */
+/* Embree's own assertion aborts the process for rays from beyond 1.8e18; nothing is hit from
+ * there. */
 static inline bool is_traceable(struct orl_vec3 origin, struct orl_vec3 direction)
 {
     const double far = 1e18;
@@ -262,7 +265,7 @@ static inline bool is_traceable(struct orl_vec3 origin, struct orl_vec3 directio
            isfinite(direction.x + direction.y + direction.z);
 }
 
-/* As orl_embree_hit has it. */
+/* Returns orl_embree_hit.placed for an instance. */
 static inline uint32_t placed_of(unsigned instance)
 {
     return instance == RTC_INVALID_GEOMETRY_ID ? 0 : instance - GEOMETRY_PLACED + 1;
@@ -276,8 +279,8 @@ static inline uint32_t curved_facet(const struct orl_geometry *geometry, uint32_
     return (uint32_t)(of->n_facets - 1 - primitive);
 }
 
-/* Which triangle: of a couple Embree's coordinates run from its first corner, and past 1 in the
- * second half. They are rounded. */
+/* Sets the triangle that was hit. For a couple, Embree's u + v exceeds 1 in the second half; both
+ * are rounded. */
 static inline void settle_triangle(const struct orl_geometry *geometry, unsigned primitive, float u,
                                    float v, struct orl_embree_hit *hit)
 {
@@ -296,7 +299,7 @@ bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 o
                           struct orl_vec3 direction, double max_distance,
                           struct orl_embree_hit *ret_hit)
 {
-    struct RTCRayHit rayhit; /* only what Embree reads is set: this is in the innermost loop */
+    struct RTCRayHit rayhit; /* sets only what Embree reads: this is in the innermost loop */
     if (!is_traceable(origin, direction))
         return false;
     set_ray(&rayhit.ray, origin, direction, max_distance);
@@ -322,7 +325,7 @@ bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 o
     return true;
 }
 
-/* Embree's packets, side by side. */
+/* Rays traced together by Embree's packets. */
 enum { ABREAST = 8 };
 struct packet {
     struct RTCRayHit8 rays;
@@ -373,7 +376,7 @@ void orl_embree_intersect_many(const struct orl_geometry *geometry, const struct
                                bool *ret_found)
 {
     struct packet packet;
-    /* What is curved answers one ray at a time. */
+    /* User geometry handles one ray at a time. */
     for (size_t i = 0; i < n && geometry->curved; i++)
         ret_found[i] = orl_embree_intersect(geometry, rays[i].origin, rays[i].direction, INFINITY,
                                             &ret_hits[i]);

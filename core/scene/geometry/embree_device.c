@@ -8,14 +8,14 @@ static pthread_key_t key;
 static bool has_key;
 static pthread_once_t key_made = PTHREAD_ONCE_INIT;
 
-static void release(void *device)
+static void release_device(void *device)
 {
     rtcReleaseDevice(device);
 }
 
 static void make_key(void)
 {
-    has_key = pthread_key_create(&key, release) == 0;
+    has_key = pthread_key_create(&key, release_device) == 0;
 }
 
 static bool has_room(void)
@@ -27,16 +27,16 @@ static bool has_room(void)
 }
 
 /*
- * Embree keeps an error for each thread and device, and makes room for it when it has the first to
- * keep: with no memory left, where it cannot throw, which ends the process. So that room is made
- * before anything can fail.
+ * Creates a device with its error slot. Embree allocates a slot per thread and device when the
+ * first error occurs; if that allocation fails, it throws in a place that ends the process. So the
+ * slot is allocated before anything can fail.
  */
 static RTCDevice new_device(void)
 {
     if (!has_room())
         return NULL;
     rtcGetDeviceError(NULL);
-    /* One build thread: the hierarchy, and with it the order of ties, is the same every time. */
+    /* One build thread makes the hierarchy, and with it the order of ties, reproducible. */
     RTCDevice device = rtcNewDevice("threads=1");
     if (device && !has_room()) {
         rtcReleaseDevice(device);
@@ -47,10 +47,11 @@ static RTCDevice new_device(void)
     return device;
 }
 
-/* A scene of one triangle. One that failed is not to be released. */
-static bool rehearse(RTCDevice device)
+/* Builds a scene of one triangle. If that fails, the scene must not be released. */
+static bool build_trial_scene(RTCDevice device)
 {
-    static const float corners[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0}; /* Embree reads by fours */
+    /* Embree reads four floats at a time */
+    static const float corners[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const unsigned indices[3] = {0, 1, 2};
     RTCScene scene = rtcNewScene(device);
     RTCGeometry mesh = scene ? rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE) : NULL;
@@ -79,7 +80,7 @@ RTCDevice orl_embree_device(void)
     if (device || !has_key)
         return device;
     device = new_device();
-    if (device && rehearse(device) && has_room() && pthread_setspecific(key, device) == 0)
+    if (device && build_trial_scene(device) && has_room() && pthread_setspecific(key, device) == 0)
         return device;
     if (device)
         rtcReleaseDevice(device);

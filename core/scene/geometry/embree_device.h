@@ -1,12 +1,11 @@
 /*
- * Embree's device of this thread, made at its first use and kept until the thread ends, with what
- * Embree and the library of tasks beneath it (TBB) keep for a thread.
+ * Embree's device of this thread, created at first use and kept until the thread ends. It comes
+ * with the thread state of Embree and of TBB, its task library.
  *
- * That library does not survive want of memory while it makes itself at home in a thread: a scene
- * whose first task could not be made is waited for without end when it is released, or the process
- * ends by a fault. So a small scene is built first, while there is room, and dropped for good
- * should it fail; from then on building takes nothing of the kind. Threads that must not fail later
- * come here when they begin (orl_prepare_thread).
+ * TBB does not survive a lack of memory while it initialises a thread: releasing a scene whose
+ * first task could not be created blocks for ever, or the process crashes. So a small scene is
+ * built first, while there is memory, and leaked if that fails; later builds allocate nothing of
+ * this kind. Threads that must not fail later call orl_prepare_thread when they start.
  */
 #ifndef ORL_SCENE_GEOMETRY_EMBREE_DEVICE_H
 #define ORL_SCENE_GEOMETRY_EMBREE_DEVICE_H
@@ -17,7 +16,7 @@
 #include <embree3/rtcore.h>
 #endif
 
-/* Borrowed; scenes hold on to it beyond the thread's end. NULL: no memory. */
+/* Borrowed; scenes keep a reference beyond the thread's end. NULL: out of memory. */
 RTCDevice orl_embree_device(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* What is known of facets and triangles, by their numbers: what few have, areas, outlines. */
+/* Queries on facets and triangles by index: rare fields, areas, outlines. */
 #include "scene/geometry/geometry.h"
 
 #include <stdlib.h>
@@ -24,9 +24,10 @@ const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geomet
     return &geometry->more[low];
 }
 
-/* The first triangle ends where the outline begins, triangulate.c has the corners cut off so. */
-static struct orl_facet_outline told_outline(const struct orl_geometry *g,
-                                             const struct orl_facet *f)
+/* Reconstructs the outline from the triangles: the first one ends where the outline begins (corners
+ * are cut off so in triangulate.c). */
+static struct orl_facet_outline implied_outline(const struct orl_geometry *g,
+                                                const struct orl_facet *f)
 {
     const uint32_t first = orl_facet_triangle(f, 0);
     struct orl_facet_outline outline = {
@@ -54,7 +55,7 @@ struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geomet
             high = middle;
     }
     if (low == geometry->n_outlines || outlines[low].facet != facet)
-        return f->n_triangles > 0 ? told_outline(geometry, f)
+        return f->n_triangles > 0 ? implied_outline(geometry, f)
                                   : (struct orl_facet_outline){.geometry = geometry};
     return (struct orl_facet_outline){.corners = geometry->corners,
                                       .own = geometry->outline_corners + outlines[low].first,
@@ -62,10 +63,10 @@ struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geomet
                                       .geometry = geometry};
 }
 
-/* Of more than these what is listed would be a sixth of what they take. */
+/* Above this, the listed triangles would add a sixth to the memory of the couples. */
 static const size_t few_couples = 1 << 15;
 
-/* Of every facet, in the files' order. */
+/* Lists the outlines of all facets, in the files' order. */
 static bool list_outlines(struct orl_geometry *g)
 {
     struct orl_own_outline *const outlines = malloc((g->n_facets + 1) * sizeof *outlines);

@@ -17,7 +17,7 @@
 #include "scene/geometry/quadric.h"
 #include "scene/geometry/triangulate.h"
 
-static void include(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
+static void include_point(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
 {
     *low = orl_v3(fmin(low->x, p.x), fmin(low->y, p.y), fmin(low->z, p.z));
     *high = orl_v3(fmax(high->x, p.x), fmax(high->y, p.y), fmax(high->z, p.z));
@@ -28,7 +28,7 @@ static double largest(struct orl_vec3 v)
     return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
 }
 
-/* A facet by its surface's numbers; round is where its own are kept. */
+/* Sets a quadric facet from its surface; `round` stores its centres and radii. */
 static void fill_curved(struct orl_facet *facet, const struct orl_surface *surface,
                         struct orl_curved *round)
 {
@@ -46,16 +46,16 @@ static void bounds_of(const struct orl_surface *surface, struct orl_vec3 *low,
     struct orl_curved round;
     struct orl_vec3 a, b;
     for (uint32_t i = 0; i < surface->n_vertices; i++)
-        include(surface->vertices[i], low, high);
+        include_point(surface->vertices[i], low, high);
     if (surface->kind != ORL_SURFACE_POLYGON) {
         fill_curved(&facet, surface, &round);
         orl_quadric_bounds(&facet, &a, &b);
-        include(a, low, high);
-        include(b, low, high);
+        include_point(a, low, high);
+        include_point(b, low, high);
     }
 }
 
-/* What building needs besides: scratch, for the most part. */
+/* State of a build, mostly scratch. */
 struct builder {
     struct orl_geometry *g;
     const struct orl_description *description;
@@ -83,7 +83,7 @@ static int refuse_outline(const struct builder *b, const struct orl_surface *sur
     return code;
 }
 
-/* Makes the corners of the polygon's triangles the geometry's. */
+/* Replaces the corner indices of the triangulation by the geometry's. */
 static bool number_corners(struct builder *b)
 {
     const struct orl_triangulation *const cut = &b->triangulation;
@@ -95,8 +95,10 @@ static bool number_corners(struct builder *b)
     return true;
 }
 
-/* Of three or four corners, cut off one by one (triangulate.c): then the triangles tell them. */
-static bool is_told(const struct orl_triangulation *cut, const struct orl_surface *surface)
+/* Returns true if the triangles determine the outline: three or four corners, cut off one by one
+ * (triangulate.c). */
+static bool is_outline_implied(const struct orl_triangulation *cut,
+                               const struct orl_surface *surface)
 {
     static const uint32_t three[1][3] = {{2, 0, 1}}, four[2][3] = {{3, 0, 1}, {1, 2, 3}};
     const uint32_t n = surface->n_vertices;
@@ -121,7 +123,7 @@ static bool keep_outline(struct builder *b, const struct orl_surface *surface, u
     return true;
 }
 
-/* Cuts a polygon into triangles, moved, and measures it. */
+/* Triangulates a polygon in moved coordinates, and sets its area and offset. */
 static int add_polygon(struct builder *b, const struct orl_surface *surface, uint32_t facet)
 {
     struct orl_geometry *g = b->g;
@@ -145,7 +147,7 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
     }
     f->offset = reach * 0x1p-20;
     f->bent = bend > reach * 0x1p-23;
-    const bool told = is_told(cut, surface);
+    const bool told = is_outline_implied(cut, surface);
     return number_corners(b) &&
                    orl_couples_add(&b->couples, facet, cut->triples, (uint32_t)cut->n_triples) &&
                    (told || keep_outline(b, surface, facet))
@@ -166,7 +168,7 @@ static void add_curved(struct orl_geometry *g, const struct orl_surface *surface
     f->offset = fmax(largest(low), largest(high)) * 0x1p-20;
 }
 
-/* Polygons come first and curved facets last, so that Embree's numbers map by arithmetic alone. */
+/* Polygons come first and curved facets last, so that Embree's indices map by arithmetic. */
 static int add_facets(struct builder *b)
 {
     struct orl_geometry *g = b->g;
@@ -193,7 +195,7 @@ static int add_facets(struct builder *b)
     return code;
 }
 
-/* Marks the facets that have rivals, and lists all that have more than others. */
+/* Marks the facets that have rivals, and makes the list of orl_facet_more. */
 static bool list_more(struct orl_geometry *g, const struct orl_description *d,
                       const uint32_t *facet_of)
 {
@@ -246,8 +248,9 @@ static int add_more(struct orl_geometry *g, const struct orl_description *d)
     return made ? 0 : ORL_ERR_NOMEM;
 }
 
-/* A description of a prototype alone, which borrows all. */
-static struct orl_description alone(const struct orl_description *d, size_t prototype)
+/* Returns a description of one prototype; it borrows everything. */
+static struct orl_description prototype_description(const struct orl_description *d,
+                                                    size_t prototype)
 {
     const struct orl_prototype *const p = &d->prototypes[prototype];
     struct orl_description part = *d;
@@ -267,13 +270,14 @@ static int build_prototypes(struct orl_geometry *g, const struct orl_description
     if (!g->prototypes)
         return ORL_ERR_NOMEM;
     for (; g->n_prototypes < d->n_prototypes && code == 0; g->n_prototypes++) {
-        const struct orl_description part = alone(d, g->n_prototypes);
+        const struct orl_description part = prototype_description(d, g->n_prototypes);
         code = orl_geometry_new(&part, &g->prototypes[g->n_prototypes], err);
     }
     return code;
 }
 
-static int measure(struct orl_geometry *g, const struct orl_description *d, struct orl_error *err)
+static int measure_scene(struct orl_geometry *g, const struct orl_description *d,
+                         struct orl_error *err)
 {
     struct orl_vec3 low = orl_v3(INFINITY, INFINITY, INFINITY), high = orl_neg(low);
     for (size_t i = 0; i < d->n_surfaces; i++) {
@@ -312,7 +316,7 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
                              description->n_surfaces, ORL_LIMIT_SURFACES);
         goto done;
     }
-    code = measure(g, description, err);
+    code = measure_scene(g, description, err);
     if (code < 0)
         goto done;
     code = ORL_ERR_NOMEM;

@@ -1,25 +1,25 @@
 /*
- * The scene's surfaces as a ray tracer sees them, on top of Embree (3 or 4, robust mode).
+ * The scene's surfaces for ray tracing, on top of Embree (3 or 4, robust mode).
  *
- * Coordinates: the scene is moved by -center, in double, before it becomes Embree's floats. All of
- * the core beyond this header works in these moved coordinates; orl_geometry.center is added or
- * subtracted only where a job's sensors and views come in. Units are the scene file's.
+ * Coordinates: the scene is moved by -center, in double, before it is converted to Embree's floats.
+ * All of the core beyond this header works in these moved coordinates; orl_geometry.center is added
+ * or subtracted only at a job's sensors and views. Units are the scene file's.
  *
  * Hits: the point is projected back onto the true surface in double, so that its error does not
- * grow with distance. Rays that start on a surface are to start at orl_hit_leave(hit, direction):
- * clear of the surface, and of what a BSDF with a thickness stands for.
+ * grow with distance. Rays that start on a surface must start at orl_hit_leave(hit, direction):
+ * clear of the surface, and of the geometry that a BSDF with a thickness stands for.
  *
- * What the scene has in several places it keeps once (placed.h): numbers of facets and triangles go
- * on beyond the scene's own, and arrays do not.
+ * Instances are stored once (placed.h): indices of their facets and triangles continue beyond the
+ * scene's own, arrays do not.
  *
- * Surfaces that antimatter cuts are met where they are left (antimatter.h).
+ * Surfaces that antimatter cuts are hit only where they remain (antimatter.h).
  *
- * Where two polygons of opposite fronts lie in one place, a hit is on the one whose front the ray
- * meets; in all other cases of two in one place, one has been cut away (coincident.h).
+ * Where two polygons with opposite fronts coincide, the hit is on the one whose front the ray
+ * meets; in all other cases one of the two has been cut away (coincident.h).
  *
- * Triangles are kept two by two: those of a polygon, or of two polygons that follow each other and
- * share an edge; so some of their numbers are of none (orl_triangle_is_none). Where there are many,
- * facets and corners are kept packed (packed.h): ask for them by their numbers.
+ * Triangles are stored in couples: those of a polygon, or of two successive polygons that share an
+ * edge. So some triangle indices are unused (orl_triangle_is_none). In large geometries facets and
+ * corners are packed (packed.h): access them by index through the functions below.
  *
  * Determinism: the hierarchy is built by one thread, so that ties are broken the same way each
  * time. Threads: immutable once built; intersect and occluded may be called from any thread.
@@ -35,55 +35,56 @@
 
 #include "scene/description.h"
 
-/* A surface as it is shot at: the description's, moved, with what hits need at hand. */
+/* A surface in moved coordinates, with the data that hits need. */
 struct orl_facet {
     enum orl_surface_kind kind : 4;
-    bool bent : 1;     /* a polygon whose triangles do not lie in one plane, as rounded numbers make
-                          them */
-    bool has_more : 1; /* orl_facet_more_of */
-    unsigned step : 2; /* polygons: of their triangles' numbers */
-    bool stands_off : 1;            /* orl_facet_beyond is not 0 */
-    unsigned n_triangles : 23;      /* polygons; else 0 */
+    /* a polygon whose triangles are not coplanar, as rounding of the files' numbers causes */
+    bool bent : 1;
+    bool has_more : 1;   /* it has an orl_facet_more */
+    unsigned step : 2;   /* polygons: difference between indices of its successive triangles */
+    bool stands_off : 1; /* orl_facet_beyond is not 0 */
+    unsigned n_triangles : 23;      /* polygons; 0 for others */
     uint32_t first_triangle;        /* polygons: see orl_facet_triangle */
-    uint32_t material, surface;     /* indices into the description's; see orl_facet_surface */
+    uint32_t material, surface;     /* indices into the description; see orl_facet_surface */
     struct orl_vec3 normal;         /* polygons and rings: unit, the declared front */
-    const struct orl_curved *round; /* all but polygons: in orl_geometry.rounds; never NULL */
-    double offset; /* how far from the surface a ray must start to be clear of it */
+    const struct orl_curved *round; /* quadrics and rings: in orl_geometry.rounds; never NULL */
+    double offset; /* distance from the surface at which a ray must start to be clear of it */
     double area;
 };
 
-/* What few facets have. */
+/* Fields that few facets have. */
 struct orl_facet_more {
     uint32_t facet;
-    uint32_t first_rival, n_rivals; /* into orl_geometry.rivals: facets in the same place that face
-                                       the other way */
-    double beyond; /* BSDF: what it stands for lies this far behind it (negative: in front) */
+    /* into orl_geometry.rivals: coincident facets that face the other way */
+    uint32_t first_rival, n_rivals;
+    /* BSDF: distance of the geometry that it stands for behind it (negative: in front) */
+    double beyond;
 };
 
 /*
- * Two triangles, of the corners 3 0 1 and 1 2 3 in orl_geometry.corners, which all that meet there
- * share; each is listed from its first, second or third on. Where the second is none, the last two
- * corners are one.
+ * Two triangles with the corners 3 0 1 and 1 2 3; adjacent couples share corners in
+ * orl_geometry.corners. Each triangle is listed from its first, second or third corner on. If there
+ * is no second triangle, the last two corners are equal.
  */
 struct orl_couple {
-    uint32_t corners[4];                   /* first: Embree reads them in place */
-    uint32_t facet : 27;                   /* the first's */
-    uint32_t next : 1;                     /* the second is of the one after it */
-    uint32_t turn : 2, turn_of_second : 2; /* which each is listed from */
+    uint32_t corners[4];                   /* must be first: Embree reads them in place */
+    uint32_t facet : 27;                   /* facet of the first triangle */
+    uint32_t next : 1;                     /* the second triangle belongs to the next facet */
+    uint32_t turn : 2, turn_of_second : 2; /* corner from which each triangle is listed */
 };
 
 struct orl_triangle {
     struct orl_vec3 a, b, c;
 };
 
-/* A triangle as its couple has it. */
+/* A triangle expanded from its couple. */
 struct orl_listed {
     uint32_t corners[3], facet;
 };
 
-/* Of a polygon whose outline its triangles do not tell (orl_outline_of_facet). */
+/* Outline of a polygon that its triangles do not determine (orl_outline_of_facet). */
 struct orl_own_outline {
-    uint32_t facet, first, n; /* corners, by orl_geometry.outline_corners */
+    uint32_t facet, first, n; /* corners: range in orl_geometry.outline_corners */
 };
 
 struct orl_holes;
@@ -93,53 +94,54 @@ struct orl_placed;
 struct orl_geometry {
     struct orl_vec3 center;    /* subtracted from the files' coordinates */
     struct orl_vec3 low, high; /* bounds, moved coordinates */
-    double radius;             /* of the bounding sphere about the moved origin */
-    struct orl_facet *facets;  /* NULL: packed */
+    double radius;             /* radius of the bounding sphere about the moved origin */
+    struct orl_facet *facets;  /* NULL if packed */
     size_t n_facets;
-    size_t n_plain;            /* as many, or none: packed */
-    struct orl_curved *rounds; /* of the facets that are not polygons, from the last one back */
+    size_t n_plain;            /* n_facets, or 0 if packed */
+    struct orl_curved *rounds; /* quadrics of the facets that are not polygons, in reverse order */
     size_t n_rounds;
     struct orl_couple *couples;
     size_t n_couples;
-    struct orl_vec3 *corners; /* NULL: packed */
+    struct orl_vec3 *corners; /* NULL if packed */
     size_t n_corners;
-    struct orl_packed *packed;        /* packed.h; or NULL */
-    struct orl_own_outline *outlines; /* by facet; where triangles are listed, of every facet */
+    struct orl_packed *packed;        /* packed.h; NULL if not packed */
+    struct orl_own_outline *outlines; /* sorted by facet; of every facet if triangles are listed */
     size_t n_outlines;
     uint32_t *outline_corners;
     size_t n_outline_corners;
-    struct orl_facet_more *more; /* by facet */
+    struct orl_facet_more *more; /* sorted by facet */
     size_t n_more;
     uint32_t *rivals;
     size_t n_rivals;
-    struct orl_geometry **prototypes; /* owned: what stands in several places (placed.h) */
+    struct orl_geometry **prototypes; /* owned: instanced geometries (placed.h) */
     size_t n_prototypes;
-    struct orl_placed *placed; /* those places */
+    struct orl_placed *placed; /* instances */
     size_t n_placed;
-    size_t n_places;           /* a prototype's: how many; else 0 */
-    size_t first_place;        /* a prototype's: which of those places is the first that it has */
-    bool curved;               /* it has facets that are not polygons, or what is placed has */
-    struct orl_holes *holes;   /* antimatter.h: facets that are not there everywhere; NULL: none */
-    uint32_t *met;             /* Embree's numbers are of these triangles; NULL: of couples */
-    struct orl_listed *listed; /* triangles, and ... */
-    double *areas;             /* ... theirs; NULL: of so many, none are kept */
-    void *scene;               /* Embree's */
+    size_t n_places;         /* in a prototype: number of its instances; else 0 */
+    size_t first_place;      /* in a prototype: index of its first instance */
+    bool curved;             /* it or an instance has facets that are not polygons */
+    struct orl_holes *holes; /* antimatter.h: holes in facets; NULL: none */
+    /* triangle index by Embree primitive; NULL: primitives are couples */
+    uint32_t *met;
+    struct orl_listed *listed; /* expanded triangles; NULL if there are too many */
+    double *areas;             /* areas of the triangles; NULL if there are too many */
+    void *scene;               /* Embree's scene */
 };
 
-/* What a ray has met, and where: all that a material is asked at. */
+/* The first surface along a ray, and the place where materials are evaluated. */
 struct orl_hit {
     double distance;
     struct orl_vec3 point;  /* on the surface */
     struct orl_vec3 normal; /* unit, the declared front */
     uint32_t facet;
-    uint32_t triangle; /* of polygons, as orl_triangle_of numbers them; else 0 */
-    uint32_t instance; /* of the scene's parts that it holds more than once: which, from 1; or 0 */
+    uint32_t triangle; /* polygons: index as in orl_triangle_of; else 0 */
+    uint32_t instance; /* index of the instance, from 1; 0: none */
     bool front;        /* the ray met the front: dot(direction, normal) < 0 */
 };
 
 /*
- * A hit that stands for all of a surface of that front normal: what is asked of a material there is
- * its mean over the surface.
+ * Returns a hit that stands for a whole surface with that front normal: materials return their mean
+ * over the surface there.
  */
 static inline struct orl_hit orl_hit_anywhere(struct orl_vec3 normal, bool front)
 {
@@ -150,11 +152,11 @@ static inline bool orl_hit_is_anywhere(const struct orl_hit *hit)
     return hit->instance == UINT32_MAX;
 }
 
-/* placed.c: of a number beyond the scene's own. */
+/* placed.c: returns a triangle of an instance, whose index is beyond the scene's own. */
 struct orl_triangle orl_placed_triangle(const struct orl_geometry *geometry, size_t index);
 
-/* packed.c: of facets, corners and triangles that are packed; and elsewhere.c: of facets that are
- * packed, or of what is placed. */
+/* packed.c (_unpacked): facets, corners and triangles that are packed. elsewhere.c (_elsewhere):
+ * facets that are packed or belong to instances. */
 const struct orl_facet *orl_facet_unpacked(const struct orl_geometry *geometry, size_t facet,
                                            struct orl_facet *room);
 double orl_facet_area_unpacked(const struct orl_geometry *geometry, size_t facet);
@@ -169,20 +171,22 @@ double orl_facet_offset_elsewhere(const struct orl_geometry *geometry, size_t fa
 struct orl_vec3 orl_corner_unpacked(const struct orl_geometry *geometry, size_t corner);
 struct orl_triangle orl_triangle_unpacked(const struct orl_geometry *geometry, size_t index);
 
-/* Whether a facet is one of what the scene has in several places (placed.h). */
+/* Returns true if the facet belongs to an instance (placed.h). */
 static inline bool orl_facet_is_placed(const struct orl_geometry *geometry, size_t facet)
 {
     return facet >= geometry->n_facets;
 }
 
-/* One of the scene's own: all but its surface. Where it is packed it is written to room. */
+/* Returns one of the scene's own facets, without its surface. If facets are packed, it is written
+ * to *room. */
 static inline const struct orl_facet *orl_facet_own(const struct orl_geometry *geometry,
                                                     size_t facet, struct orl_facet *room)
 {
     return geometry->facets ? &geometry->facets[facet] : orl_facet_unpacked(geometry, facet, room);
 }
 
-/* Of any: what is placed has its prototype's kind, material and area; nothing else is its own. */
+/* Returns any facet. For instances it is the prototype's, of which only kind, material and area are
+ * valid. */
 static inline const struct orl_facet *orl_facet_of(const struct orl_geometry *geometry,
                                                    size_t facet, struct orl_facet *room)
 {
@@ -202,7 +206,7 @@ static inline double orl_facet_area(const struct orl_geometry *geometry, size_t 
                             : orl_facet_area_unpacked(geometry, facet);
 }
 
-/* Of these what is placed has some, too: surface, kind and material are as its prototype says. */
+/* These work for instances, too: surface, kind and material are the prototype's. */
 static inline uint32_t orl_facet_surface(const struct orl_geometry *geometry, size_t facet)
 {
     return facet < geometry->n_plain ? geometry->facets[facet].surface
@@ -228,13 +232,13 @@ static inline double orl_facet_offset(const struct orl_geometry *geometry, size_
                                      : orl_facet_offset_elsewhere(geometry, facet);
 }
 
-/* Distances up to this are rounding errors: no facet's offset is more than a quarter of it. */
+/* Distances below this are rounding errors; no facet's offset is more than a quarter of it. */
 static inline double orl_geometry_resolution(const struct orl_geometry *geometry)
 {
     return geometry->radius * 0x1p-18;
 }
 
-/* To be done before anything asks for it. */
+/* Sets a facet's material; must precede all queries of it. */
 void orl_facet_set_material(struct orl_geometry *geometry, size_t facet, uint32_t material);
 
 static inline struct orl_vec3 orl_corner_of(const struct orl_geometry *geometry, size_t corner)
@@ -242,19 +246,19 @@ static inline struct orl_vec3 orl_corner_of(const struct orl_geometry *geometry,
     return geometry->corners ? geometry->corners[corner] : orl_corner_unpacked(geometry, corner);
 }
 
-/* Numbers of triangles are less than that. */
+/* Returns an upper bound of triangle indices. */
 static inline size_t orl_geometry_triangles_end(const struct orl_geometry *geometry)
 {
     return 2 * geometry->n_couples;
 }
 
-/* A polygon's i-th triangle. */
+/* Returns the index of a polygon's i-th triangle. */
 static inline uint32_t orl_facet_triangle(const struct orl_facet *facet, uint32_t i)
 {
     return facet->first_triangle + i * facet->step;
 }
 
-/* All of these are of the scene's own. */
+/* The functions below are for the scene's own triangles only. */
 static inline bool orl_triangle_is_none(const struct orl_geometry *geometry, size_t index)
 {
     const struct orl_couple *const couple = &geometry->couples[index / 2];
@@ -272,7 +276,7 @@ static inline uint32_t orl_triangle_facet(const struct orl_geometry *geometry, s
                             : orl_couple_facet(&geometry->couples[index / 2], index % 2);
 }
 
-/* Which of the geometry's corners its k-th is. */
+/* Returns the index of a triangle's k-th corner. */
 static inline uint32_t orl_triangle_corner(const struct orl_geometry *geometry, size_t index,
                                            unsigned k)
 {
@@ -301,18 +305,17 @@ static inline double orl_triangle_area(const struct orl_triangle *t)
 }
 
 /*
- * Whether it has so many triangles that what each takes counts for more than what is saved by
- * keeping what can be worked out.
+ * Returns true if there are so many triangles that memory per triangle matters more than time.
  */
 static inline bool orl_geometry_is_vast(const struct orl_geometry *geometry)
 {
     return geometry->n_couples >= 1 << 16;
 }
 
-/* A polygon's corners, as the files list them: of the scene's own, and of one that can be met. */
+/* A polygon's corners in the files' order; only for the scene's own polygons with an area. */
 struct orl_facet_outline {
-    const struct orl_vec3 *corners; /* the geometry's; NULL: packed */
-    const uint32_t *own;            /* which of them; or NULL: at */
+    const struct orl_vec3 *corners; /* the geometry's; NULL if packed */
+    const uint32_t *own;            /* indices of the corners; NULL: they are in `at` */
     uint32_t n, at[4];
     const struct orl_geometry *geometry;
 };
@@ -323,7 +326,7 @@ static inline struct orl_facet_outline orl_outline_of_facet(const struct orl_geo
     if (!geometry->listed)
         return orl_outline_looked_up(geometry, facet);
     const struct orl_own_outline *const own = &geometry->outlines[facet];
-    struct orl_facet_outline outline; /* without what is not read */
+    struct orl_facet_outline outline; /* leaves the unused fields uninitialised */
     outline.corners = geometry->corners;
     outline.own = geometry->outline_corners + own->first;
     outline.n = own->n;
@@ -344,14 +347,14 @@ static inline struct orl_triangle orl_triangle_of(const struct orl_geometry *geo
                                                         : orl_placed_triangle(geometry, index);
 }
 
-/* What is kept of them beside couples, and the outlines of all facets, unless they are too many.
- * False: out of memory. */
+/* Expands triangles from couples, and lists the outlines of all facets, unless there are too many.
+ * Returns false if out of memory. */
 bool orl_geometry_list_triangles(struct orl_geometry *geometry);
 
-/* How many there are, of its own. */
+/* Returns the number of the scene's own triangles. */
 size_t orl_geometry_count_triangles(const struct orl_geometry *geometry);
 
-/* See orl_prepare_thread (oriel/run.h). */
+/* Prepares a thread; see orl_prepare_thread (oriel/run.h). */
 int orl_geometry_prepare_thread(struct orl_error *err);
 
 /* Returns 0 and a geometry the caller frees, or ORL_ERR_NOMEM, ORL_ERR_RANGE. */
@@ -359,7 +362,7 @@ int orl_geometry_new(const struct orl_description *description, struct orl_geome
                      struct orl_error *err);
 void orl_geometry_free(struct orl_geometry *geometry);
 
-/* The nearest surface along the ray within max_distance; direction is unit. */
+/* Finds the nearest surface along the ray within max_distance; direction is unit. */
 bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
                             struct orl_vec3 direction, double max_distance,
                             struct orl_hit *ret_hit);
@@ -369,29 +372,28 @@ struct orl_ray {
 };
 
 /*
- * What each of many rays meets first, as orl_geometry_intersect says with no limit on the distance;
- * but for rays that pass through an edge, where it may be either side. They are done side by side;
- * alike: all of about one direction, which is several times as quick (and slower when untrue).
+ * Finds the first hit of each of many rays, as orl_geometry_intersect does without a distance
+ * limit. Rays through an edge may hit either side of it. alike: all rays have about the same
+ * direction, which is several times faster (slower if untrue).
  */
 void orl_geometry_intersect_many(const struct orl_geometry *geometry, const struct orl_ray *rays,
                                  size_t n, bool alike, struct orl_hit *ret_hits, bool *ret_found);
 
-/* Whether anything at all, glass included, lies within max_distance. */
+/* Returns true if any surface, glass included, lies within max_distance. */
 bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 origin,
                            struct orl_vec3 direction, double max_distance);
 
-/* Whether the facet may be missing in places, by antimatter. */
+/* Returns true if antimatter may remove parts of the facet. */
 bool orl_geometry_is_cut(const struct orl_geometry *geometry, uint32_t facet);
 
 /*
- * A copy of one that has nothing placed, in which only the facets to keep can be met; the others
- * have their places in the arrays, but no area. Returns 0 and a geometry the caller frees, or
- * ORL_ERR_NOMEM.
+ * Copies a geometry without instances so that rays hit only the facets to keep; the others keep
+ * their index but have no area. Returns 0 and a geometry that the caller frees, or ORL_ERR_NOMEM.
  */
 int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
                         struct orl_geometry **ret_geometry, struct orl_error *err);
 
-/* Of the scene's own facets that have more. */
+/* Returns the rare fields of one of the scene's own facets with has_more. */
 const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geometry, uint32_t facet);
 
 static inline double orl_facet_beyond(const struct orl_geometry *geometry, uint32_t facet)
@@ -402,7 +404,8 @@ static inline double orl_facet_beyond(const struct orl_geometry *geometry, uint3
                : 0;
 }
 
-/* Where a ray that leaves a point of a facet, of that front normal, along direction is to start. */
+/* Returns the origin of a ray that leaves a point on a facet with that front normal along
+ * direction. */
 static inline struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometry, uint32_t facet,
                                               struct orl_vec3 point, struct orl_vec3 normal,
                                               struct orl_vec3 direction)
@@ -411,19 +414,19 @@ static inline struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometr
     if (facet >= geometry->n_plain)
         return orl_madd(point, normal, side * orl_facet_clear_elsewhere(geometry, facet, side));
     const struct orl_facet *f = &geometry->facets[facet];
-    /* To the side of what it stands for: beyond that. */
+    /* On the side of the geometry that it stands for, start beyond that geometry. */
     const double beyond = f->stands_off ? orl_facet_more_of(geometry, facet)->beyond : 0;
     const double hidden = beyond * side < 0 ? fabs(beyond) : 0;
     return orl_madd(point, normal, side * (f->offset + hidden));
 }
 
-/* The normal on the side that the ray met. */
+/* The normal on the ray's side. */
 static inline struct orl_vec3 orl_hit_facing(const struct orl_hit *hit)
 {
     return hit->front ? hit->normal : orl_neg(hit->normal);
 }
 
-/* Where a ray that leaves the hit point along direction is to start. */
+/* Returns the origin of a ray that leaves the hit along direction. */
 static inline struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry,
                                             const struct orl_hit *hit, struct orl_vec3 direction)
 {
@@ -431,15 +434,15 @@ static inline struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry,
 }
 
 /*
- * Texture coordinates of a hit, worked out when they are asked for. In a polygon's triangle the
- * shares of its corners b and c; on what is round the turn about the axis (0 to 1, from no
- * direction in particular) and the way along it: from the first centre to the second, from a
- * sphere's lowest point to its highest, from a ring's inner rim to its outer one.
+ * Computes the texture coordinates of a hit. On a polygon's triangle: the barycentric coordinates
+ * of its corners b and c. On quadrics: the angle about the axis (0 to 1, from an arbitrary start)
+ * and the position along it: from the first centre to the second, from a sphere's lowest point to
+ * its highest, from a ring's inner rim to its outer one.
  */
 void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, double ret_uv[2]);
 
-/* A point uniform by area on a facet, with its front normal; u in [0,1)^2. Of the scene's own
- * alone, points of many pairs. */
+/* Samples a point uniformly by area on a facet, with its front normal; u in [0,1)^2.
+ * orl_facet_sample_many is for the scene's own facets only. */
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
 void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,

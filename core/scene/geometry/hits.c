@@ -1,15 +1,15 @@
-/* What rays meet of the surfaces that are there; and places on facets. */
+/* Ray hits with antimatter taken into account; samples on facets. */
 #include "scene/geometry/antimatter.h"
 #include "scene/geometry/meet.h"
 #include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 
-enum { AT_ONCE = 64 }; /* rays */
+enum { AT_ONCE = 64 }; /* rays traced together */
 
-/* Past what antimatter has cut; each facet is passed a few times at most. */
-static bool meet_what_is_left(const struct orl_geometry *geometry, struct orl_vec3 origin,
-                              struct orl_vec3 direction, double max_distance,
-                              struct orl_hit *ret_hit)
+/* Skips hits that antimatter has removed; each facet is passed a few times at most. */
+static bool intersect_remaining(const struct orl_geometry *geometry, struct orl_vec3 origin,
+                                struct orl_vec3 direction, double max_distance,
+                                struct orl_hit *ret_hit)
 {
     const size_t most = 2 * geometry->n_facets + 2 * orl_geometry_triangles_end(geometry);
     struct orl_vec3 from = origin;
@@ -32,7 +32,7 @@ static bool meet_what_is_left(const struct orl_geometry *geometry, struct orl_ve
 bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
                             struct orl_vec3 direction, double max_distance, struct orl_hit *ret_hit)
 {
-    return geometry->holes ? meet_what_is_left(geometry, origin, direction, max_distance, ret_hit)
+    return geometry->holes ? intersect_remaining(geometry, origin, direction, max_distance, ret_hit)
                            : orl_meet(geometry, origin, direction, max_distance, ret_hit);
 }
 
@@ -41,8 +41,8 @@ void orl_geometry_intersect_many(const struct orl_geometry *geometry, const stru
 {
     struct orl_embree_hit met[AT_ONCE];
     for (size_t i = 0; i < n && geometry->holes; i++)
-        ret_found[i] =
-            meet_what_is_left(geometry, rays[i].origin, rays[i].direction, INFINITY, &ret_hits[i]);
+        ret_found[i] = intersect_remaining(geometry, rays[i].origin, rays[i].direction, INFINITY,
+                                           &ret_hits[i]);
     if (geometry->holes)
         return;
     for (size_t first = 0; first < n; first += AT_ONCE) {
@@ -61,7 +61,7 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
                            struct orl_vec3 direction, double max_distance)
 {
     struct orl_hit hit;
-    return geometry->holes ? meet_what_is_left(geometry, origin, direction, max_distance, &hit)
+    return geometry->holes ? intersect_remaining(geometry, origin, direction, max_distance, &hit)
                            : orl_embree_occluded(geometry, origin, direction, max_distance);
 }
 
@@ -90,8 +90,8 @@ static inline double area_of(const struct orl_geometry *geometry, size_t index)
 }
 
 /*
- * A triangle's point; left: what of the first number times the facet's area is the triangle's own,
- * stretched to serve again.
+ * Returns a point of a triangle. left: the part of u[0] times the facet's area that falls into this
+ * triangle, reused as a random number.
  */
 static inline struct orl_vec3 triangle_point(const struct orl_triangle *t, double area, double left,
                                              double v)
@@ -102,7 +102,8 @@ static inline struct orl_vec3 triangle_point(const struct orl_triangle *t, doubl
                    orl_scale(t->c, s * v));
 }
 
-/* The first coordinate picks the triangle by area. Which of two it is, is chance, and no branch. */
+/* The first coordinate chooses the triangle by area. The loop avoids a branch that would be
+ * unpredictable. */
 static inline struct orl_vec3 polygon_point(const struct orl_geometry *geometry,
                                             const struct orl_facet *f, const double u[2])
 {
@@ -119,7 +120,7 @@ static inline struct orl_vec3 polygon_point(const struct orl_geometry *geometry,
     return triangle_point(&t, area_of(geometry, index), left, u[1]);
 }
 
-/* The same of many, where the triangles are one or two: looked up once. */
+/* polygon_point for many points on one or two triangles, which are looked up once. */
 static void sample_simple(const struct orl_geometry *geometry, const struct orl_facet *f,
                           const double (*u)[2], size_t n, struct orl_vec3 *ret_points)
 {

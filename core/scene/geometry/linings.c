@@ -3,28 +3,28 @@
 #include "scene/geometry/antimatter.h"
 #include "scene/geometry/meet.h"
 
-/* ---- Windows that look on a lining -------------------------------------------------------------
- */
+/* ---- Windows that face a lining
+ * --------------------------------------------------------------- */
 
 enum { WINDOW_PLACES = 16 };
 
-/* Of the windows in a volume, how much is blocked: more than the edges of panes that have some
- * thickness, which look on what is beside them. */
+/* Blocked share of the window area that counts: more than the narrow sides of thick panes, which
+ * face the wall beside them. */
 static const double much_blocked = 0.05;
 
-/* Windows within a volume, and those that look on its lining on one side alone. */
+/* Window area within a volume, and the part that faces its lining on exactly one side. */
 struct windows {
     double area, blocked;
 };
 
-/* What is straight on from a place beside a window. */
+/* The view straight ahead from a place beside a window. */
 struct outlook {
-    bool inside; /* of the volume */
-    bool matter; /* where that ends, or here */
+    bool inside; /* the place is inside the volume */
+    bool matter; /* there is matter at the volume's end, or at the place itself */
 };
 
-static struct outlook look(const struct orl_geometry *g, const struct orl_hole *hole,
-                           struct orl_vec3 from, struct orl_vec3 direction)
+static struct outlook look_ahead(const struct orl_geometry *g, const struct orl_hole *hole,
+                                 struct orl_vec3 from, struct orl_vec3 direction)
 {
     struct outlook outlook = {.inside = orl_hole_is_inside(hole, from)};
     struct orl_hit hit;
@@ -50,18 +50,18 @@ static void add_window(const struct orl_geometry *g, const struct orl_hole *hole
         orl_facet_sample(g, window, u, &point, &normal);
         for (int k = 0; k < 2; k++) {
             const struct orl_vec3 direction = k ? orl_neg(normal) : normal;
-            sides[k] =
-                look(g, hole, orl_facet_leave(g, window, point, normal, direction), direction);
+            sides[k] = look_ahead(g, hole, orl_facet_leave(g, window, point, normal, direction),
+                                  direction);
         }
         inside += sides[0].inside || sides[1].inside;
         blocked += sides[0].matter != sides[1].matter && sides[sides[0].matter ? 0 : 1].inside;
     }
     windows->area += area * inside / WINDOW_PLACES;
-    if (2 * blocked >= inside) /* else it stands in a floor, say */
+    if (2 * blocked >= inside) /* otherwise it lies in a floor, for example */
         windows->blocked += area * blocked / WINDOW_PLACES;
 }
 
-static void leave_away(struct orl_geometry *g, size_t antimatter)
+static void omit_lining(struct orl_geometry *g, size_t antimatter)
 {
     struct orl_hole *const hole = &g->holes->items[antimatter];
     hole->lined = false;
@@ -85,11 +85,12 @@ void orl_linings_settle(struct orl_geometry *geometry, const bool *is_window)
                 add_window(geometry, hole, i, &windows);
         }
         if (windows.blocked > much_blocked * windows.area)
-            leave_away(geometry, k);
+            omit_lining(geometry, k);
     }
 }
 
-/* ---- What is told of them -------------------------------------------------------------------- */
+/* ---- Queries
+ * ---------------------------------------------------------------------------------- */
 
 size_t orl_linings_end(const struct orl_geometry *geometry)
 {
@@ -114,12 +115,12 @@ bool orl_lining_is_left_away(const struct orl_geometry *geometry, size_t antimat
 bool orl_lining_has_in_matter(const struct orl_geometry *geometry, size_t antimatter,
                               struct orl_vec3 place)
 {
-    /* A third may show no back: what stands about in a room does not look out of it. */
+    /* Up to a third of the directions may show no back: objects standing in a room face into it. */
     enum { DIRECTIONS = 48, MOST_OTHERS = DIRECTIONS / 3 };
     const struct orl_hole *const hole = &geometry->holes->items[antimatter];
     int others = 0;
     for (int i = 0; i < DIRECTIONS && hole->lined; i++) {
-        /* By the golden angle; upwards and downwards in turn. */
+        /* A spherical spiral by the golden angle, alternating between up and down. */
         const double z = (i % 2 ? -1 : 1) * (1 - (i + 0.5) / DIRECTIONS), s = sqrt(1 - z * z);
         const double phi = 2.399963229728653 * i;
         struct orl_hit hit;

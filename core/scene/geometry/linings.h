@@ -1,32 +1,32 @@
 /*
- * Linings of antimatter (antimatter.h) where it is in doubt what is matter. What lies behind a
- * surface that shows its back is taken for matter, so a room whose surfaces look out of it is: the
- * lining would stand in that room and hold up light. Radiance's rays, which count what they enter,
- * meet no lining from within such a room.
+ * Linings of antimatter (antimatter.h) where matter is ambiguous. The space behind a surface that
+ * shows its back counts as matter. So a room whose surfaces face outwards is matter: the lining
+ * would appear inside the room and block light. Radiance's rays, which count the volumes they
+ * enter, meet no lining from within such a room.
  *
- * So a lining is left away, as if "void" stood for it, where windows in its volume look straight
- * on it on one side, and into the open on the other: what lies behind a window is no matter. Of
- * rooms without windows it is at least said, by the places of sensors and eyes (run/health.c).
+ * So a lining is omitted, as if it were "void", where windows in its volume face it on one side,
+ * and open space on the other. The space behind a window is not matter. Rooms without windows only
+ * get a warning, by the places of sensors and eyes (run/health.c).
  *
- * Threads: settled once, by one, before the geometry is shared or copied; then immutable.
+ * Threads: settled once, by one thread, before the geometry is shared or copied; then immutable.
  */
 #ifndef ORL_SCENE_GEOMETRY_LININGS_H
 #define ORL_SCENE_GEOMETRY_LININGS_H
 
 #include "scene/geometry/geometry.h"
 
-/* is_window: by material, whether light passes it. */
+/* is_window: by material, true if light passes it. */
 void orl_linings_settle(struct orl_geometry *geometry, const bool *is_window);
 
-/* How many antimatters there are: 0 to this - 1 number them. */
+/* Returns the number of antimatters; their indices are 0 to this - 1. */
 size_t orl_linings_end(const struct orl_geometry *geometry);
-/* Its material, and a facet of its volume's surface, for messages. */
+/* Returns its material, and a facet of its volume's surface, for messages. */
 void orl_lining_of(const struct orl_geometry *geometry, size_t antimatter, uint32_t *ret_material,
                    uint32_t *ret_facet);
-/* Whether it was left away by orl_linings_settle. */
+/* Returns true if orl_linings_settle omitted the lining. */
 bool orl_lining_is_left_away(const struct orl_geometry *geometry, size_t antimatter);
-/* Whether it has one, which takes that place (moved coordinates) for matter: surfaces that it cuts
- * show their backs all round. */
+/* Returns true if it has a lining for which that place (moved coordinates) counts as matter:
+ * surfaces that it cuts show their backs all round. */
 bool orl_lining_has_in_matter(const struct orl_geometry *geometry, size_t antimatter,
                               struct orl_vec3 place);
 

@@ -4,9 +4,10 @@
 #include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 
-/* Whether a point of its plane lies on the facet, its rim included: on which triangle. */
-static bool holds(const struct orl_geometry *geometry, const struct orl_facet *facet,
-                  struct orl_vec3 point, uint32_t *ret_triangle)
+/* Returns true if a point in the facet's plane lies on it, rim included; *ret_triangle: on which
+ * triangle. */
+static bool contains_point(const struct orl_geometry *geometry, const struct orl_facet *facet,
+                           struct orl_vec3 point, uint32_t *ret_triangle)
 {
     const double slack = -facet->offset;
     for (uint32_t i = 0; i < facet->n_triangles; i++) {
@@ -25,7 +26,7 @@ static bool holds(const struct orl_geometry *geometry, const struct orl_facet *f
     return false;
 }
 
-/* A hit on a back is on the front of a rival that lies there. */
+/* Replaces a hit on a back by one on the front of a coincident rival. */
 static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hit)
 {
     const struct orl_facet_more *const more = orl_facet_more_of(geometry, hit->facet);
@@ -34,7 +35,7 @@ static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hi
         uint32_t triangle;
         struct orl_facet own;
         const struct orl_facet *const f = orl_facet_own(geometry, rival, &own);
-        if (!holds(geometry, f, hit->point, &triangle))
+        if (!contains_point(geometry, f, hit->point, &triangle))
             continue;
         hit->facet = rival;
         hit->triangle = triangle;
@@ -44,7 +45,7 @@ static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hi
     }
 }
 
-/* What is asked of a facet at a hit, where they are packed or not; of room no more is written. */
+/* Returns a facet whether packed or not; of *room only the fields that hits need are set. */
 static inline const struct orl_facet *facet_of(const struct orl_geometry *geometry, uint32_t facet,
                                                bool packed, struct orl_facet *room)
 {
@@ -65,8 +66,8 @@ static inline struct orl_vec3 corner_of(const struct orl_geometry *geometry, uin
     return packed ? orl_packed_corner(geometry->packed, corner) : geometry->corners[corner];
 }
 
-/* The plane that a hit lies in: not a bent polygon's mean one, which may be on the far side of the
- * triangle that Embree met. Not a unit normal. */
+/* Returns a normal (not unit) of the plane of a hit. A bent polygon's mean plane may be on the far
+ * side of the triangle that Embree hit. */
 static inline struct orl_vec3 plane_of(const struct orl_geometry *geometry,
                                        const struct orl_facet *facet, uint32_t triangle)
 {
@@ -76,7 +77,7 @@ static inline struct orl_vec3 plane_of(const struct orl_geometry *geometry,
     return orl_cross(orl_sub(t.b, t.a), orl_sub(t.c, t.a));
 }
 
-/* How far along the ray a triangle's plane lies. */
+/* Returns the distance along the ray to a triangle's plane. */
 static double exact_distance(const struct orl_geometry *geometry, struct orl_vec3 origin,
                              struct orl_vec3 direction, uint32_t index)
 {
@@ -88,8 +89,8 @@ static double exact_distance(const struct orl_geometry *geometry, struct orl_vec
     return orl_dot(orl_sub(corner, origin), plane) / orl_dot(direction, plane);
 }
 
-/* At the edge that the halves of a couple share Embree's numbers may mean either: of two polygons
- * it is the one that lies where the ray has met something. */
+/* Chooses the triangle at the common edge of a couple, where Embree's numbers are ambiguous: for
+ * two polygons, the one whose plane is at the hit distance. */
 static __attribute__((noinline)) uint32_t choose_half(const struct orl_geometry *geometry,
                                                       struct orl_vec3 origin,
                                                       struct orl_vec3 direction,
@@ -106,7 +107,7 @@ static __attribute__((noinline)) uint32_t choose_half(const struct orl_geometry 
 }
 
 static inline __attribute__((always_inline)) void
-settle_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_vec3 direction,
+refine_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_vec3 direction,
            const struct orl_embree_hit *e, bool packed, struct orl_hit *ret_hit)
 {
     const uint32_t met = e->seam ? choose_half(geometry, origin, direction, e) : e->index;
@@ -118,7 +119,8 @@ settle_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct o
     if (e->curved) {
         if (packed)
             facet = orl_facet_unpacked(geometry, index, &own);
-        /* The same root again, in double. At a graze there may be none: then Embree's must do. */
+        /* Solves again in double. At grazing incidence there may be no root: then Embree's hit is
+         * kept. */
         if (!orl_quadric_intersect(facet, origin, direction, 0.5 * t, 2 * t, &t, &normal))
             normal = orl_quadric_normal(facet, orl_madd(origin, direction, t));
     } else {
@@ -140,17 +142,17 @@ settle_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct o
         choose_front(geometry, ret_hit);
 }
 
-/* Apart, as the next: nearly no scene needs either. */
+/* Out of line, like the next function, because nearly no scene needs either. */
 static __attribute__((noinline)) void
-settle_packed(const struct orl_geometry *geometry, struct orl_vec3 origin,
+refine_packed(const struct orl_geometry *geometry, struct orl_vec3 origin,
               struct orl_vec3 direction, const struct orl_embree_hit *e, struct orl_hit *ret_hit)
 {
-    settle_own(geometry, origin, direction, e, true, ret_hit);
+    refine_own(geometry, origin, direction, e, true, ret_hit);
 }
 
-/* In the prototype's coordinates, and from there. */
+/* Refines the hit in the prototype's coordinates, and transforms it back. */
 static __attribute__((noinline)) void
-settle_placed(const struct orl_geometry *geometry, struct orl_vec3 origin,
+refine_placed(const struct orl_geometry *geometry, struct orl_vec3 origin,
               struct orl_vec3 direction, const struct orl_embree_hit *e, struct orl_hit *ret_hit)
 {
     const struct orl_placed *const placed = &geometry->placed[e->placed - 1];
@@ -159,22 +161,22 @@ settle_placed(const struct orl_geometry *geometry, struct orl_vec3 origin,
     const struct orl_vec3 from = orl_xform_point(&placed->from, origin);
     const struct orl_vec3 along = orl_xform_direction(&placed->from, direction);
     if (placed->prototype->packed)
-        settle_packed(placed->prototype, from, along, &inside, ret_hit);
+        refine_packed(placed->prototype, from, along, &inside, ret_hit);
     else
-        settle_own(placed->prototype, from, along, &inside, false, ret_hit);
+        refine_own(placed->prototype, from, along, &inside, false, ret_hit);
     orl_placed_hit(geometry, placed, origin, direction, ret_hit);
 }
 
 static inline __attribute__((always_inline)) void
-settle(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_vec3 direction,
-       const struct orl_embree_hit *e, struct orl_hit *ret_hit)
+refine_hit(const struct orl_geometry *geometry, struct orl_vec3 origin, struct orl_vec3 direction,
+           const struct orl_embree_hit *e, struct orl_hit *ret_hit)
 {
     if (e->placed > 0)
-        settle_placed(geometry, origin, direction, e, ret_hit);
+        refine_placed(geometry, origin, direction, e, ret_hit);
     else if (geometry->packed)
-        settle_packed(geometry, origin, direction, e, ret_hit);
+        refine_packed(geometry, origin, direction, e, ret_hit);
     else
-        settle_own(geometry, origin, direction, e, false, ret_hit);
+        refine_own(geometry, origin, direction, e, false, ret_hit);
 }
 
 void orl_meet_expect(const struct orl_geometry *geometry, const struct orl_embree_hit *hits,
@@ -197,7 +199,7 @@ void orl_meet_settle(const struct orl_geometry *geometry, struct orl_vec3 origin
                      struct orl_vec3 direction, const struct orl_embree_hit *e,
                      struct orl_hit *ret_hit)
 {
-    settle(geometry, origin, direction, e, ret_hit);
+    refine_hit(geometry, origin, direction, e, ret_hit);
 }
 
 bool orl_meet(const struct orl_geometry *geometry, struct orl_vec3 origin,
@@ -206,6 +208,6 @@ bool orl_meet(const struct orl_geometry *geometry, struct orl_vec3 origin,
     struct orl_embree_hit e;
     if (!orl_embree_intersect(geometry, origin, direction, max_distance, &e))
         return false;
-    settle(geometry, origin, direction, &e, ret_hit);
+    refine_hit(geometry, origin, direction, &e, ret_hit);
     return true;
 }

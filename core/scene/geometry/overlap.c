@@ -6,27 +6,28 @@
 #include "base/grow.h"
 #include "scene/geometry/sweep_order.h"
 
-enum { FIRST = 1, NONE = -1 }; /* the others' layers are the bits above */
+/* FIRST: layer of the first outline; the others' layers are the bits above */
+enum { FIRST = 1, NONE = -1 };
 
-/* Of an edge that is on the border of what is looked for: from where to where, inside on the left.
- */
+/* A directed edge of the border of the result, with the inside on its left. */
 struct side {
     uint32_t from, to;
-    int32_t next; /* another that starts there, or NONE */
+    int32_t next; /* next side with the same start, or NONE */
     bool used;
 };
 
 struct border {
     struct side *sides;
-    int32_t *first; /* per node */
+    int32_t *first; /* per node: first side that starts there */
     size_t n;
 };
 
-/* ---- Apart ----------------------------------------------------------------------------------- */
+/* ---- Separation test
+ * -------------------------------------------------------------------------- */
 
-/* The range of an outline's distances from a line, along a direction. */
-static void range(const struct orl_outline *o, struct orl_vec3 origin, struct orl_vec3 across,
-                  double *ret_low, double *ret_high)
+/* Range of an outline's signed distances from a line through origin, along a direction. */
+static void distance_range(const struct orl_outline *o, struct orl_vec3 origin,
+                           struct orl_vec3 across, double *ret_low, double *ret_high)
 {
     *ret_low = INFINITY;
     *ret_high = -INFINITY;
@@ -44,8 +45,8 @@ static bool edge_parts(const struct orl_outline *of, const struct orl_outline *a
         const struct orl_vec3 from = of->vertices[i], to = of->vertices[(i + 1) % of->n];
         const struct orl_vec3 across = orl_normalize(orl_cross(of->normal, orl_sub(to, from)));
         double a_low, a_high, b_low, b_high;
-        range(a, from, across, &a_low, &a_high);
-        range(b, from, across, &b_low, &b_high);
+        distance_range(a, from, across, &a_low, &a_high);
+        distance_range(b, from, across, &b_low, &b_high);
         if (a_high <= b_low + tolerance || b_high <= a_low + tolerance)
             return true;
     }
@@ -54,15 +55,15 @@ static bool edge_parts(const struct orl_outline *of, const struct orl_outline *a
 
 bool orl_outlines_apart(const struct orl_outline *a, const struct orl_outline *b, double tolerance)
 {
-    enum { MOST = 64 }; /* larger ones are compared in full */
+    enum { MOST = 64 }; /* larger ones go to the full comparison */
     return a->n <= MOST && b->n <= MOST &&
            (edge_parts(a, a, b, tolerance) || edge_parts(b, a, b, tolerance));
 }
 
 /* ---- Sides of edges -------------------------------------------------------------------------- */
 
-/* Within which layers lies what is just left of every edge: known as soon as a sweep comes to it,
- * of a level one what is above. Returns false when edges cross, which they must not. */
+/* Finds the layers that contain the area just left of every edge (above, for a horizontal one), as
+ * the sweep reaches it. Returns false if edges cross, which they must not. */
 static bool find_layers(const struct orl_arrangement *a, uint32_t *words, uint32_t *ret_left)
 {
     struct orl_sweep_order order;
@@ -87,7 +88,7 @@ static bool find_layers(const struct orl_arrangement *a, uint32_t *words, uint32
     return true;
 }
 
-static bool reserve(struct orl_overlap *o, size_t bytes)
+static bool reserve_scratch(struct orl_overlap *o, size_t bytes)
 {
     if (bytes <= o->scratch_room)
         return true;
@@ -111,7 +112,7 @@ static bool in_first_alone(uint32_t layers)
     return layers == FIRST;
 }
 
-/* The border of one part, given the layers left of every edge. */
+/* Finds the border of one part from the layers left of every edge. */
 static void find_border(const struct orl_arrangement *a, const uint32_t *left, inside_fn *inside,
                         struct border *border)
 {
@@ -148,9 +149,9 @@ static bool add_vertex(struct orl_overlap *o, struct orl_vec3 place)
     return true;
 }
 
-/* One loop, appended and closed; taken back when it is but a strip. */
-static int follow(struct orl_overlap *o, struct border *border, int32_t start, double tolerance,
-                  bool *ret_kept)
+/* Appends one closed loop; removes it again if it is only a thin strip. */
+static int trace_loop(struct orl_overlap *o, struct border *border, int32_t start, double tolerance,
+                      bool *ret_kept)
 {
     const struct orl_arrangement *a = &o->arrangement;
     const uint32_t before = o->n;
@@ -172,8 +173,8 @@ static int follow(struct orl_overlap *o, struct border *border, int32_t start, d
     return 0;
 }
 
-/* All loops; each but the first is reached from the first's start, and left to it again. */
-static int follow_all(struct orl_overlap *o, struct border *border, double tolerance)
+/* Appends all loops; a seam from the first loop's start leads to each other loop and back. */
+static int trace_loops(struct orl_overlap *o, struct border *border, double tolerance)
 {
     o->n = 0;
     for (size_t i = 0; i < border->n; i++) {
@@ -181,7 +182,7 @@ static int follow_all(struct orl_overlap *o, struct border *border, double toler
         bool kept;
         if (border->sides[i].used)
             continue;
-        if (follow(o, border, (int32_t)i, tolerance, &kept) < 0)
+        if (trace_loop(o, border, (int32_t)i, tolerance, &kept) < 0)
             return ORL_ERR_NOMEM;
         if (kept && !first && !add_vertex(o, o->vertices[0]))
             return ORL_ERR_NOMEM;
@@ -189,7 +190,8 @@ static int follow_all(struct orl_overlap *o, struct border *border, double toler
     return 0;
 }
 
-/* ---- Both together --------------------------------------------------------------------------- */
+/* ---- Combination
+ * ------------------------------------------------------------------------------ */
 
 static int arrange(struct orl_overlap *o, const struct orl_outline *a,
                    const struct orl_outline *others, const uint32_t *layers, size_t n)
@@ -222,9 +224,9 @@ int orl_outline_subtract(struct orl_overlap *o, const struct orl_outline *a,
     o->work += 32 * (n_edges + 1) + o->arrangement.tests;
     if (code < 0)
         return code;
-    if (!reserve(o, n_edges * sizeof *border.sides +
-                        (n_nodes + 2 * n_edges + orl_sweep_order_words(&o->arrangement)) *
-                            sizeof(uint32_t)))
+    if (!reserve_scratch(o, n_edges * sizeof *border.sides +
+                                (n_nodes + 2 * n_edges + orl_sweep_order_words(&o->arrangement)) *
+                                    sizeof(uint32_t)))
         return ORL_ERR_NOMEM;
     border.sides = o->scratch;
     border.first = (int32_t *)(border.sides + n_edges);
@@ -232,11 +234,11 @@ int orl_outline_subtract(struct orl_overlap *o, const struct orl_outline *a,
     if (!find_layers(&o->arrangement, left + n_edges, left))
         return ORL_ERR_LIMIT;
     find_border(&o->arrangement, left, in_both, &border);
-    if (follow_all(o, &border, tolerance) < 0)
+    if (trace_loops(o, &border, tolerance) < 0)
         return ORL_ERR_NOMEM;
     o->shared = o->n > 0;
     find_border(&o->arrangement, left, in_first_alone, &border);
-    return follow_all(o, &border, tolerance);
+    return trace_loops(o, &border, tolerance);
 }
 
 void orl_overlap_done(struct orl_overlap *overlap)

@@ -1,5 +1,6 @@
 /*
- * Polygons in one plane: whether two share an area, and what of one is outside of others.
+ * Boolean operations of coplanar polygons: whether two share an area, and the difference of one to
+ * others.
  */
 #ifndef ORL_SCENE_GEOMETRY_OVERLAP_H
 #define ORL_SCENE_GEOMETRY_OVERLAP_H
@@ -11,30 +12,30 @@
 struct orl_outline {
     const struct orl_vec3 *vertices;
     uint32_t n;
-    struct orl_vec3 normal; /* unit: its front */
+    struct orl_vec3 normal; /* unit: the front */
 };
 
-/* Scratch and result; zeroed is ready. */
+/* Scratch and result; a zeroed struct is ready to use. */
 struct orl_overlap {
     struct orl_arrangement arrangement;
-    struct orl_vec3 *vertices; /* the remaining outline: loops joined by seams */
+    struct orl_vec3 *vertices; /* remaining outline: loops joined by seams */
     uint32_t n;                /* 0: nothing remains */
-    bool shared;               /* a and one of the others share an area, more than a seam */
+    bool shared;               /* a shares more than a seam's area with one of the others */
     uint64_t work;
     size_t vertices_room;
     void *scratch;
     size_t scratch_room;
 };
 
-/* Quick: some edge's line has all of one on its one side, all of the other beyond. */
+/* Fast test: returns true if the line through some edge separates the two. */
 bool orl_outlines_apart(const struct orl_outline *a, const struct orl_outline *b, double tolerance);
 
 enum { ORL_OVERLAP_LAYERS = 31 };
 
 /*
- * What of a lies outside all n others. Each of those has a layer, from 0 to below
- * ORL_OVERLAP_LAYERS; of one layer, none may overlap. Strips narrower than tolerance do not count,
- * neither as shared nor as remaining. Returns 0, ORL_ERR_NOMEM, or ORL_ERR_LIMIT.
+ * Computes the part of a outside all n others. Each of those has a layer, 0 to ORL_OVERLAP_LAYERS -
+ * 1; outlines of one layer must not overlap. Strips narrower than tolerance do not count, neither
+ * as shared nor as remaining. Returns 0, ORL_ERR_NOMEM, or ORL_ERR_LIMIT.
  */
 int orl_outline_subtract(struct orl_overlap *overlap, const struct orl_outline *a,
                          const struct orl_outline *others, const uint32_t *layers, size_t n,

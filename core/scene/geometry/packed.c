@@ -26,7 +26,8 @@ static void pack_coordinate(double x, float *ret_high, int8_t *ret_low)
     const double step = orl_packed_step(high);
     const double low = step > 0 ? rint((x - (double)high) / step) : 0;
     *ret_high = high;
-    /* At most half of what the last bit says, 128: short of which the float stays the nearest. */
+    /* Half of the float's last bit is 128 steps; clamping to 127 keeps this float the nearest
+     * one. */
     *ret_low = (int8_t)fmax(-127, fmin(127, low));
 }
 
@@ -45,7 +46,7 @@ struct orl_triangle orl_triangle_unpacked(const struct orl_geometry *geometry, s
 
 /* ---- Facets ---------------------------------------------------------------------------------- */
 
-/* Stays above 0 if it is. */
+/* Rounds to float, but keeps positive numbers above 0. */
 static float rounded(double x)
 {
     const float f = (float)x;
@@ -54,7 +55,7 @@ static float rounded(double x)
 
 static uint8_t pack_offset(double offset)
 {
-    static const double hair = 1e-9; /* one that was packed before stays */
+    static const double hair = 1e-9; /* a value that was packed before is unchanged */
     const double fourths = ceil(ORL_PACKED_FOURTHS * (log2(offset) - ORL_PACKED_LEAST) - hair);
     return (uint8_t)fmax(0, fmin(UINT8_MAX, fourths));
 }
@@ -105,8 +106,9 @@ double orl_facet_area_unpacked(const struct orl_geometry *geometry, size_t facet
 }
 
 /*
- * Polygons and what is round are numbered in the files' order, from either end: before a polygon
- * there are as many round ones as come after no more polygons than it does.
+ * Polygons and others are numbered in the files' order, polygons from the start and others from the
+ * end. The surface index of a polygon is its facet index plus the number of other surfaces before
+ * it, found by binary search.
  */
 uint32_t orl_facet_surface_unpacked(const struct orl_geometry *geometry, size_t facet)
 {
@@ -132,7 +134,7 @@ void orl_facet_set_material(struct orl_geometry *geometry, size_t facet, uint32_
         geometry->packed->facets[facet].material = material & 0xffffffU;
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- Whole geometries ------------------------------------------------------------------------ */
 
 void orl_packed_free(struct orl_packed *packed)
 {
@@ -174,7 +176,8 @@ static bool pack_facets(struct orl_geometry *g, struct orl_packed *packed)
     return true;
 }
 
-/* Offsets, 2^-20 of what they are of, can be told, and materials, some of which may follow. */
+/* Returns true if offsets (2^-20 of sizes) and materials, some of which may be added later, fit
+ * their fields. */
 static bool can_be_packed(const struct orl_geometry *g)
 {
     static const double least = 0x1p-20, most = 0x1p39;

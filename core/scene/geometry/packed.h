@@ -1,8 +1,8 @@
 /*
- * Facets and corners of a geometry of many triangles (orl_geometry_is_vast), in 24 bytes and 15,
- * where others take 64 and, with Embree's copy of them, 36. Numbers are rounded by less than what
- * rays are rounded to: corners to 2^-33 of a coordinate, of which Embree has 2^-25; normals to half
- * a billionth of a radian; areas to floats; offsets upwards, by a fifth at most.
+ * Facets and corners of a large geometry (orl_geometry_is_vast), packed to 24 and 15 bytes instead
+ * of 64 and, with Embree's copy, 36. Rounding is below that of rays: corners to 2^-33 of a
+ * coordinate, where Embree has 2^-25; normals to half a billionth of a radian; areas to floats;
+ * offsets upwards, by a fifth at most.
  */
 #ifndef ORL_SCENE_GEOMETRY_PACKED_H
 #define ORL_SCENE_GEOMETRY_PACKED_H
@@ -18,20 +18,21 @@ struct orl_packed_facet {
     unsigned step : 2;
     bool stands_off : 1;
     unsigned n_triangles : 23;
-    uint32_t first; /* polygons: triangle; else surface, by which those of polygons are known */
+    /* polygons: first triangle; others: surface, from which those of polygons follow */
+    uint32_t first;
     uint32_t material : 24;
     uint32_t offset : 8; /* orl_packed_offset */
-    int32_t normal[2];   /* on an octahedron, whose lower half is folded out over the upper one */
+    int32_t normal[2];   /* octahedral map, with the lower half folded over the upper one */
     float area;
 };
 
 struct orl_packed {
     struct orl_packed_facet *facets;
-    float (*high)[3]; /* corners as Embree has them: it reads these, and one past the last */
-    int8_t (*low)[3]; /* what is missing, in steps of 2^-31 of the power of two below */
+    float (*high)[3]; /* corners as Embree reads them, with one extra at the end */
+    int8_t (*low)[3]; /* remainders, in steps of 2^-31 of the next lower power of two */
 };
 
-/* Steps from the octahedron's middle to a corner of it, and what stands for no normal. */
+/* Steps from the octahedron's centre to a corner of it; value that means no normal. */
 #define ORL_PACKED_ONE 0x1p30
 enum { ORL_PACKED_NO_NORMAL = INT32_MIN };
 
@@ -53,7 +54,7 @@ static inline struct orl_vec3 orl_packed_normal(const struct orl_packed_facet *f
     return orl_normalize(orl_v3(u, v, z));
 }
 
-/* By fourths of an octave. */
+/* Offsets are stored in quarters of an octave. */
 enum { ORL_PACKED_FOURTHS = 4, ORL_PACKED_LEAST = -44 };
 static inline double orl_packed_offset(const struct orl_packed_facet *facet)
 {
@@ -66,7 +67,7 @@ static inline double orl_packed_offset(const struct orl_packed_facet *facet)
     return octave * fourths[facet->offset % ORL_PACKED_FOURTHS];
 }
 
-/* A step of what a float lacks. */
+/* Step of a float's remainder. */
 static inline double orl_packed_step(float high)
 {
     uint32_t bits;
@@ -90,11 +91,11 @@ static inline struct orl_vec3 orl_packed_corner(const struct orl_packed *packed,
                   orl_packed_coordinate(high[2], low[2]));
 }
 
-/* Packs one that is vast, and leaves others alone. False: out of memory. */
+/* Packs a geometry that is vast; leaves others unchanged. Returns false if out of memory. */
 bool orl_geometry_pack(struct orl_geometry *geometry);
 void orl_packed_free(struct orl_packed *packed); /* NULL is allowed */
 
-/* All facets and corners as they were, for a copy: as many as there are, and one. */
+/* Unpacks all facets and corners, for a copy; the arrays need one extra item. */
 void orl_geometry_unpack(const struct orl_geometry *geometry, struct orl_facet *ret_facets,
                          struct orl_vec3 *ret_corners);
 

@@ -1,5 +1,5 @@
 /*
- * Pairs of surfaces, by index: lists that grow.
+ * Growable lists of pairs of surfaces, by index.
  */
 #ifndef ORL_SCENE_GEOMETRY_PAIRS_H
 #define ORL_SCENE_GEOMETRY_PAIRS_H
@@ -14,13 +14,13 @@ struct orl_pair {
     uint32_t a, b;
 };
 
-/* Zeroed is empty; whoever has it frees the items. */
+/* A zeroed list is empty; the owner frees the items. */
 struct orl_pairs {
     struct orl_pair *items;
     size_t n, room;
 };
 
-/* False when out of memory. */
+/* Returns false if out of memory. */
 static inline bool orl_pairs_add(struct orl_pairs *pairs, uint32_t a, uint32_t b)
 {
     if (!orl_grow(&pairs->items, &pairs->room, pairs->n, sizeof *pairs->items))

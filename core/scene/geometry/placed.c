@@ -7,9 +7,10 @@
 
 #include "scene/geometry/quadric.h"
 
-/* ---- By number ------------------------------------------------------------------------------- */
+/* ---- By index
+ * --------------------------------------------------------------------------------- */
 
-/* The last whose first number is not above that of the facet. */
+/* Returns the last instance whose first facet is not above the given one. */
 const struct orl_placed *orl_placed_of(const struct orl_geometry *geometry, uint32_t facet)
 {
     size_t low = 0, high = geometry->n_placed;
@@ -127,20 +128,21 @@ struct orl_vec3 orl_placed_direction(const struct orl_geometry *geometry, const 
 
 /* ---- Building -------------------------------------------------------------------------------- */
 
-static void include(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
+static void include_point(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
 {
     *low = orl_v3(fmin(low->x, p.x), fmin(low->y, p.y), fmin(low->z, p.z));
     *high = orl_v3(fmax(high->x, p.x), fmax(high->y, p.y), fmax(high->z, p.z));
 }
 
-/* Of all corners, where they stand: for a turned box would be larger than what is in it. */
-static void bound(struct orl_placed *placed)
+/* Bounds of the transformed corners, which are tighter than a rotated box. */
+static void bound_instance(struct orl_placed *placed)
 {
     const struct orl_geometry *const g = placed->prototype;
     placed->low = orl_v3(INFINITY, INFINITY, INFINITY);
     placed->high = orl_neg(placed->low);
     for (size_t i = 0; i < g->n_corners; i++)
-        include(orl_xform_point(&placed->to, orl_corner_of(g, i)), &placed->low, &placed->high);
+        include_point(orl_xform_point(&placed->to, orl_corner_of(g, i)), &placed->low,
+                      &placed->high);
     for (size_t i = 0; i < g->n_rounds; i++) {
         struct orl_facet own, facet = *orl_facet_own(g, g->n_facets - 1 - i, &own);
         const struct orl_curved curved = orl_xform_curved(&placed->to, facet.round);
@@ -148,8 +150,8 @@ static void bound(struct orl_placed *placed)
         facet.round = &curved;
         facet.normal = orl_xform_normal(&placed->to, facet.normal);
         orl_quadric_bounds(&facet, &low, &high);
-        include(low, &placed->low, &placed->high);
-        include(high, &placed->low, &placed->high);
+        include_point(low, &placed->low, &placed->high);
+        include_point(high, &placed->low, &placed->high);
     }
 }
 
@@ -172,10 +174,10 @@ bool orl_placed_measure(struct orl_geometry *geometry, const struct orl_descript
         if (prototype->n_places++ == 0)
             prototype->first_place = i;
         if (orl_is_cancelled(description->cancel))
-            continue; /* whoever builds it sees so, too */
-        bound(placed);
-        include(placed->low, low, high);
-        include(placed->high, low, high);
+            continue; /* the caller polls too */
+        bound_instance(placed);
+        include_point(placed->low, low, high);
+        include_point(placed->high, low, high);
     }
     return true;
 }
@@ -194,7 +196,7 @@ int orl_placed_number(struct orl_geometry *geometry, struct orl_error *err)
         placed->low = orl_sub(placed->low, geometry->center);
         placed->high = orl_sub(placed->high, geometry->center);
         placed->from = orl_xform_inverse(&placed->to);
-        /* Rays are rounded to floats in the scene, and again in the prototype's coordinates. */
+        /* Rays are rounded to float in the scene, and again in the prototype's coordinates. */
         placed->offset = 0x1p-20 * (fmax(largest(placed->low), largest(placed->high)) +
                                     placed->to.scale * placed->prototype->radius);
         placed->first_facet = (uint32_t)facets;

@@ -10,7 +10,8 @@ static bool is_sphere(enum orl_surface_kind kind)
     return kind == ORL_SURFACE_SPHERE || kind == ORL_SURFACE_BUBBLE;
 }
 
-/* The axis, its length, and how the radius changes along it: cylinders are cones of equal radii. */
+/* The axis, its length, and the slope of the radius along it: cylinders are cones of equal
+ * radii. */
 struct axis {
     struct orl_vec3 direction;
     double length, slope, radius;
@@ -25,8 +26,9 @@ static struct axis axis_of(const struct orl_facet *facet)
                          facet->round->radius[0]};
 }
 
-/* Real roots of a t^2 + 2 h t + c, ascending, without cancellation; returns how many. */
-static int solve(double a, double h, double c, double roots[2])
+/* Finds the real roots of a t^2 + 2 h t + c, ascending, without cancellation; returns their
+ * number. */
+static int solve_quadratic(double a, double h, double c, double roots[2])
 {
     const double discriminant = h * h - a * c;
     if (discriminant < 0 || (a == 0 && h == 0))
@@ -47,12 +49,11 @@ static bool sphere_hit(const struct orl_facet *f, struct orl_vec3 o, struct orl_
 {
     double roots[2];
     const struct orl_vec3 m = orl_sub(o, f->round->center[0]);
-    /* The distance of the line to the centre, squared, is formed from the nearest point: exact far
-     * out. */
+    /* Uses the point of the line nearest to the centre, which is exact also far away. */
     const double h = orl_dot(m, d);
     const struct orl_vec3 nearest = orl_madd(m, d, -h);
     const double c = orl_dot(nearest, nearest) + h * h - f->round->radius[0] * f->round->radius[0];
-    const int n = solve(1.0, h, c, roots);
+    const int n = solve_quadratic(1.0, h, c, roots);
     for (int i = 0; i < n; i++) {
         if (roots[i] > near && roots[i] < far) {
             *ret_t = roots[i];
@@ -73,8 +74,8 @@ static bool cone_hit(const struct orl_facet *f, struct orl_vec3 o, struct orl_ve
                           dp = orl_madd(d, axis.direction, -dz);
     const double r0 = axis.radius + axis.slope * mz, r1 = axis.slope * dz;
     double roots[2];
-    const int n = solve(orl_dot(dp, dp) - r1 * r1, orl_dot(mp, dp) - r0 * r1,
-                        orl_dot(mp, mp) - r0 * r0, roots);
+    const int n = solve_quadratic(orl_dot(dp, dp) - r1 * r1, orl_dot(mp, dp) - r0 * r1,
+                                  orl_dot(mp, mp) - r0 * r0, roots);
     for (int i = 0; i < n; i++) {
         const double t = roots[i], z = mz + t * dz;
         if (t > near && t < far && z >= 0 && z <= axis.length && r0 + t * r1 >= 0) {
@@ -141,7 +142,8 @@ static struct orl_vec3 disc_extent(struct orl_vec3 n, double r)
                   r * sqrt(fmax(0, 1 - n.z * n.z)));
 }
 
-static void grow(struct orl_vec3 c, struct orl_vec3 e, struct orl_vec3 *low, struct orl_vec3 *high)
+static void grow_box(struct orl_vec3 c, struct orl_vec3 e, struct orl_vec3 *low,
+                     struct orl_vec3 *high)
 {
     *low = orl_v3(fmin(low->x, c.x - e.x), fmin(low->y, c.y - e.y), fmin(low->z, c.z - e.z));
     *high = orl_v3(fmax(high->x, c.x + e.x), fmax(high->y, c.y + e.y), fmax(high->z, c.z + e.z));
@@ -154,15 +156,15 @@ void orl_quadric_bounds(const struct orl_facet *facet, struct orl_vec3 *ret_low,
     *ret_high = orl_neg(*ret_low);
     if (is_sphere(facet->kind)) {
         const double r = facet->round->radius[0];
-        grow(facet->round->center[0], orl_v3(r, r, r), ret_low, ret_high);
+        grow_box(facet->round->center[0], orl_v3(r, r, r), ret_low, ret_high);
     } else if (facet->kind == ORL_SURFACE_RING) {
-        grow(facet->round->center[0], disc_extent(facet->normal, facet->round->radius[1]), ret_low,
-             ret_high);
+        grow_box(facet->round->center[0], disc_extent(facet->normal, facet->round->radius[1]),
+                 ret_low, ret_high);
     } else {
         const struct axis axis = axis_of(facet);
         for (int i = 0; i < 2; i++)
-            grow(facet->round->center[i], disc_extent(axis.direction, facet->round->radius[i]),
-                 ret_low, ret_high);
+            grow_box(facet->round->center[i], disc_extent(axis.direction, facet->round->radius[i]),
+                     ret_low, ret_high);
     }
 }
 
@@ -208,8 +210,8 @@ void orl_quadric_sample(const struct orl_facet *facet, const double u[2],
         *ret_normal = orl_neg(*ret_normal);
 }
 
-/* From 0 to 1, about the frame's normal. */
-static double turn(const struct orl_frame *frame, struct orl_vec3 way)
+/* Angle about the frame's normal, from 0 to 1. */
+static double angle_about(const struct orl_frame *frame, struct orl_vec3 way)
 {
     const double t = atan2(orl_dot(way, frame->v), orl_dot(way, frame->u)) / (2 * ORL_PI);
     return t < 0 ? t + 1 : t;
@@ -224,7 +226,7 @@ void orl_quadric_uv(const struct orl_facet *facet, struct orl_vec3 point, double
                                                    : ring ? facet->normal
                                                           : axis.direction);
     const double along = orl_dot(way, frame.n);
-    ret_uv[0] = turn(&frame, way);
+    ret_uv[0] = angle_about(&frame, way);
     if (round)
         ret_uv[1] = 0.5 + 0.5 * along / facet->round->radius[0];
     else if (ring)

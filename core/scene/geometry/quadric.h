@@ -8,7 +8,8 @@
 
 #include "scene/geometry/geometry.h"
 
-/* Nearest crossing with near < t < far; fills t and the declared front normal there. */
+/* Finds the nearest intersection with near < t < far; returns t and the declared front normal
+ * there. */
 bool orl_quadric_intersect(const struct orl_facet *facet, struct orl_vec3 origin,
                            struct orl_vec3 direction, double near, double far, double *ret_t,
                            struct orl_vec3 *ret_normal);
@@ -21,10 +22,10 @@ void orl_quadric_bounds(const struct orl_facet *facet, struct orl_vec3 *ret_low,
 
 double orl_quadric_area(const struct orl_facet *facet);
 
-/* As orl_hit_uv has it, of a point of the surface. */
+/* orl_hit_uv for a point of the surface. */
 void orl_quadric_uv(const struct orl_facet *facet, struct orl_vec3 point, double ret_uv[2]);
 
-/* A point uniform by area, with its front normal. */
+/* Samples a point uniformly by area, with its front normal. */
 void orl_quadric_sample(const struct orl_facet *facet, const double u[2],
                         struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
 

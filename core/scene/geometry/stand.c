@@ -3,16 +3,16 @@
 enum { MOST_SURFACES = 8, TOUCH_RAYS = 64 };
 
 /*
- * So far below a surface a sensor is still on it: rtrace -I starts rays as far ahead, and what
- * programs write to six digits lies that low by rounding. In small scenes it is a small part of
- * them.
+ * Depth below a surface at which a sensor still counts as lying on it: rtrace -I starts rays as far
+ * ahead, and coordinates written with six digits lie that low by rounding. In small scenes it is
+ * limited to a small part of the size.
  */
 static double sunk_in(const struct orl_geometry *g)
 {
     return fmin(1.1e-4, g->radius * 0x1p-16);
 }
 
-/* A ray's origin is rounded to floats; this is some ulps of it, and one of the whole scene. */
+/* Returns the rounding of a ray's origin to floats: some ulps of it, and one of the whole scene. */
 static double rounding(const struct orl_geometry *g, struct orl_vec3 point)
 {
     const double largest = fmax(fabs(point.x), fmax(fabs(point.y), fabs(point.z)));
@@ -22,7 +22,7 @@ static double rounding(const struct orl_geometry *g, struct orl_vec3 point)
 struct orl_vec3 orl_stand(const struct orl_geometry *g, struct orl_vec3 point,
                           struct orl_vec3 normal)
 {
-    /* No facet's offset is more than 2^-20 of the radius: what lies further says nothing. */
+    /* No facet's offset exceeds 2^-20 of the radius, so surfaces further away do not matter. */
     const double sunk = sunk_in(g), span = fmax(orl_geometry_resolution(g), 2 * sunk);
     struct orl_vec3 from = orl_madd(point, normal, span);
     double lift = rounding(g, point);

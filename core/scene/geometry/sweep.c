@@ -10,24 +10,25 @@
 
 enum side { LEFT, RIGHT };
 
-/* The lower part of a monotone polygon that is not in triangles yet: a chain of nodes on one side,
- * of which none bends inwards, but for its lowest, which is also the last of the other side. */
+/* The part of a monotone polygon that is not triangulated yet: a reflex chain of nodes on one side.
+ * Its lowest node is also the last of the other side. */
 struct funnel {
-    uint32_t top; /* into beads */
+    uint32_t top; /* index into beads */
     enum side side;
 };
 
 struct bead {
-    uint32_t node, below; /* below: into beads, or NONE */
+    uint32_t node, below; /* below: index into beads, or NONE */
 };
 
-/* An inside stretch. United ones wait for the next node, to which the diagonal will go. */
+/* An interval inside the polygon. United regions wait for the next node, which the diagonal will
+ * end at. */
 struct region {
-    struct funnel funnel, other; /* other: on the right of it, when united */
+    struct funnel funnel, other; /* other: the right funnel, if united */
     bool united;
 };
 
-/* An edge that the sweep cuts; region: what lies right of it, of those at even places. */
+/* An edge that the sweep line cuts; region: the one right of it, for edges at even positions. */
 struct cut {
     uint32_t edge, region;
 };
@@ -47,7 +48,7 @@ struct state {
 
 /* ---- Funnels --------------------------------------------------------------------------------- */
 
-static void emit(struct state *s, uint32_t a, uint32_t b, uint32_t c)
+static void emit_triangle(struct state *s, uint32_t a, uint32_t b, uint32_t c)
 {
     const int64_t turn = orl_node_turn(&s->nodes[a], &s->nodes[b], &s->nodes[c]);
     uint32_t *triple = s->out->triples[s->out->n_triples];
@@ -59,7 +60,7 @@ static void emit(struct state *s, uint32_t a, uint32_t b, uint32_t c)
     s->out->n_triples++;
 }
 
-static uint32_t push(struct state *s, uint32_t node, uint32_t below)
+static uint32_t push_bead(struct state *s, uint32_t node, uint32_t below)
 {
     s->beads[s->n_beads] = (struct bead){node, below};
     return s->n_beads++;
@@ -67,22 +68,22 @@ static uint32_t push(struct state *s, uint32_t node, uint32_t below)
 
 static struct funnel funnel_from(struct state *s, uint32_t low, uint32_t high, enum side side)
 {
-    return (struct funnel){push(s, high, push(s, low, NONE)), side};
+    return (struct funnel){push_bead(s, high, push_bead(s, low, NONE)), side};
 }
 
-/* Triangles from the node to the whole chain. */
-static void fan(struct state *s, const struct funnel *f, uint32_t node)
+/* Emits triangles from the node to the whole chain. */
+static void emit_fan(struct state *s, const struct funnel *f, uint32_t node)
 {
     for (uint32_t i = f->top; s->beads[i].below != NONE; i = s->beads[i].below)
-        emit(s, node, s->beads[i].node, s->beads[s->beads[i].below].node);
+        emit_triangle(s, node, s->beads[i].node, s->beads[s->beads[i].below].node);
 }
 
-/* The next node, on that side. */
-static void extend(struct state *s, struct funnel *f, uint32_t node, enum side side)
+/* Adds the next node, on that side. */
+static void extend_funnel(struct state *s, struct funnel *f, uint32_t node, enum side side)
 {
     const uint32_t top = f->top;
     if (s->beads[top].below != NONE && f->side != side) {
-        fan(s, f, node);
+        emit_fan(s, f, node);
         *f = funnel_from(s, s->beads[top].node, node, side);
         return;
     }
@@ -92,10 +93,10 @@ static void extend(struct state *s, struct funnel *f, uint32_t node, enum side s
         const int64_t turn = orl_node_turn(&s->nodes[a], &s->nodes[b], &s->nodes[node]);
         if (side == LEFT ? turn >= 0 : turn <= 0)
             break;
-        emit(s, a, b, node);
+        emit_triangle(s, a, b, node);
         at = s->beads[at].below;
     }
-    *f = (struct funnel){push(s, node, at), side};
+    *f = (struct funnel){push_bead(s, node, at), side};
 }
 
 /* ---- Regions --------------------------------------------------------------------------------- */
@@ -110,54 +111,54 @@ static void extend_left(struct state *s, uint32_t region, uint32_t node)
 {
     struct region *r = &s->regions[region];
     if (r->united) {
-        fan(s, &r->funnel, node);
+        emit_fan(s, &r->funnel, node);
         r->funnel = r->other;
         r->united = false;
     }
-    extend(s, &r->funnel, node, LEFT);
+    extend_funnel(s, &r->funnel, node, LEFT);
 }
 
 static void extend_right(struct state *s, uint32_t region, uint32_t node)
 {
     struct region *r = &s->regions[region];
     if (r->united) {
-        fan(s, &r->other, node);
+        emit_fan(s, &r->other, node);
         r->united = false;
     }
-    extend(s, &r->funnel, node, RIGHT);
+    extend_funnel(s, &r->funnel, node, RIGHT);
 }
 
 static void close_region(struct state *s, uint32_t region, uint32_t node)
 {
     const struct region *r = &s->regions[region];
-    fan(s, &r->funnel, node);
+    emit_fan(s, &r->funnel, node);
     if (r->united)
-        fan(s, &r->other, node);
+        emit_fan(s, &r->other, node);
 }
 
-/* Divides it at a node within; returns the part on the right. */
-static uint32_t divide(struct state *s, uint32_t region, uint32_t node)
+/* Splits a region at a node inside it; returns the right part. */
+static uint32_t divide_region(struct state *s, uint32_t region, uint32_t node)
 {
     struct region *r = &s->regions[region];
     struct funnel right;
     if (r->united) {
         right = r->other;
         r->united = false;
-        extend(s, &r->funnel, node, RIGHT);
-        extend(s, &right, node, LEFT);
+        extend_funnel(s, &r->funnel, node, RIGHT);
+        extend_funnel(s, &right, node, LEFT);
     } else {
         const uint32_t helper = s->beads[r->funnel.top].node;
         const bool chain_left = r->funnel.side == LEFT;
         struct funnel fresh = funnel_from(s, helper, node, chain_left ? RIGHT : LEFT);
-        extend(s, &r->funnel, node, chain_left ? LEFT : RIGHT);
+        extend_funnel(s, &r->funnel, node, chain_left ? LEFT : RIGHT);
         right = chain_left ? r->funnel : fresh;
         r->funnel = chain_left ? fresh : r->funnel;
     }
     return open_region(s, right);
 }
 
-/* Two regions meet at the node, the end of what was between them. */
-static void unite(struct state *s, uint32_t left, uint32_t right, uint32_t node)
+/* Merges two regions at the node where the boundary between them ends. */
+static void unite_regions(struct state *s, uint32_t left, uint32_t right, uint32_t node)
 {
     extend_right(s, left, node);
     extend_left(s, right, node);
@@ -167,8 +168,8 @@ static void unite(struct state *s, uint32_t left, uint32_t right, uint32_t node)
 
 /* ---- The sweep ------------------------------------------------------------------------------- */
 
-/* Puts the edges that start at the node in the place of the m that end there. */
-static void replace(struct state *s, size_t at, size_t m, uint32_t node, uint32_t right)
+/* Replaces the m edges that end at the node by those that start there. */
+static void replace_edges(struct state *s, size_t at, size_t m, uint32_t node, uint32_t right)
 {
     const uint32_t first = s->order.first_start[node];
     const size_t k = s->order.first_start[node + 1] - first;
@@ -181,12 +182,12 @@ static void replace(struct state *s, size_t at, size_t m, uint32_t node, uint32_
             continue;
         cut->region = i + 1 == k && right != NONE
                           ? right
-                          : open_region(s, (struct funnel){push(s, node, NONE), LEFT});
+                          : open_region(s, (struct funnel){push_bead(s, node, NONE), LEFT});
     }
 }
 
-/* Returns false when edges cross, which they must not. */
-static bool visit(struct state *s, uint32_t node)
+/* Processes a node. Returns false if edges cross, which they must not. */
+static bool visit_node(struct state *s, uint32_t node)
 {
     const size_t at = orl_sweep_count_left(s->a, &s->cuts->edge, 2, s->n_cuts, node),
                  m = s->order.ends[node];
@@ -202,20 +203,20 @@ static bool visit(struct state *s, uint32_t node)
     for (size_t i = has_left ? at + 1 : at; i + 1 < at + m; i += 2)
         close_region(s, s->cuts[i].region, node);
     if (m == 0 && has_left) {
-        right = divide(s, left, node);
+        right = divide_region(s, left, node);
     } else if (k == 0 && has_left && has_right) {
-        unite(s, left, right, node);
+        unite_regions(s, left, right, node);
     } else {
         if (has_left)
             extend_right(s, left, node);
         if (has_right)
             extend_left(s, right, node);
     }
-    replace(s, at, m, node, right);
+    replace_edges(s, at, m, node, right);
     return true;
 }
 
-/* ---- Room ------------------------------------------------------------------------------------ */
+/* ---- Memory ---------------------------------------------------------------------------------- */
 
 bool orl_sweep_reserve(void *array, size_t *room, size_t wanted, size_t item)
 {
@@ -230,7 +231,8 @@ bool orl_sweep_reserve(void *array, size_t *room, size_t wanted, size_t item)
     return true;
 }
 
-/* Every edge opens a region at most, and puts two beads into each of two funnels at either end. */
+/* Allocates the arrays. Every edge opens at most one region, and adds two beads to each of two
+ * funnels at either end. */
 static int lay_out(struct state *s)
 {
     const size_t n = s->a->n_nodes, e = s->a->n_edges, beads = 8 * (n + e) + 8;
@@ -255,7 +257,7 @@ int orl_sweep_triangulate(struct orl_sweep *sweep, const struct orl_arrangement 
     if (lay_out(&s) < 0)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < arrangement->n_nodes; i++)
-        if (!visit(&s, s.order.nodes[i]))
+        if (!visit_node(&s, s.order.nodes[i]))
             return ORL_ERR_INTERNAL;
     return 0;
 }

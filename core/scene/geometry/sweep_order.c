@@ -46,7 +46,7 @@ void orl_sweep_order_fill(struct orl_sweep_order *order, const struct orl_arrang
     uint32_t *spare = words + 3 * n + e + 1;
     *order = (struct orl_sweep_order){arrangement, words, words + n, words + n + e,
                                       words + 2 * n + e + 1};
-    memset(order->first_start, 0, (2 * n + 1) * sizeof *words); /* and ends */
+    memset(order->first_start, 0, (2 * n + 1) * sizeof *words); /* clears ends as well */
     for (size_t i = 0; i < n; i++)
         order->nodes[i] = (uint32_t)i;
     for (size_t i = 0; i < e; i++) {

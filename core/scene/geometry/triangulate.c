@@ -3,7 +3,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* A ring of the corners not yet cut off, projected into the polygon's plane. */
+/* A linked ring of the corners not yet cut off, projected into the polygon's plane. */
 struct corner {
     double x, y;
     uint32_t previous, next;
@@ -15,7 +15,7 @@ static double area2(const struct corner *a, const struct corner *b, const struct
     return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
 }
 
-/* Returns the area, twice, that counts as none. */
+/* Projects the corners; returns twice the area below which a triangle counts as degenerate. */
 static double project(struct corner *ring, const struct orl_vec3 *vertices, uint32_t n,
                       struct orl_vec3 normal)
 {
@@ -32,7 +32,7 @@ static double project(struct corner *ring, const struct orl_vec3 *vertices, uint
     return extent * extent * 1e-14;
 }
 
-/* Whether it turns left at every corner or goes straight on, and once around in all. */
+/* Returns true if the outline turns left or goes straight at every corner, and winds once. */
 static bool is_convex(const struct corner *ring, uint32_t n, double tolerance)
 {
     uint32_t lowest = 0;
@@ -47,7 +47,7 @@ static bool is_convex(const struct corner *ring, uint32_t n, double tolerance)
     return sure && lowest == 1;
 }
 
-/* Cuts off one corner after the other, flat ones without a triangle. */
+/* Cuts off one corner after the other; collinear ones give no triangle. */
 static size_t cut_corners(struct corner *ring, uint32_t n, double tolerance,
                           uint32_t (*ret_triples)[3])
 {
@@ -63,7 +63,7 @@ static size_t cut_corners(struct corner *ring, uint32_t n, double tolerance,
         }
         ring[a].next = c;
         ring[c].previous = a;
-        at = ring[c].next; /* skipping one keeps the triangles from fanning into slivers */
+        at = ring[c].next; /* skipping one avoids a fan of slivers */
     }
     return count;
 }

@@ -1,12 +1,11 @@
 /*
- * Polygons into triangles. Inside is what lies within the outline by the even-odd rule, as Radiance
- * has it (a ray's crossing of the plane, and an odd number of edges beside it): seams walked there
- * and back cancel, loops within are holes whichever way round they run, and outlines may cross and
- * touch themselves.
+ * Triangulates polygons by the even-odd rule, as Radiance does (a ray's crossing of the plane, and
+ * an odd number of edges beside it): seams that run there and back cancel, inner loops are holes in
+ * either orientation, and outlines may cross and touch themselves.
  *
- * Convex outlines are cut at their corners, in double. All others go by way of arrangement.h and
- * sweep.h: places are exact to 2^-29 of the polygon's size, corners of triangles are corners of the
- * outline or places where it crosses itself, and no corner lies on the side of another triangle.
+ * Convex outlines are cut at their corners, in double. All others go through arrangement.h and
+ * sweep.h: places are exact to 2^-29 of the polygon's size. Corners of triangles are corners of the
+ * outline or its self-intersections. No corner lies on the side of another triangle.
  */
 #ifndef ORL_SCENE_GEOMETRY_TRIANGULATE_H
 #define ORL_SCENE_GEOMETRY_TRIANGULATE_H
@@ -14,12 +13,13 @@
 #include "scene/geometry/arrangement.h"
 #include "scene/geometry/sweep.h"
 
-/* Scratch, and the result for the last polygon; zeroed is ready. */
+/* Scratch, and the result for the last polygon; a zeroed struct is ready to use. */
 struct orl_triangulation {
-    const struct orl_vec3 *corners;     /* the caller's vertices, or own */
-    uint32_t (*triples)[3];             /* corners, counter-clockwise about the normal */
+    const struct orl_vec3 *corners; /* the caller's vertices, or `places` */
+    /* indices into corners, counter-clockwise about the normal */
+    uint32_t (*triples)[3];
     size_t n_triples;                   /* 0: the outline encloses nothing */
-    struct orl_arrangement arrangement; /* of what was not convex */
+    struct orl_arrangement arrangement; /* for outlines that are not convex */
     struct orl_sweep sweep;
     void *ring;
     struct orl_vec3 *places;

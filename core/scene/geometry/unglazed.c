@@ -7,18 +7,20 @@
 #include <oriel/error.h>
 
 enum { MOST_PLANE_POLYGONS = 512, MOST_LINES = 160, LEAST_LINES = 4, LEAST_CORNERS = 8 };
-static const double most_work = 2e8;      /* edges that are looked at, for all planes together */
+static const double most_work = 2e8;      /* edges tested, for all planes together */
 static const double same_normal = 1e-6;   /* difference of coordinates of unit normals */
 static const double same_distance = 1e-6; /* relative to the size of the scene, or of a plane */
-static const double least_side = 1e-3;    /* of an opening, relative to the plane's polygons */
-/* Shorter polygons, such as leaves, relative to the scene, are not taken for parts of walls. */
+/* length of an opening's side, relative to the plane's polygons */
+static const double least_side = 1e-3;
+/* Length relative to the scene below which polygons, such as leaves, are not taken for parts of
+ * walls. */
 static const double least_length = 2e-3;
 
 /* ---- Planes ---------------------------------------------------------------------------------- */
 
 /* A polygon, by its plane. */
 struct member {
-    double key[4]; /* the plane's normal, turned to one of two sides, and distance; rounded */
+    double key[4]; /* the plane's normal, with a fixed sign, and its distance; rounded */
     size_t surface;
 };
 
@@ -39,7 +41,7 @@ static bool is_one_plane(const struct member *a, const struct member *b)
     return true;
 }
 
-/* Returns true if it is a polygon that rays meet. */
+/* Returns true if it is a polygon that rays can hit. */
 static bool is_solid(const struct orl_description *d, const struct orl_surface *s)
 {
     const enum orl_material_kind kind = d->materials[s->material].kind;
@@ -47,7 +49,7 @@ static bool is_solid(const struct orl_description *d, const struct orl_surface *
            kind != ORL_MATERIAL_ANTIMATTER;
 }
 
-/* The box about all polygons. */
+/* The bounding box of all polygons. */
 struct extent {
     struct orl_vec3 middle;
     double size; /* half its longest edge */
@@ -113,8 +115,8 @@ struct plane {
     unsigned char cells[MOST_LINES][MOST_LINES]; /* [v][u] */
     struct cell stack[MOST_LINES * MOST_LINES];
     size_t n_stack;
-    size_t corners; /* of all its polygons */
-    double *work;   /* edges looked at so far, for all planes */
+    size_t corners; /* number of all its polygons' corners */
+    double *work;   /* edges tested so far, for all planes */
 };
 enum { CELL_FREE, CELL_COVERED, CELL_OUTSIDE, CELL_TAKEN };
 
@@ -188,7 +190,7 @@ static bool covers(const struct plane *p, const struct orl_surface *s, double u,
     return inside;
 }
 
-/* Cells along an axis whose middles lie between two coordinates. */
+/* Cells along an axis whose centres lie between two coordinates. */
 struct span {
     size_t first, end;
 };
@@ -204,7 +206,7 @@ static struct span span_of(const struct plane *p, int axis, double low, double h
     return span;
 }
 
-/* Marks the cells whose middles a polygon covers. Returns false if that would be too much work. */
+/* Marks the cells whose centres a polygon covers. Returns false if that would be too much work. */
 static bool cover_cells(struct plane *p, const struct orl_surface *s)
 {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
@@ -245,7 +247,7 @@ static void mark_cell(struct plane *p, size_t u, size_t v)
     p->stack[p->n_stack++] = (struct cell){(uint16_t)u, (uint16_t)v};
 }
 
-/* Marks the free cells that other free cells join to the rim. */
+/* Marks the free cells that are connected to the rim. */
 static void mark_outside(struct plane *p)
 {
     const size_t nu = p->n_lines[0] - 1, nv = p->n_lines[1] - 1;
@@ -267,7 +269,7 @@ static void mark_outside(struct plane *p)
 }
 
 /* Returns true if an edge goes through the inside of the rectangle, so that a cell of it is not
- * wholly free; or if finding out would be too much work. */
+ * completely free; or if testing would be too much work. */
 static bool is_crossed(const struct plane *p, const double low[2], const double high[2])
 {
     const double inset = 1e-3 * fmin(high[0] - low[0], high[1] - low[1]);
@@ -311,7 +313,7 @@ static void add_opening(const struct plane *p, const double low[2], const double
         .surface = p->members[0].surface};
 }
 
-/* Lists rectangles of free cells, each as wide and then as high as it goes. */
+/* Lists rectangles of free cells, each extended first in width and then in height. */
 static void list_rectangles(struct plane *p, struct orl_unglazed *openings, size_t *n)
 {
     const size_t nu = p->n_lines[0] - 1, nv = p->n_lines[1] - 1;

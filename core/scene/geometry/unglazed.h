@@ -1,11 +1,11 @@
 /*
- * Unglazed openings: rectangles that the polygons of a plane surround and leave free, such as a
- * window without a pane, or the part of a hole beside a pane.
+ * Unglazed openings: free rectangles that the polygons of a plane surround, such as a window
+ * without a pane, or the part of a hole beside a pane.
  *
- * An opening that is made of several rectangles is found as these. Their sides are parallel to the
- * longest edge of the plane's first polygon, or perpendicular to it; other openings are not found,
- * nor are those that reach the rim of all polygons of the plane. The search takes bounded work:
- * planes of many polygons or corners are left out.
+ * An opening made of several rectangles is found as these. Their sides are parallel to the longest
+ * edge of the plane's first polygon, or perpendicular to it; other openings are not found, nor are
+ * those that reach the rim of all polygons of the plane. The search takes bounded work: planes with
+ * many polygons or corners are left out.
  */
 #ifndef ORL_SCENE_GEOMETRY_UNGLAZED_H
 #define ORL_SCENE_GEOMETRY_UNGLAZED_H

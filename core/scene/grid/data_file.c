@@ -1,6 +1,7 @@
 /*
- * Data files: how many axes; of each its ends and how many points, or 0 0, how many, and where they
- * lie; then the values, the last axis changing fastest. '#' begins a comment.
+ * Radiance data files: the number of axes; for each axis its ends and its number of points, or 0 0,
+ * the number of points and their coordinates; then the values, the last axis changing fastest. '#'
+ * begins a comment.
  */
 #include <stdbool.h>
 #include <stdlib.h>
@@ -42,7 +43,8 @@ static int read_count(struct reading *r, int least, int most, int *ret_count, st
     return 0;
 }
 
-/* Each number takes two bytes of the file: what is longer than it says is not worth memory. */
+/* Returns true if so many numbers may follow: each takes two bytes of the file, so memory is
+ * bounded by the file's size. */
 static bool may_hold(const struct reading *r, size_t numbers)
 {
     return numbers <= ORL_GRID_VALUES &&

@@ -27,13 +27,13 @@ size_t orl_grid_bytes(const struct orl_grid *grid)
 /* ---- Interpolation ----------------------------------------------------------------------------
  */
 
-/* Two neighbours on an axis, and the shares of their values. */
+/* Two neighbours on an axis, and the weights of their values. */
 struct neighbours {
     uint32_t first;
     double share[2];
 };
 
-/* The interval of uneven points that holds x, or the one next to it. */
+/* Returns the interval of unevenly spaced points that holds x, or the nearest one. */
 static uint32_t interval_of(const struct orl_grid_axis *axis, double x)
 {
     uint32_t low = 0, high = axis->n - 1;
@@ -50,7 +50,7 @@ static uint32_t interval_of(const struct orl_grid_axis *axis, double x)
 static struct neighbours neighbours_of(const struct orl_grid_axis *axis, double x)
 {
     struct neighbours n;
-    double t; /* from the first to the second */
+    double t; /* position between the first point (0) and the second (1) */
     if (axis->places) {
         n.first = interval_of(axis, x);
         const double a = axis->places[n.first], b = axis->places[n.first + 1];
@@ -122,7 +122,7 @@ int orl_grid_new_picture(const char *name, uint32_t width, uint32_t height, doub
         orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a picture");
         return ORL_ERR_NOMEM;
     }
-    const double up = aspect * height / width; /* of a unit of width */
+    const double up = aspect * height / width; /* height of the picture in units of its width */
     grid->n_axes = 2;
     grid->channels = ORL_GRID_CHANNELS;
     grid->n_values = values;

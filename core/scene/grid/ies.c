@@ -8,13 +8,13 @@
 #include <oriel/vec.h>
 
 static const double feet_m = 0.3048;
-/* Angles that are closer are the same. */
+/* Angles closer than this are equal. */
 static const double least_step_deg = 1e-3;
 
 struct reading {
     struct orl_scanner scanner;
-    struct orl_cells cells; /* what is left of the line at hand, of numbers */
-    bool separated;         /* the line before ended in a comma */
+    struct orl_cells cells; /* unread part of the current line of numbers */
+    bool separated;         /* the previous line ended in a comma */
     struct orl_ies *ies;
 };
 
@@ -24,7 +24,7 @@ static int fail(const struct reading *r, int code, const char *what, struct orl_
     return code;
 }
 
-/* ---- Its head -------------------------------------------------------------------------------- */
+/* ---- Header ---------------------------------------------------------------------------------- */
 
 static bool next_line(struct orl_scanner *scanner, struct orl_slice *ret_line)
 {
@@ -35,7 +35,7 @@ static bool next_line(struct orl_scanner *scanner, struct orl_slice *ret_line)
     return true;
 }
 
-/* Without so many bytes, and the blanks behind them. */
+/* Returns the line without its first bytes and the blanks behind them. */
 static struct orl_slice behind(struct orl_slice line, size_t bytes)
 {
     line.text += bytes;
@@ -57,8 +57,8 @@ bool orl_ies_is(const char *text, size_t size)
     return false;
 }
 
-/* What the first line says of the standard's year: those that mean the same are one. ret_keywords:
- * whether the lines that follow begin with words between []. */
+/* Returns the year of the standard that the first line names; editions with the same format share
+ * one. *ret_keywords: the lines that follow begin with words in []. */
 static int year_of(struct orl_slice line, bool *ret_keywords)
 {
     static const struct {
@@ -111,7 +111,7 @@ bool orl_ies_next_lamp(const char **at, const char *text, size_t size, const cha
     return false;
 }
 
-/* The name behind a keyword, if it is that of the luminaire's geometry. */
+/* Takes the name behind the keyword of the luminaire's geometry; ignores other keywords. */
 static int read_keyword(struct reading *r, struct orl_slice line, struct orl_error *err)
 {
     static const char key[] = "[LUMINOUSGEOMETRY]";
@@ -126,7 +126,7 @@ static int read_keyword(struct reading *r, struct orl_slice line, struct orl_err
     return 0;
 }
 
-/* Whether the lamp's tilt is in the file, at which r is then. */
+/* Reads up to TILT=. *ret_tilted: the lamp's tilt table follows in the file, at r. */
 static int read_head(struct reading *r, bool *ret_tilted, struct orl_error *err)
 {
     static const char tilt[] = "TILT=";
@@ -154,10 +154,10 @@ static int read_head(struct reading *r, bool *ret_tilted, struct orl_error *err)
     return fail(r, ORL_ERR_SYNTAX, "no line begins with TILT=: this is no IES file", err);
 }
 
-/* ---- Its numbers ----------------------------------------------------------------------------- */
+/* ---- Numbers --------------------------------------------------------------------------------- */
 
-/* The next of this line or a later one; false: there is none. A comma at the end of a line is the
- * same separator as the line's end. */
+/* Reads the next cell of this line or a later one; false at the end. A comma at the end of a line
+ * and the line's end are one separator. */
 static bool next_cell(struct reading *r, struct orl_slice *ret_cell)
 {
     struct orl_slice line;
@@ -193,7 +193,7 @@ static size_t bytes_left(const struct reading *r)
     return (size_t)(r->scanner.end - (r->cells.at ? r->cells.at : r->scanner.at));
 }
 
-/* Each number takes two bytes of the file. */
+/* The count is bounded by the file's size: each number takes two bytes of it. */
 static int read_count(struct reading *r, double least, uint32_t *ret, struct orl_error *err)
 {
     double value = 0;
@@ -260,7 +260,7 @@ static int read_angles(struct reading *r, uint32_t n, double **ret, struct orl_e
     return code;
 }
 
-/* How the lamp lies, how many angles, these, and a factor for each. */
+/* Reads the lamp's geometry, the number of angles, the angles, and a factor for each. */
 static int read_tilt(struct reading *r, struct orl_error *err)
 {
     struct orl_ies_tilt *const tilt = &r->ies->tilt;
@@ -340,10 +340,10 @@ void orl_ies_done(struct orl_ies *ies)
     *ies = (struct orl_ies){.year = 0};
 }
 
-/* ---- As a grid ------------------------------------------------------------------------------- */
+/* ---- Conversion to a grid -------------------------------------------------------------------- */
 
-/* The ends of the angles that a luminaire may have: from straight down, or from the horizon, up; of
- * type B to either side, too. */
+/* Range of angles that the photometry may cover, degrees: 0 to 180; for type B -90 to 90, or 0 to
+ * 90 if it starts at 0 or above. */
 struct reach {
     double low, high;
 };
@@ -392,7 +392,7 @@ static struct margins margins_of(const double *angles, uint32_t n, struct reach 
                             reach.high - angles[n - 1] > 2 * least_step_deg ? 2 : 0};
 }
 
-static double *widen(const double *angles, uint32_t n, struct reach reach, struct margins m)
+static double *widen_angles(const double *angles, uint32_t n, struct reach reach, struct margins m)
 {
     const uint32_t all = m.before + n + m.behind;
     double *const wide = malloc(all * sizeof *wide);
@@ -410,8 +410,8 @@ static double *widen(const double *angles, uint32_t n, struct reach reach, struc
     return wide;
 }
 
-/* Zeros beyond what was measured: grids go on beyond their ends, but beyond the angles of a file
- * there is no light. */
+/* Adds zeros beyond the measured angles: grids extrapolate beyond their ends, but a luminaire emits
+ * nothing beyond the angles of its file. */
 static int add_zeros(struct orl_ies *ies)
 {
     const uint32_t n = ies->n_vertical, planes = ies->n_horizontal;
@@ -420,8 +420,8 @@ static int add_zeros(struct orl_ies *ies)
     const struct margins h = ies->type_b && planes > 1 ? margins_of(ies->horizontal, planes, side)
                                                        : (struct margins){0, 0};
     const uint32_t rows = h.before + planes + h.behind, all = v.before + n + v.behind;
-    double *const vertical = widen(ies->vertical, n, up, v);
-    double *const horizontal = widen(ies->horizontal, planes, side, h);
+    double *const vertical = widen_angles(ies->vertical, n, up, v);
+    double *const horizontal = widen_angles(ies->horizontal, planes, side, h);
     float *const candela = calloc((size_t)rows * all, sizeof *candela);
     if (!vertical || !horizontal || !candela) {
         free(vertical);

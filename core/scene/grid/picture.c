@@ -4,10 +4,9 @@
 #include "base/rgbe.h"
 #include "scene/grid/grid.h"
 
-/* ---- Radiance's -------------------------------------------------------------------------------
- */
+/* ---- Radiance pictures ----------------------------------------------------------------------- */
 
-/* Of the header the format and the pixels' aspect matter. */
+/* Reads the format and the pixels' aspect from the header. */
 static int take_line(void *ctx, const struct orl_rgbe *rgbe, const char *line,
                      struct orl_error *err)
 {

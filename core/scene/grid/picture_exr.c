@@ -45,15 +45,15 @@ static int64_t ask_size(exr_const_context_t exr, void *user)
     return (int64_t)((const struct reading *)user)->size;
 }
 
-/* The library's words go nowhere: what is wrong is told by codes. */
-static void hear(exr_const_context_t exr, exr_result_t code, const char *message)
+/* Discards the library's messages: errors are reported by their codes. */
+static void discard_message(exr_const_context_t exr, exr_result_t code, const char *message)
 {
     (void)exr;
     (void)code;
     (void)message;
 }
 
-/* Which of our channels a channel of the file is: bits, of which Y has all. */
+/* Returns the grid channels that a channel of the file fills, as bits; Y fills all. */
 static unsigned channel_named(const char *name)
 {
     if (strcmp(name, "Y") == 0)
@@ -80,14 +80,14 @@ static int check_channels(struct reading *r, struct orl_error *err)
     return 0;
 }
 
-static int begin(struct reading *r, struct orl_error *err)
+static int read_header(struct reading *r, struct orl_error *err)
 {
     exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
     exr_storage_t storage;
     exr_attr_box2i_t box;
     float aspect = 1;
     int parts = 0;
-    how.error_handler_fn = hear;
+    how.error_handler_fn = discard_message;
     how.user_data = r;
     how.read_fn = read_bytes;
     how.size_fn = ask_size;
@@ -111,14 +111,15 @@ static int begin(struct reading *r, struct orl_error *err)
     r->rows = (int32_t)height;
     r->width = (uint32_t)width;
     const int code = check_channels(r, err);
-    /* An aspect here is width by height. */
+    /* OpenEXR's aspect is width by height. */
     return code < 0 ? code
                     : orl_grid_new_picture(r->name, r->width, (uint32_t)height, 1 / (double)aspect,
                                            &r->grid, err);
 }
 
-/* Where the rows of a chunk go: planes of three channels. */
-static void aim(const struct reading *r, exr_decode_pipeline_t *pipeline, float *rows)
+/* Sets where the rows of a chunk are decoded to: three planes, one per channel. */
+static void set_decode_targets(const struct reading *r, exr_decode_pipeline_t *pipeline,
+                               float *rows)
 {
     const size_t plane = (size_t)r->chunk * r->width;
     for (int i = 0; i < pipeline->channel_count; i++) {
@@ -135,14 +136,14 @@ static void aim(const struct reading *r, exr_decode_pipeline_t *pipeline, float 
     }
 }
 
-/* What is infinite is the largest half; what is no number, 0. */
+/* Replaces infinities by the largest half, NaN by 0. */
 static float tamed(float value)
 {
     const float most = 65504;
     return isnan(value) ? 0 : isinf(value) ? copysignf(most, value) : value;
 }
 
-static void keep(struct reading *r, const float *rows, int32_t first, bool gray)
+static void store_rows(struct reading *r, const float *rows, int32_t first, bool gray)
 {
     const size_t plane = gray ? 0 : (size_t)r->chunk * r->width;
     for (int32_t y = first; y < r->rows && y < first + r->chunk; y++)
@@ -162,7 +163,7 @@ static exr_result_t read_chunk(struct reading *r, exr_decode_pipeline_t *pipelin
                           : exr_decoding_update(r->exr, 0, &chunk, pipeline);
     if (code != EXR_ERR_SUCCESS)
         return code;
-    aim(r, pipeline, rows);
+    set_decode_targets(r, pipeline, rows);
     code = exr_decoding_choose_default_routines(r->exr, 0, pipeline);
     return code == EXR_ERR_SUCCESS ? exr_decoding_run(r->exr, 0, pipeline) : code;
 }
@@ -180,7 +181,7 @@ static int read_pixels(struct reading *r, struct orl_error *err)
     for (int32_t y = 0; code == EXR_ERR_SUCCESS && y < r->rows; y += r->chunk) {
         code = read_chunk(r, &pipeline, rows, y);
         if (code == EXR_ERR_SUCCESS)
-            keep(r, rows, y, gray);
+            store_rows(r, rows, y, gray);
     }
     exr_decoding_destroy(r->exr, &pipeline);
     free(rows);
@@ -193,7 +194,7 @@ int orl_grid_read_exr(const char *name, const void *data, size_t size, struct or
                       struct orl_error *err)
 {
     struct reading r = {.name = name, .data = data, .size = size};
-    int code = begin(&r, err);
+    int code = read_header(&r, err);
     if (code == 0)
         code = read_pixels(&r, err);
     if (r.exr)

@@ -17,7 +17,8 @@ double orl_linear_of_srgb(double value)
     return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
 }
 
-/* Of 16 bits a channel libpng gives linear light; of fewer, sRGB, whose light it would round. */
+/* libpng converts 16-bit channels to linear light. 8-bit ones are read as sRGB, because libpng
+ * would round their linear values. */
 static int read_pixels(const char *name, png_image *image, struct orl_grid *grid,
                        struct orl_error *err)
 {

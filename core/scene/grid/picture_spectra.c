@@ -1,5 +1,5 @@
 /*
- * Radiance's pictures of spectra: of a pixel there are NCOMP components of one exponent, evenly
+ * Radiance's pictures of spectra: a pixel has NCOMP components with a common exponent, evenly
  * spaced over the wavelengths of WAVELENGTH_SPLITS, from the first number to the last.
  * Reference: "Radiance File Formats", picture files.
  */
@@ -44,7 +44,7 @@ static int take_line(void *ctx, const struct orl_rgbe *rgbe, const char *line,
     return 0;
 }
 
-static int check(const struct orl_rgbe *rgbe, const struct header *h, struct orl_error *err)
+static int check_header(const struct orl_rgbe *rgbe, const struct header *h, struct orl_error *err)
 {
     if (!(h->components >= LEAST_COMPONENTS && h->components <= MOST_COMPONENTS))
         return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err,
@@ -95,7 +95,7 @@ int orl_grid_read_spectra(const char *name, const void *data, size_t size,
     struct orl_rgbe rgbe;
     int code = orl_rgbe_begin(&rgbe, name, data, size, take_line, &h, err);
     if (code == 0)
-        code = check(&rgbe, &h, err);
+        code = check_header(&rgbe, &h, err);
     if (code < 0)
         return code;
     struct orl_grid *const grid = new_grid(&rgbe, &h);

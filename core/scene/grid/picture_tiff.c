@@ -1,8 +1,8 @@
 /*
- * TIFF by libtiff. Floats are taken as they are, of LogLuv (Ward, "LogLuv Encoding for Full-Gamut,
- * High-Dynamic Range Images", 1998) what it decodes to; integers of 16 bits are light by the file's
- * TransferFunction, or by sRGB; all else is what libtiff shows of it in 8 bits, by sRGB. What is
- * transparent is over black.
+ * TIFF by libtiff. Floats are used unchanged; LogLuv (Ward, "LogLuv Encoding for Full-Gamut,
+ * High-Dynamic Range Images", 1998) is decoded to XYZ. 16-bit integers become linear light by the
+ * file's TransferFunction, or by sRGB. Other kinds are read as libtiff converts them to 8 bits, by
+ * sRGB. Transparent pixels are composited over black.
  */
 #include <math.h>
 #include <stdbool.h>
@@ -16,7 +16,7 @@
 
 enum { WORDS = 160, MOST_SAMPLES = 8, LEVELS_16 = 65536 };
 
-/* A file in memory, and where the library is in it; what it said that was wrong. */
+/* A file in memory, the library's position in it, and its first error message. */
 struct reading {
     const char *name;
     const unsigned char *data;
@@ -39,7 +39,7 @@ static int fail(const struct reading *r, int code, struct orl_error *err, const 
     return code;
 }
 
-static int refuse(const struct reading *r, struct orl_error *err, const char *what)
+static int refuse_kind(const struct reading *r, struct orl_error *err, const char *what)
 {
     fail(r, ORL_ERR_UNSUPPORTED, err, what);
     orl_error_hint(err, "save it upright, with 8 or 16 bits a channel, or as floats");
@@ -86,7 +86,7 @@ static toff_t ask_size(thandle_t ctx)
 static int map_file(thandle_t ctx, void **ret_base, toff_t *ret_size)
 {
     const struct reading *const r = ctx;
-    *ret_base = (void *)(uintptr_t)r->data; /* it is only read */
+    *ret_base = (void *)(uintptr_t)r->data; /* libtiff only reads it */
     *ret_size = r->size;
     return 1;
 }
@@ -96,9 +96,9 @@ static void unmap_file(thandle_t ctx, void *base, toff_t size)
     (void)ctx, (void)base, (void)size;
 }
 
-/* The first that it says. */
-__attribute__((format(printf, 4, 0))) static int hear(TIFF *tiff, void *ctx, const char *module,
-                                                      const char *format, va_list arguments)
+/* Keeps the library's first message. */
+__attribute__((format(printf, 4, 0))) static int
+keep_message(TIFF *tiff, void *ctx, const char *module, const char *format, va_list arguments)
 {
     struct reading *const r = ctx;
     (void)tiff, (void)module;
@@ -108,7 +108,7 @@ __attribute__((format(printf, 4, 0))) static int hear(TIFF *tiff, void *ctx, con
 }
 
 __attribute__((format(printf, 4, 0))) static int
-pass_over(TIFF *tiff, void *ctx, const char *module, const char *format, va_list arguments)
+discard_message(TIFF *tiff, void *ctx, const char *module, const char *format, va_list arguments)
 {
     (void)tiff, (void)ctx, (void)module, (void)format, (void)arguments;
     return 1;
@@ -120,17 +120,17 @@ static int open_tiff(struct reading *r, struct orl_error *err)
     if (!options)
         return fail(r, ORL_ERR_NOMEM, err, "out of memory for a picture");
     TIFFOpenOptionsSetMaxSingleMemAlloc(options, ORL_GRID_VALUES * sizeof(float));
-    TIFFOpenOptionsSetErrorHandlerExtR(options, hear, r);
-    TIFFOpenOptionsSetWarningHandlerExtR(options, pass_over, r);
+    TIFFOpenOptionsSetErrorHandlerExtR(options, keep_message, r);
+    TIFFOpenOptionsSetWarningHandlerExtR(options, discard_message, r);
     r->tiff = TIFFClientOpenExt(r->name, "rm", r, read_bytes, write_bytes, seek, close_file,
                                 ask_size, map_file, unmap_file, options);
     TIFFOpenOptionsFree(options);
     return r->tiff ? 0 : fail(r, ORL_ERR_SYNTAX, err, "the TIFF is damaged");
 }
 
-/* ---- What is in it --------------------------------------------------------------------------- */
+/* ---- Header ---------------------------------------------------------------------------------- */
 
-static int look(struct reading *r, struct orl_error *err)
+static int read_header(struct reading *r, struct orl_error *err)
 {
     float across = 0, down = 0;
     r->photometric = PHOTOMETRIC_MINISBLACK;
@@ -143,7 +143,7 @@ static int look(struct reading *r, struct orl_error *err)
     TIFFGetField(r->tiff, TIFFTAG_PHOTOMETRIC, &r->photometric);
     TIFFGetFieldDefaulted(r->tiff, TIFFTAG_ORIENTATION, &r->orientation);
     if (r->orientation > ORIENTATION_BOTLEFT)
-        return refuse(r, err, "the TIFF lies on its side");
+        return refuse_kind(r, err, "the TIFF lies on its side");
     TIFFGetField(r->tiff, TIFFTAG_XRESOLUTION, &across);
     TIFFGetField(r->tiff, TIFFTAG_YRESOLUTION, &down);
     const double aspect = across > 0 && down > 0 ? (double)across / (double)down : 1;
@@ -158,12 +158,12 @@ static bool is_logluv(const struct reading *r)
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
-/* How samples of 16 or 32 bits become light. */
+/* Conversion of 16-bit or 32-bit samples to light. */
 struct converter {
-    float *of_16;     /* by each value of 16 bits; NULL: they are floats */
-    bool is_xyz;      /* of LogLuv */
-    uint16_t colours; /* 1: grey; or 3 */
-    bool veiled;      /* the sample after these is how much of the pixel there is */
+    float *of_16;     /* light by 16-bit value; NULL: samples are floats */
+    bool is_xyz;      /* LogLuv */
+    uint16_t colours; /* 1: grey; 3: colour */
+    bool veiled;      /* an alpha sample follows the colours */
 };
 
 static float *make_table(const struct reading *r)
@@ -205,7 +205,7 @@ static void take_pixel(const struct reading *r, const struct converter *c, const
         rgb[i] *= there;
 }
 
-/* Rows that lie the other way are turned. */
+/* Reads all rows; flips those stored from the right or from the bottom. */
 static int read_rows(struct reading *r, const struct converter *c, struct orl_error *err)
 {
     const uint16_t o = r->orientation;
@@ -227,7 +227,7 @@ static int read_rows(struct reading *r, const struct converter *c, struct orl_er
     return code;
 }
 
-/* Whether there is a sample of how much there is of a pixel, by which colours are not yet taken. */
+/* Returns true if the pixels have an unassociated (not premultiplied) alpha sample. */
 static bool is_veiled(const struct reading *r, uint16_t colours)
 {
     uint16_t n = 0, *kinds = NULL;
@@ -235,7 +235,7 @@ static bool is_veiled(const struct reading *r, uint16_t colours)
            kinds[0] == EXTRASAMPLE_UNASSALPHA && r->samples > colours;
 }
 
-/* Samples of 16 bits or floats, pixel by pixel. */
+/* Reads 16-bit or float samples, pixel by pixel. */
 static int read_wide(struct reading *r, struct orl_error *err)
 {
     const bool floats = r->bits == 32;
@@ -258,14 +258,14 @@ static int read_wide(struct reading *r, struct orl_error *err)
     return code;
 }
 
-/* What the library shows of it: colours already taken by how much there is of a pixel. */
+/* Reads the picture through libtiff's 8-bit RGBA, whose colours are premultiplied by alpha. */
 static int read_shown(struct reading *r, struct orl_error *err)
 {
     const size_t n = (size_t)r->width * r->height;
     char why[1024] = "";
     float decoded[256];
     if (r->format == SAMPLEFORMAT_INT || !TIFFRGBAImageOK(r->tiff, why))
-        return refuse(r, err, "this kind of TIFF is not read");
+        return refuse_kind(r, err, "this kind of TIFF is not read");
     uint32_t *const pixels = malloc(n * sizeof *pixels);
     if (!pixels)
         return fail(r, ORL_ERR_NOMEM, err, "out of memory for a picture");
@@ -319,7 +319,7 @@ int orl_grid_read_tiff(const char *name, const void *data, size_t size, struct o
     int code = open_tiff(&r, err);
     if (code < 0)
         return code;
-    code = look(&r, err);
+    code = read_header(&r, err);
     if (code == 0)
         code = read_pixels(&r, err);
     if (code == 0)

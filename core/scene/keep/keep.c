@@ -20,11 +20,11 @@ static const struct orl_sealed_kind kind = {
          sizeof(struct orl_sky)),
     .what = "scene"};
 
-/* ---- The files that it was read from --------------------------------------------------------- */
+/* ---- Source files ---------------------------------------------------------------------------- */
 
-/* Are the caller's files what they were? */
-static void hold_against(struct orl_scene_keeping *k, const char *name,
-                         const struct orl_file_read *read)
+/* Fails with ORL_ERR_VERSION if the caller's file of that name is missing or has changed. */
+static void check_read_file(struct orl_scene_keeping *k, const char *name,
+                            const struct orl_file_read *read)
 {
     size_t index = 0;
     int code = orl_sources_open(&k->sources, name, read->library, &index, NULL);
@@ -45,7 +45,7 @@ static void check_missed(struct orl_scene_keeping *k, const struct orl_file_miss
         orl_stream_fail(&k->stream, code == 0 ? ORL_ERR_VERSION : code);
 }
 
-/* Room for arrays of names and of what is known of each, when they are read. */
+/* Allocates the arrays of file names and digests when reading. */
 static bool make_room(struct orl_scene_keeping *k)
 {
     struct orl_description *const d = k->d;
@@ -74,7 +74,7 @@ static void pass_files(struct orl_scene_keeping *k)
         orl_stream_text(stream, d->arena, (const char **)&d->files[i]);
         orl_stream_value(stream, &d->read[i]);
         if (orl_stream_reads(stream) && stream->code == 0)
-            hold_against(k, d->files[i], &d->read[i]);
+            check_read_file(k, d->files[i], &d->read[i]);
     }
     for (size_t i = 0; i < d->n_missed && stream->code == 0; i++) {
         orl_stream_text(stream, d->arena, &d->missed[i].name);
@@ -84,7 +84,7 @@ static void pass_files(struct orl_scene_keeping *k)
     }
 }
 
-/* ---- The rest -------------------------------------------------------------------------------- */
+/* ---- Other contents -------------------------------------------------------------------------- */
 
 static void pass_prototypes(struct orl_scene_keeping *k)
 {
@@ -101,7 +101,7 @@ static void pass_prototypes(struct orl_scene_keeping *k)
     }
 }
 
-/* What follows each is what it points to. */
+/* Writes the struct without pointers, then the strings they point to. */
 static void pass_placement(struct orl_scene_keeping *k, struct orl_placement *p)
 {
     struct orl_placement image = *p;
@@ -185,7 +185,7 @@ static void pass_all(struct orl_scene_keeping *k)
     pass_warnings(k);
 }
 
-/* ---- Whole ----------------------------------------------------------------------------------- */
+/* ---- Entry points ---------------------------------------------------------------------------- */
 
 bool orl_description_can_be_kept(const struct orl_description *description)
 {
@@ -210,8 +210,9 @@ int orl_description_keep(const struct orl_description *description,
     return code;
 }
 
-/* What a stream that failed is: its own error, or one that a BSDF's file has told. */
-static int tell(const struct orl_scene_keeping *k, const char *path, struct orl_error *err)
+/* Reports the error of a failed stream; keeps an error that loading a BSDF has already set. */
+static int report_failure(const struct orl_scene_keeping *k, const char *path,
+                          struct orl_error *err)
 {
     const int code = k->stream.code;
     if (code < 0 && (!k->err || k->err->code != code))
@@ -235,7 +236,7 @@ int orl_description_open(const char *path, const unsigned char content[ORL_SEALE
     if (code == 0) {
         k.stream = orl_stream_from(&d.file);
         pass_all(&k);
-        code = tell(&k, path, err);
+        code = report_failure(&k, path, err);
     }
     orl_sources_done(&k.sources);
     if (code == 0)

@@ -10,7 +10,7 @@ static void list_patterns(struct orl_material *m, struct orl_pattern **ret_slots
         ret_slots[i] = slots[i];
 }
 
-/* All but what it points to. */
+/* Writes or reads the struct without its pointers. */
 static void pass_image(struct orl_stream *stream, struct orl_material *m, bool *has_bsdf)
 {
     struct orl_pattern **slots[PATTERNS];
@@ -29,7 +29,7 @@ static void pass_image(struct orl_stream *stream, struct orl_material *m, bool *
         *m = image;
 }
 
-/* The file that the scene names, by the loader. */
+/* Loads the BSDF from the scene's file. */
 static void load_bsdf(struct orl_scene_keeping *k, struct orl_material *m)
 {
     struct orl_bsdf *bsdf = NULL;
@@ -42,7 +42,7 @@ static void load_bsdf(struct orl_scene_keeping *k, struct orl_material *m)
         orl_stream_fail(&k->stream, code);
 }
 
-/* Those that are mixed have no BSDFs, and lie in the arena. */
+/* Passes one material without the two that it mixes. */
 static void pass_material(struct orl_scene_keeping *k, struct orl_material *m)
 {
     struct orl_pattern **slots[PATTERNS];
@@ -70,7 +70,7 @@ static struct orl_material *room_for_mixed(struct orl_scene_keeping *k)
     return two;
 }
 
-/* With what it mixes, and what that mixes: a few at most, as the parser sees to. */
+/* Passes a material and, recursively, those it mixes; the parser bounds the depth. */
 static void pass_with_mixed(struct orl_scene_keeping *k, struct orl_material *m)
 {
     bool mixes = m->mixed != NULL;

@@ -3,7 +3,7 @@
 #include "scene/material/pattern.h"
 #include "scene/material/text.h"
 
-/* By numbers from 1; 0: none. */
+/* Stores a pattern as its index + 1; 0: none. */
 void orl_keep_pattern(struct orl_scene_keeping *k, struct orl_pattern **slot)
 {
     const bool reads = orl_stream_reads(&k->stream);
@@ -15,7 +15,7 @@ void orl_keep_pattern(struct orl_scene_keeping *k, struct orl_pattern **slot)
         *slot = number > 0 ? k->d->patterns[number - 1] : NULL;
 }
 
-/* Of one that is only looked at otherwise. */
+/* orl_keep_pattern for a pointer to const. */
 static void pass_other(struct orl_scene_keeping *k, const struct orl_pattern **slot)
 {
     struct orl_pattern *pattern = (struct orl_pattern *)(uintptr_t)*slot;
@@ -69,12 +69,12 @@ static void pass_letter(struct orl_scene_keeping *k, struct orl_set_letter *lett
     letter->glyph = own;
 }
 
-/* Room for an array in the arena when it is read, else what is there. */
-static void *room(struct orl_scene_keeping *k, const void *there, size_t n, size_t item)
+/* Returns an array in the arena when reading, else the existing array. */
+static void *array_for(struct orl_scene_keeping *k, const void *there, size_t n, size_t item)
 {
     if (!orl_stream_reads(&k->stream))
         return (void *)(uintptr_t)there;
-    if (n > (size_t)(k->stream.end - k->stream.at)) /* each takes a byte at least */
+    if (n > (size_t)(k->stream.end - k->stream.at)) /* each item takes at least one byte */
         orl_stream_fail(&k->stream, ORL_ERR_CORRUPT);
     void *const made = k->stream.code == 0 ? orl_arena_take(k->d->arena, (n + 1) * item) : NULL;
     if (!made)
@@ -86,7 +86,7 @@ static void pass_line(struct orl_scene_keeping *k, struct orl_lettering_line *li
 {
     orl_stream_value(&k->stream, &line->n);
     orl_stream_value(&k->stream, &line->width);
-    struct orl_set_letter *const letters = room(k, line->letters, line->n, sizeof *letters);
+    struct orl_set_letter *const letters = array_for(k, line->letters, line->n, sizeof *letters);
     for (size_t i = 0; letters && i < line->n && k->stream.code == 0; i++)
         pass_letter(k, &letters[i]);
     line->letters = letters;
@@ -94,13 +94,14 @@ static void pass_line(struct orl_scene_keeping *k, struct orl_lettering_line *li
 
 static void pass_text(struct orl_scene_keeping *k, const struct orl_lettering **slot)
 {
-    struct orl_lettering *const text = room(k, *slot, 1, sizeof *text);
+    struct orl_lettering *const text = array_for(k, *slot, 1, sizeof *text);
     if (!text)
         return;
     struct orl_lettering image = *text;
     image.lines = NULL;
     orl_stream_value(&k->stream, &image);
-    struct orl_lettering_line *const lines = room(k, text->lines, image.n_lines, sizeof *lines);
+    struct orl_lettering_line *const lines =
+        array_for(k, text->lines, image.n_lines, sizeof *lines);
     for (size_t i = 0; lines && i < image.n_lines && k->stream.code == 0; i++)
         pass_line(k, &lines[i]);
     if (!orl_stream_reads(&k->stream))
@@ -112,7 +113,8 @@ static void pass_text(struct orl_scene_keeping *k, const struct orl_lettering **
 
 /* ---- Patterns -------------------------------------------------------------------------------- */
 
-/* All but what it points to, and what is known once geometry is built. */
+/* Writes or reads the struct without its pointers and without the values computed once geometry is
+ * built. */
 static void pass_image(struct orl_stream *stream, struct orl_pattern *p, bool *has_text)
 {
     struct orl_pattern image = *p;
@@ -169,7 +171,7 @@ static void make_room(struct orl_scene_keeping *k, size_t n)
     }
 }
 
-/* They name each other: all are there before any is filled. */
+/* Patterns refer to each other, so all are allocated before any is filled. */
 void orl_keep_patterns(struct orl_scene_keeping *k)
 {
     size_t n = k->d->n_patterns;

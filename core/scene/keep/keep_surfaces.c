@@ -3,13 +3,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A surface: its name and its outline by where they begin among all. */
+/* A surface in the file; name and outline are offsets into the blocks of all names and outlines. */
 struct kept_surface {
     struct orl_vec3 normal;
     uint64_t name, outline;
     uint32_t material, modifier_order, n_vertices, file;
     int32_t line;
-    uint8_t kind, none; /* none: 0 */
+    uint8_t kind, none; /* none: padding, 0 */
     bool has_places, has_normals;
 };
 
@@ -22,7 +22,8 @@ static size_t outline_bytes(const struct orl_surface *s)
 
 /* ---- Writing --------------------------------------------------------------------------------- */
 
-/* Surfaces of a file follow each other: *at is where the last one's was. */
+/* Returns the index of a file's name. Surfaces of a file follow each other: *at is the previous
+ * surface's index. */
 static uint32_t file_of(const struct orl_description *d, const char *file, uint32_t *at)
 {
     for (size_t tried = 0; tried < d->n_files; tried++) {
@@ -75,7 +76,7 @@ static void write_surfaces(struct orl_scene_keeping *k, const struct orl_surface
 
 /* ---- Reading --------------------------------------------------------------------------------- */
 
-/* What surfaces lie in. */
+/* The blocks of the file that surfaces refer to. */
 struct blocks {
     const struct kept_surface *records;
     const char *names, *outlines;
@@ -100,8 +101,8 @@ static bool find_blocks(struct orl_stream *stream, size_t n, struct blocks *ret)
     return stream->code == 0;
 }
 
-static bool fill(const struct orl_description *d, const struct kept_surface *kept,
-                 const struct blocks *blocks, struct orl_surface *ret)
+static bool fill_surface(const struct orl_description *d, const struct kept_surface *kept,
+                         const struct blocks *blocks, struct orl_surface *ret)
 {
     *ret = (struct orl_surface){.kind = (enum orl_surface_kind)kept->kind,
                                 .has_places = kept->has_places,
@@ -135,11 +136,11 @@ static void read_surfaces(struct orl_scene_keeping *k, struct orl_surface **ret_
         return;
     }
     for (size_t i = 0; i < n && k->stream.code == 0; i++)
-        if (!fill(k->d, &blocks.records[i], &blocks, &(*ret_surfaces)[i]))
+        if (!fill_surface(k->d, &blocks.records[i], &blocks, &(*ret_surfaces)[i]))
             orl_stream_fail(&k->stream, ORL_ERR_CORRUPT);
 }
 
-/* ---- Both ------------------------------------------------------------------------------------ */
+/* ---- Entry points ---------------------------------------------------------------------------- */
 
 void orl_keep_surfaces(struct orl_scene_keeping *k, struct orl_surface **surfaces, size_t *n)
 {

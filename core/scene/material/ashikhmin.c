@@ -1,13 +1,13 @@
 /*
- * ashik2: a Lambertian colour, and a lobe of Ashikhmin's and Shirley's ("An Anisotropic Phong BRDF
- * Model", 2000, equations 4, 6 to 10): its half vectors lie as cos^e about the normal, e being one
- * number along the grain and another across. By its density draws lose nothing but what the larger
- * of two cosines takes, so that a lobe never gains.
+ * ashik2: a Lambertian colour and a lobe after Ashikhmin and Shirley ("An Anisotropic Phong BRDF
+ * Model", 2000, equations 4, 6 to 10). Its half vectors are distributed as cos^e about the normal,
+ * with different exponents e along the grain and across. Sampling by this density loses only the
+ * factor of the larger of the two cosines, so a lobe never gains energy.
  *
- * The lobe grows towards grazing by Schlick's approximation, at the half vector, up to what the
- * diffuse colour leaves of 1: it is the same from either end, and both together never gain.
- * (Radiance has it grow by the eye's direction, up to 1, and nothing taken from the diffuse colour
- * but of direct light.)
+ * The lobe's reflectance rises towards grazing by Schlick's approximation at the half vector, up to
+ * what the diffuse colour leaves of 1. This is reciprocal, and lobe and diffuse part together never
+ * exceed 1. (In Radiance it rises by the eye's direction, up to 1, and only direct light takes it
+ * from the diffuse colour.)
  */
 #include "scene/material/kinds.h"
 
@@ -15,7 +15,7 @@
 
 struct lobe {
     struct orl_frame frame; /* u along the grain */
-    double along, across;   /* powers */
+    double along, across;   /* exponents */
 };
 
 static struct lobe lobe_at(const struct orl_material *m, struct orl_vec3 normal)
@@ -23,7 +23,7 @@ static struct lobe lobe_at(const struct orl_material *m, struct orl_vec3 normal)
     const struct orl_vec3 flat = orl_madd(m->grain, normal, -orl_dot(m->grain, normal));
     const double along = m->power[0], across = m->power[1];
     if (!(orl_length(flat) > 1e-9 * orl_length(m->grain))) {
-        /* A grain that stands on it means nothing. */
+        /* A grain along the normal has no direction in the surface: use one mean exponent. */
         const double mean = 2 / (1 / (along + 1) + 1 / (across + 1)) - 1;
         return (struct lobe){orl_frame_about(normal), mean, mean};
     }
@@ -43,7 +43,7 @@ struct orl_rgb orl_ashikhmin_diffuse(const struct orl_material *material, const 
                             orl_smaller(c.b, 1 - gloss.b)};
 }
 
-/* Of light at that cosine to the half vector. */
+/* Lobe reflectance for light at that cosine to the half vector. */
 static struct orl_rgb gloss_at(const struct orl_material *material, struct orl_rgb diffuse,
                                double cosine)
 {
@@ -60,7 +60,7 @@ struct orl_rgb orl_ashikhmin_gloss(const struct orl_material *material, const st
                     fabs(orl_dot(from, hit->normal)));
 }
 
-/* The density of half vectors, per steradian, of a unit one. */
+/* Density of unit half vectors, per steradian. */
 static double density(const struct lobe *lobe, struct orl_vec3 half)
 {
     const struct orl_vec3 h = orl_to_local(&lobe->frame, half);
@@ -71,7 +71,7 @@ static double density(const struct lobe *lobe, struct orl_vec3 half)
            pow(orl_larger(h.z, 0), power);
 }
 
-/* f of the lobe about a normal, for two directions on its side. */
+/* f of the lobe about a normal; both directions lie on the normal's side. */
 static struct orl_rgb lobe_between(const struct orl_material *m, struct orl_rgb diffuse,
                                    struct orl_vec3 normal, struct orl_vec3 a, struct orl_vec3 b)
 {
@@ -83,7 +83,7 @@ static struct orl_rgb lobe_between(const struct orl_material *m, struct orl_rgb 
                          density(&lobe, half) / (4 * cosine * larger));
 }
 
-/* About a turned normal light arrives by that one's cosine (texture.h). */
+/* With a perturbed normal, light is weighted by the cosine to that normal (texture.h). */
 struct orl_rgb orl_ashikhmin_lobes(const struct orl_material *material, const struct orl_hit *hit,
                                    struct orl_vec3 light, struct orl_vec3 eye)
 {
@@ -99,10 +99,9 @@ struct orl_rgb orl_ashikhmin_lobes(const struct orl_material *material, const st
     return material->texture ? orl_rgb_scale(f, turned / fabs(cos_light)) : f;
 }
 
-/* ---- Draws ------------------------------------------------------------------------------------
- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
-static void weigh(const struct orl_draw *draw, double *ret_diffuse, double *ret_gloss)
+static void weigh_parts(const struct orl_draw *draw, double *ret_diffuse, double *ret_gloss)
 {
     *ret_diffuse = draw->lobes & ORL_LOBE_DIFFUSE
                        ? orl_luma(orl_ashikhmin_diffuse(draw->material, draw->hit))
@@ -144,7 +143,7 @@ static struct orl_scatter sample_lobe(const struct orl_draw *draw, const double 
 struct orl_scatter orl_ashikhmin_sample(const struct orl_draw *draw, const double u[3])
 {
     double diffuse, gloss;
-    weigh(draw, &diffuse, &gloss);
+    weigh_parts(draw, &diffuse, &gloss);
     if (!(diffuse + gloss > 0))
         return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
     const double chance = diffuse / (diffuse + gloss);
@@ -160,7 +159,7 @@ double orl_ashikhmin_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
 {
     double diffuse, gloss;
     const double cosine = orl_dot(towards, facing(draw));
-    weigh(draw, &diffuse, &gloss);
+    weigh_parts(draw, &diffuse, &gloss);
     if (!(diffuse + gloss > 0) || !(cosine > 0))
         return 0;
     double sum = diffuse * cosine / ORL_PI;

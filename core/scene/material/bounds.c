@@ -9,7 +9,7 @@ static struct orl_vec3 direction_at(bool front, double cosine)
     return orl_v3(0, sqrt(1 - cosine * cosine), front ? cosine : -cosine);
 }
 
-/* The material with the most that its pattern makes of it. */
+/* Returns a copy of the material with the maximum of its pattern. */
 static struct orl_material at_most(const struct orl_material *material)
 {
     struct orl_material most = *material;
@@ -19,7 +19,7 @@ static struct orl_material at_most(const struct orl_material *material)
     return most;
 }
 
-/* Of a mixture the larger of what both are, whatever their shares; of a sum their sum. */
+/* For a mixture, the larger bound of the two materials, for any share; for a sum, their sum. */
 static double both_most(const struct orl_material *mixture, double first, double second)
 {
     return mixture->mix ? fmax(first, second) : fmin(first + second, 1);
@@ -76,7 +76,7 @@ bool orl_material_is_mirror(const struct orl_material *material)
     return orl_material_mirrored_most(material, true, 0.5) > 0;
 }
 
-/* Of a mixture as if its shares and what its materials send had nothing to do with each other. */
+/* For a mixture, assumes that its shares and its materials' radiances are uncorrelated. */
 struct orl_rgb orl_material_radiance_mean(const struct orl_material *material)
 {
     if (material->kind == ORL_MATERIAL_MIXTURE) {

@@ -1,6 +1,6 @@
 /*
- * What a material is made of at a hit: the one place where patterns have their say. For the kinds
- * of material (kinds.h); others ask scatter.h, where that is quick enough.
+ * Colours and shares of a material at a hit; the only place that evaluates patterns of materials.
+ * Used by the kinds of material (kinds.h); other code calls scatter.h, where that is fast enough.
  */
 #ifndef ORL_SCENE_MATERIAL_COLOR_AT_H
 #define ORL_SCENE_MATERIAL_COLOR_AT_H
@@ -8,7 +8,7 @@
 #include "scene/geometry/geometry.h"
 #include "scene/material/pattern.h"
 
-/* Reflectance as written; of lights, radiance. */
+/* Returns the reflectance as written, or the radiance of a light, times the pattern. */
 static inline struct orl_rgb orl_color_at(const struct orl_material *material,
                                           const struct orl_hit *hit)
 {
@@ -17,7 +17,7 @@ static inline struct orl_rgb orl_color_at(const struct orl_material *material,
     return material->color;
 }
 
-/* Of a mixture: how much of the light towards there each of both sends; of a sum all. */
+/* Mixture: the share of each material in the light towards that direction. Sum: both are 1. */
 static inline void orl_shares_at(const struct orl_material *material, const struct orl_hit *hit,
                                  struct orl_vec3 towards, double ret_shares[2])
 {
@@ -28,14 +28,14 @@ static inline void orl_shares_at(const struct orl_material *material, const stru
     ret_shares[1] = 1 - ret_shares[0];
 }
 
-/* Of glass: what its pattern leaves of the light that it lets through. */
+/* Glass: returns the factor by which the pattern reduces the transmitted light. */
 static inline struct orl_rgb orl_left_at(const struct orl_material *material,
                                          const struct orl_hit *hit)
 {
     return orl_patterned(orl_gray(1), orl_pattern_at(material->pattern, hit));
 }
 
-/* Of glass: of one pass at normal incidence, without its pattern. */
+/* Glass: returns the transmissivity (one pass at normal incidence), without the pattern. */
 static inline struct orl_rgb orl_transmissivity_at(const struct orl_material *material,
                                                    const struct orl_hit *hit)
 {

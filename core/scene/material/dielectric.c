@@ -1,6 +1,6 @@
 /*
- * Where two clear media meet: Fresnel's equations for unpolarised light, Snell's law, and what the
- * media absorb on the way (Beer). Behind the surface lies media[0], in front of it media[1].
+ * Interfaces of two clear media: Fresnel's equations for unpolarised light, Snell's law, and
+ * absorption in the media (Beer). media[0] lies behind the surface, media[1] in front of it.
  */
 #include "scene/material/kinds.h"
 
@@ -9,15 +9,15 @@ static const struct orl_medium *medium(const struct orl_material *material, bool
     return &material->media[front ? 1 : 0];
 }
 
-/* A direction at the surface: what is sent back and let in, and which way that goes. */
+/* Reflection and refraction of one direction at the surface. */
 struct meeting {
-    double reflected, refracted; /* shares of the light; refracted 0: total reflection */
-    double ratio;                /* n on the side of "from" over n beyond */
+    double reflected, refracted; /* fractions of the light; refracted 0: total reflection */
+    double ratio;                /* refractive index on the side of "from" over the index beyond */
     struct orl_vec3 inwards;     /* the refracted direction */
 };
 
-static struct meeting meet_at(const struct orl_material *material, bool front,
-                              struct orl_vec3 normal, struct orl_vec3 from)
+static struct meeting fresnel_about(const struct orl_material *material, bool front,
+                                    struct orl_vec3 normal, struct orl_vec3 from)
 {
     const double here = medium(material, front)->ior, beyond = medium(material, !front)->ior;
     const double ratio = here / beyond, c = fmin(orl_dot(from, normal), 1);
@@ -27,7 +27,7 @@ static struct meeting meet_at(const struct orl_material *material, bool front,
     const double inside = sqrt(1 - sine2);
     const double across = here * c + beyond * inside, along = beyond * c + here * inside;
     const double product = 4 * here * beyond * c * inside;
-    /* Not 1 - r: at grazing all of its digits would be lost. */
+    /* 1 - r would lose all digits at grazing angles. */
     const double refracted =
         product > 0 ? 0.5 * product * (1 / (across * across) + 1 / (along * along)) : 0;
     return (struct meeting){
@@ -37,28 +37,29 @@ static struct meeting meet_at(const struct orl_material *material, bool front,
         .inwards = orl_normalize(orl_madd(orl_scale(from, -ratio), normal, ratio * c - inside))};
 }
 
-/* By the turned normal, where what it refracts is then behind the surface. */
-static struct meeting meet(const struct orl_material *material, const struct orl_hit *hit,
-                           struct orl_vec3 from)
+/* Uses the perturbed normal unless the refracted ray would then stay in front of the surface. */
+static struct meeting fresnel_at_hit(const struct orl_material *material, const struct orl_hit *hit,
+                                     struct orl_vec3 from)
 {
     const bool front = orl_dot(from, hit->normal) >= 0;
     const struct orl_vec3 plain = front ? hit->normal : orl_neg(hit->normal);
     if (material->texture) {
         const struct orl_vec3 turned = orl_texture_normal(material->texture, hit, from);
-        const struct meeting m = meet_at(material, front, turned, from);
+        const struct meeting m = fresnel_about(material, front, turned, from);
         if (!(m.refracted > 0) || orl_dot(m.inwards, plain) < 0)
             return m;
     }
-    return meet_at(material, front, plain, from);
+    return fresnel_about(material, front, plain, from);
 }
 
 double orl_dielectric_reflectance(const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 from)
 {
-    return meet(material, hit, from).reflected;
+    return fresnel_at_hit(material, hit, from).reflected;
 }
 
-/* Radiance is squeezed with the solid angle it fills: L / n^2 stays. Flux just stays. */
+/* Radiance scales with n^2 because the solid angle changes: L / n^2 is constant. Flux is
+ * unchanged. */
 static struct orl_scatter refracted(const struct orl_material *material, const struct orl_hit *hit,
                                     struct orl_vec3 from, const struct meeting *m,
                                     enum orl_transport transport)
@@ -78,7 +79,7 @@ bool orl_material_refract(const struct orl_material *material, const struct orl_
 {
     if (material->kind != ORL_MATERIAL_DIELECTRIC)
         return false;
-    const struct meeting m = meet(material, hit, from);
+    const struct meeting m = fresnel_at_hit(material, hit, from);
     if (!(m.refracted > 0))
         return false;
     *ret_scatter = refracted(material, hit, from, &m, transport);
@@ -88,7 +89,7 @@ bool orl_material_refract(const struct orl_material *material, const struct orl_
 struct orl_scatter orl_dielectric_sample(const struct orl_draw *draw, const double u[3])
 {
     const struct orl_vec3 normal = draw->hit->normal;
-    const struct meeting m = meet(draw->material, draw->hit, draw->from);
+    const struct meeting m = fresnel_at_hit(draw->material, draw->hit, draw->from);
     const double t = draw->lobes & ORL_LOBE_TRANSMITTED ? m.refracted : 0;
     const double r = draw->lobes & ORL_LOBE_REFLECTED ? m.reflected : 0;
     if (!(t + r > 0))

@@ -1,13 +1,14 @@
 #include "scene/material/kinds.h"
 
-/* One surface, one polarisation: what Fresnel sends back and lets in. Both, for 1 - r cancels. */
+/* Fresnel reflectance and transmittance of one surface for one polarisation. Both are stored
+ * because 1 - r cancels. */
 struct surface {
     double r, t;
 };
 
 struct pane {
     struct surface parallel, perpendicular;
-    struct orl_rgb pass; /* left after one pass */
+    struct orl_rgb pass; /* transmittance of one pass */
 };
 
 static struct surface surface_of(double numerator, double denominator, double product)
@@ -19,15 +20,15 @@ static struct surface surface_of(double numerator, double denominator, double pr
 static struct pane pane_at(const struct orl_material *material, const struct orl_hit *hit,
                            double cosine)
 {
-    /* Never quite 0, where glass of index 1 would divide nothing by nothing. */
+    /* Clamps the cosine above 0: glass of index 1 would divide 0 by 0. */
     const double n = material->ior, c = orl_smaller(orl_larger(fabs(cosine), 1e-150), 1);
     const double inside = sqrt((n - 1) * (n + 1) + c * c) / n;
-    const double path = 1 / inside; /* relative to the normal's */
+    const double path = 1 / inside; /* path length relative to normal incidence */
     const struct orl_rgb t = orl_transmissivity_at(material, hit);
     struct pane pane = {surface_of(n * c - inside, n * c + inside, n * c * inside),
                         surface_of(c - n * inside, c + n * inside, n * c * inside),
                         orl_gray(pow(t.r, path))};
-    /* Most glass is grey: one power instead of three. */
+    /* Most glass is grey, so one pow() is enough. */
     if (t.g != t.r || t.b != t.r) {
         pane.pass.g = pow(t.g, path);
         pane.pass.b = pow(t.b, path);
@@ -35,7 +36,8 @@ static struct pane pane_at(const struct orl_material *material, const struct orl
     return pane;
 }
 
-/* All passes, each of transmission d; 1 - r^2 d^2 in factors, which is exact at grazing too. */
+/* Sum over all internal passes, each of transmittance d. Factoring 1 - r^2 d^2 keeps it exact at
+ * grazing. */
 static double pane_transmittance(struct surface s, double d)
 {
     return s.t > 0 ? s.t * s.t * d / ((s.t + s.r * (1 - d)) * (1 + s.r * d)) : 0;
@@ -46,7 +48,7 @@ static double pane_reflectance(struct surface s, double d)
     return s.r * (1 + d * pane_transmittance(s, d));
 }
 
-/* Both polarisations of a channel, averaged; share is pane_transmittance or pane_reflectance. */
+/* Mean of both polarisations of a channel; share: pane_transmittance or pane_reflectance. */
 static inline double unpolarised(const struct pane *pane, double pass,
                                  double (*share)(struct surface s, double d))
 {
@@ -69,7 +71,7 @@ struct orl_rgb orl_glass_transmittance(const struct orl_material *material,
 {
     const struct pane pane = pane_at(material, hit, cosine);
     const struct orl_rgb through = pane_share(&pane, pane_transmittance);
-    /* An illum's pattern is of what it shines, not of what it lets through. */
+    /* An illum's pattern applies to its emission, not to its transmission. */
     return material->pattern && material->kind == ORL_MATERIAL_GLASS
                ? orl_rgb_mul(through, orl_left_at(material, hit))
                : through;
@@ -96,7 +98,7 @@ struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[
     const double t = orl_luma(through), r = orl_luma(back);
     if (!(t + r > 0))
         return s;
-    /* The larger of the two carries the absorbed share as weight: nothing is rolled for here. */
+    /* The weight carries the absorption: there is no Russian roulette here. */
     const double p = t / (t + r);
     s.transmitted = u[2] < p;
     s.event = s.transmitted ? ORL_EVENT_STRAIGHT : ORL_EVENT_MIRROR;

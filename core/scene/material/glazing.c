@@ -1,9 +1,9 @@
 /*
- * Glazing by functions of the angle (BRTDfunc without lobes): how much of each channel is mirrored
- * and how much goes straight through, by the cosine to the front's normal of the direction that it
- * goes to, negative behind; and what is spread evenly: reflectances of the front and of the back,
- * and a transmittance both ways. The latter are lobes. Functions that make more of the light than
- * there is, as approximations do at grazing, are cut to it.
+ * Glazing by functions of the angle (BRTDfunc without lobes). The functions give the mirrored and
+ * the directly transmitted share of each channel. Their argument is the cosine between the outgoing
+ * direction and the front normal (negative behind). The diffuse parts are constant: reflectances of
+ * the front and the back, and one transmittance for both ways; these are lobes. Functions whose sum
+ * exceeds 1, as approximations do at grazing, are scaled down to 1.
  */
 #include "scene/material/kinds.h"
 
@@ -15,12 +15,13 @@ struct glazing {
     struct orl_rgb part[PARTS];
 };
 
-/* What becomes of light from there, but for what is spread evenly. */
+/* Specular shares of light from a direction. */
 struct passes {
     struct orl_rgb mirrored, straight;
 };
 
-/* Where functions have no value there is nothing; both are cut to what is left of the light. */
+/* Both shares are 0 where a function has no value; otherwise they are scaled to what the diffuse
+ * parts leave. */
 static struct passes passes_of(const struct orl_material *material, const struct orl_hit *hit,
                                struct orl_vec3 light)
 {
@@ -107,8 +108,7 @@ struct orl_rgb orl_glazing_albedo(const struct orl_material *material, const str
     return sum;
 }
 
-/* ---- Draws ------------------------------------------------------------------------------------
- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 static double sum_of(const struct glazing *g)
 {
@@ -118,7 +118,7 @@ static double sum_of(const struct glazing *g)
     return sum;
 }
 
-static enum part choose(const struct glazing *g, double sum, double u)
+static enum part choose_part(const struct glazing *g, double sum, double u)
 {
     double passed = 0;
     enum part last = STRAIGHT;
@@ -140,7 +140,7 @@ struct orl_scatter orl_glazing_sample(const struct orl_draw *draw, const double 
     const double sum = sum_of(&g);
     if (!(sum > 0))
         return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
-    const enum part part = choose(&g, sum, u[2]);
+    const enum part part = choose_part(&g, sum, u[2]);
     const struct orl_vec3 normal = draw->hit->normal, from = draw->from;
     const struct orl_vec3 side = orl_dot(from, normal) >= 0 ? normal : orl_neg(normal);
     struct orl_scatter s = {.event = ORL_EVENT_GLOSSY,

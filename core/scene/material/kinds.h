@@ -1,6 +1,6 @@
 /*
- * The kinds of material behind scatter.h, one file each: what scatter.c dispatches to. Arguments
- * are as there; u holds three numbers in [0,1), the last of which chooses between parts.
+ * The kinds of material that scatter.c dispatches to, one file each. Arguments are as in scatter.h;
+ * u holds three numbers in [0,1), the last of which chooses between parts.
  */
 #ifndef ORL_SCENE_MATERIAL_KINDS_H
 #define ORL_SCENE_MATERIAL_KINDS_H
@@ -16,14 +16,14 @@ struct orl_rgb orl_glass_reflectance(const struct orl_material *material, const 
                                      double cosine);
 struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[3]);
 
-/* lamp.c: what an illum lets straight through, of light that is let through at all. */
+/* lamp.c: true if an illum transmits light (straight) at all. */
 static inline bool orl_illum_passes(const struct orl_material *material)
 {
     return material->kind == ORL_MATERIAL_ILLUM && orl_rgb_max(material->transmissivity) > 0;
 }
 
-/* reflector.c: plastic, metal, trans. Diffuse and specular reflectance, and what trans lets
- * through: spread evenly, or straight (about straight, when rough). */
+/* reflector.c: plastic, metal, trans. Diffuse and specular reflectance; diffuse transmittance
+ * (spread) and direct transmittance of trans (straight, or a lobe about straight if rough). */
 struct orl_rgb orl_reflector_diffuse(const struct orl_material *material,
                                      const struct orl_hit *hit);
 struct orl_rgb orl_reflector_specular(const struct orl_material *material,
@@ -36,14 +36,15 @@ bool orl_reflector_transmits_lobes(const struct orl_material *material);
 struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const struct orl_hit *hit,
                                    struct orl_vec3 light, struct orl_vec3 eye);
 struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const double u[3]);
-/* Draws from what is diffuse and nothing else, those of the list, n at most ORL_MATTS_ABREAST. */
+/* Samples materials that are only diffuse: the draws listed in `which`, at most
+ * ORL_MATTS_ABREAST. */
 enum { ORL_MATTS_ABREAST = 16 };
 bool orl_reflector_is_matt(const struct orl_draw *draw);
 void orl_reflector_sample_matts(const struct orl_draw *draws, const double (*u)[3],
                                 const size_t *which, size_t n, struct orl_scatter *ret);
 double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
 
-/* ashikhmin.c: ashik2; gloss is what its lobe reflects, about. */
+/* ashikhmin.c: ashik2. gloss: approximate reflectance of the lobe. */
 struct orl_rgb orl_ashikhmin_diffuse(const struct orl_material *material,
                                      const struct orl_hit *hit);
 struct orl_rgb orl_ashikhmin_gloss(const struct orl_material *material, const struct orl_hit *hit,
@@ -53,7 +54,7 @@ struct orl_rgb orl_ashikhmin_lobes(const struct orl_material *material, const st
 struct orl_scatter orl_ashikhmin_sample(const struct orl_draw *draw, const double u[3]);
 double orl_ashikhmin_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
 
-/* glazing.c: shares by functions of the angle. */
+/* glazing.c: specular shares by functions of the angle. */
 bool orl_glazing_is_window(const struct orl_material *material);
 bool orl_glazing_has_lobes(const struct orl_material *material);
 bool orl_glazing_transmits_lobes(const struct orl_material *material);
@@ -73,7 +74,7 @@ double orl_dielectric_reflectance(const struct orl_material *material, const str
                                   struct orl_vec3 from);
 struct orl_scatter orl_dielectric_sample(const struct orl_draw *draw, const double u[3]);
 
-/* prism.c: what eyes' rays, or light, are sent on to; how many. */
+/* prism.c: returns the number of scatters that an eye ray or light is sent on to. */
 int orl_prism_ways(const struct orl_material *material, const struct orl_hit *hit,
                    struct orl_vec3 from, enum orl_transport transport,
                    struct orl_scatter ret_scatters[ORL_PRISM_WAYS]);
@@ -92,8 +93,8 @@ struct orl_rgb orl_lobed_lobes(const struct orl_material *material, const struct
 struct orl_scatter orl_lobed_sample(const struct orl_draw *draw, const double u[3]);
 double orl_lobed_pdf(const struct orl_draw *draw, struct orl_vec3 towards);
 
-/* mixture.c: two unlike materials, by shares, or summed. What it asks of both are scatter.h's
- * functions. */
+/* mixture.c: two materials of different kinds, mixed by shares or summed. It queries both through
+ * these functions of scatter.h. */
 struct orl_mixed_asks {
     struct orl_rgb (*diffuse)(const struct orl_material *material, const struct orl_hit *hit);
     struct orl_rgb (*straight)(const struct orl_material *material, const struct orl_hit *hit,
@@ -144,11 +145,12 @@ struct orl_rgb orl_panel_lobes(const struct orl_material *material, const struct
                                struct orl_vec3 light, struct orl_vec3 eye);
 struct orl_rgb orl_panel_albedo(const struct orl_material *material, const struct orl_hit *hit,
                                 struct orl_vec3 light, enum orl_lobes lobes);
-/* Towards eye; nothing unless it is an aBSDF. */
+/* Straight transmittance towards eye; 0 unless the material is an aBSDF. */
 struct orl_rgb orl_panel_straight(const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 eye);
 struct orl_scatter orl_panel_sample(const struct orl_draw *draw, const double u[3]);
-/* Draws of such, those of the list, n at most ORL_PANELS_ABREAST; by orl_bsdf_sample_many. */
+/* Samples BSDF materials by orl_bsdf_sample_many: the draws listed in `which`, at most
+ * ORL_PANELS_ABREAST. */
 enum { ORL_PANELS_ABREAST = 16 };
 void orl_panel_sample_many(const struct orl_draw *draws, const double (*u)[3], const size_t *which,
                            size_t n, struct orl_scatter *ret);

@@ -1,10 +1,10 @@
 /*
- * Surfaces that shine, from their front: light, illum, spotlight within its cone, glow; of mixtures
- * the share that glows.
+ * Surfaces that emit from their front: light, illum, spotlight within its cone, glow, and mixtures
+ * with a share of glow.
  *
- * A spotlight's irradiance falls off as if its beam started `focus` behind the lamp: a point at
- * distance d gets (d / (d + focus))^2 of what an even lamp's beam would bring there (spotout and
- * srcray of Radiance's rt/source.c). To a view the lamp is equally bright wherever it is seen.
+ * A spotlight's irradiance falls off as if its beam started `focus` behind the lamp: at distance d
+ * it is (d / (d + focus))^2 of an isotropic lamp's beam (spotout and srcray of Radiance's
+ * rt/source.c). Views see the lamp at the same radiance from everywhere.
  */
 #include "scene/material/kinds.h"
 
@@ -15,7 +15,7 @@ bool orl_material_shines(const struct orl_material *material)
     return orl_material_is_lamp(material) || material->kind == ORL_MATERIAL_GLOW;
 }
 
-/* Radiance aims at a glow as at a light where that is no further off than its radius. */
+/* Radiance samples a glow like a light where it is no further away than its radius. */
 bool orl_material_is_lamp(const struct orl_material *material)
 {
     return material->kind == ORL_MATERIAL_LIGHT || material->kind == ORL_MATERIAL_SPOTLIGHT ||

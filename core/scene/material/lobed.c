@@ -1,16 +1,16 @@
 /*
- * Lobes by functions or data (plasfunc, metfunc, transfunc, plasdata, metdata, transdata; those of
- * BRTDfunc, whose functions are all of it, both ways, for each channel): shares
- * of the light as plastic, metal and trans have them, of which what is not spread evenly goes by a
- * function of both directions, 1/sr, times the share. What it comes to is as the function says:
- * nothing is normalised, and it need not be reciprocal.
+ * Lobes by functions or data (plasfunc, metfunc, transfunc, plasdata, metdata, transdata, and
+ * BRTDfunc, whose functions are the whole BRDF and BTDF of each channel). Light divides as for
+ * plastic, metal and trans; the part that is not diffuse is scattered by a function of both
+ * directions, 1/sr, times its share. The functions are used as given: they are not normalised, and
+ * need not be reciprocal.
  *
- * Draws are by the function itself, looked at in the middle of each of SIDE x SIDE cells of even
- * projected solid angle, and evenly within a cell; a share is drawn by the cosine alone, so that
- * what lies between the middles is found too. On flat surfaces, of functions that do not depend on
- * the place, that is done before anything is rendered, from the middles of as many directions
- * (orl_lobed_know); elsewhere for each draw, by fewer cells. Whether that many see all of a lobe is
- * looked at, too.
+ * Sampling is by the function, tabulated at the centres of SIDE x SIDE cells of equal projected
+ * solid angle, uniform within a cell. A fixed share is sampled by the cosine alone, so that
+ * features between the centres are found too. On flat surfaces, for functions that do not depend on
+ * the place, the tables are made once before rendering, for as many incident directions
+ * (orl_lobed_know). Elsewhere each draw makes one with fewer cells. orl_lobed_look tests whether
+ * the cells resolve a lobe.
  */
 #include "scene/material/lobed.h"
 
@@ -21,10 +21,11 @@
 
 enum { SIDE = ORL_LOBED_SIDE, CELLS = SIDE * SIDE, FEW = 8, FINE = 4 * SIDE };
 
-/* Drawn by the cosine alone; and the least share of a lobe's light that its chance is for. */
+/* evenly: share sampled by the cosine alone; least: lower bound of a lobe's sampling weight, as a
+ * share of its light. */
 static const double evenly = 0.15, least = 0.05;
 
-/* What all values of one side are times, and what is added to them. */
+/* Factor of the function's values on one side, and the constant added to them. */
 struct scale {
     struct orl_rgb times, plus;
 };
@@ -99,17 +100,17 @@ struct orl_rgb orl_lobed_lobes(const struct orl_material *material, const struct
 /* ---- Tables -----------------------------------------------------------------------------------
  */
 
-/* A side, looked at from a direction: luminances of cells, and what all come to. */
+/* Luminances of the cells of one side, seen from one direction, and their integrals. */
 struct table {
     struct orl_vec3 axis;
-    int side; /* cells each way */
+    int side; /* number of cells per axis */
     double value[CELLS];
-    double mean;           /* of the values */
-    struct orl_rgb albedo; /* by the middles of cells */
-    double share;          /* that draws are shared out by; 0: nothing goes there */
+    double mean;           /* mean of the values */
+    struct orl_rgb albedo; /* by midpoint rule over the cells */
+    double share;          /* sampling weight of this side; 0: nothing is scattered there */
 };
 
-/* The function at the middles of side x side cells about an axis. */
+/* Evaluates the function at the centres of side x side cells about an axis. */
 static void look_around(const struct orl_material *m, const struct orl_hit *hit,
                         struct orl_vec3 from, enum orl_transport transport, struct orl_vec3 axis,
                         int side, struct orl_rgb *ret_values)
@@ -129,7 +130,7 @@ static void look_around(const struct orl_material *m, const struct orl_hit *hit,
     }
 }
 
-/* Which cell of a square a direction above the axis is in. */
+/* Returns the cell that holds a direction above the axis. */
 static int cell_of(const struct orl_frame *frame, struct orl_vec3 direction, int side)
 {
     const struct orl_vec3 local = orl_to_local(frame, direction);
@@ -139,7 +140,7 @@ static int cell_of(const struct orl_frame *frame, struct orl_vec3 direction, int
     return row * side + column;
 }
 
-/* What was looked at before from about there; NULL: nothing. */
+/* Returns the precomputed cells for a draw's direction, or NULL. */
 static const float *find_known(const struct orl_draw *draw, bool through)
 {
     const struct orl_pattern *const lobes = draw->material->lobes;
@@ -183,7 +184,7 @@ static void tabulate(const struct orl_draw *draw, bool through, struct table *t)
                           least * (orl_luma(scale.times) + ORL_PI * orl_luma(scale.plus)));
 }
 
-/* Of the unit square: how much more often than evenly. */
+/* Density on the unit square, relative to uniform. */
 static double density_of(const struct table *t, int cell)
 {
     return t->mean > 0 ? evenly + (1 - evenly) * t->value[cell] / t->mean : 1;
@@ -195,8 +196,8 @@ static double density_towards(const struct table *t, struct orl_vec3 towards)
     return density_of(t, cell_of(&frame, towards, t->side));
 }
 
-/* One of n cells by their densities; u becomes what is left of it. */
-static int pick(const double *densities, int n, double *u)
+/* Chooses one of n cells by their densities; u is rescaled to [0,1) for reuse. */
+static int pick_cell(const double *densities, int n, double *u)
 {
     double sum = 0, left;
     int i = 0;
@@ -212,7 +213,7 @@ static int pick(const double *densities, int n, double *u)
 static struct orl_vec3 draw_from(const struct table *t, const double u[2])
 {
     const struct orl_frame frame = orl_frame_about(t->axis);
-    /* Said so that what follows is seen to be filled. */
+    /* Written so that the compiler sees that the arrays are filled. */
     const int side = t->side == SIDE ? SIDE : FEW;
     double rows[SIDE] = {1}, cells[SIDE] = {1}, x = u[0], y = u[1];
     for (int row = 0; row < side; row++) {
@@ -220,15 +221,14 @@ static struct orl_vec3 draw_from(const struct table *t, const double u[2])
         for (int column = 0; column < side; column++)
             rows[row] += density_of(t, row * side + column);
     }
-    const int row = pick(rows, side, &y);
+    const int row = pick_cell(rows, side, &y);
     for (int column = 0; column < side; column++)
         cells[column] = density_of(t, row * side + column);
-    const int column = pick(cells, side, &x);
+    const int column = pick_cell(cells, side, &x);
     return orl_to_world(&frame, orl_hemisphere_point((column + x) / side, (row + y) / side));
 }
 
-/* ---- Draws ------------------------------------------------------------------------------------
- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 struct parts {
     struct table sides[2]; /* reflected, transmitted */
@@ -236,7 +236,7 @@ struct parts {
     double diffuse_share, sum;
 };
 
-static void divide(const struct orl_draw *draw, struct parts *p)
+static void divide_light(const struct orl_draw *draw, struct parts *p)
 {
     memset(p, 0, sizeof *p);
     p->diffuse =
@@ -255,7 +255,7 @@ struct orl_rgb orl_lobed_albedo(const struct orl_material *material, const struc
     const struct orl_draw draw = {material, hit, light, ORL_TRANSPORT_LIGHT, lobes};
     if (!orl_hit_is_anywhere(hit)) {
         struct parts p;
-        divide(&draw, &p);
+        divide_light(&draw, &p);
         struct orl_rgb sum = p.diffuse;
         for (int i = 0; i < 2; i++)
             if (p.sides[i].share > 0)
@@ -277,7 +277,7 @@ struct orl_scatter orl_lobed_sample(const struct orl_draw *draw, const double u[
     const struct orl_vec3 normal = draw->hit->normal;
     struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
     struct parts p;
-    divide(draw, &p);
+    divide_light(draw, &p);
     if (!(p.sum > 0))
         return s;
     const double chosen = u[2] * p.sum;
@@ -308,7 +308,7 @@ double orl_lobed_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
     const double cosine = orl_dot(towards, draw->hit->normal);
     const bool through = cosine * orl_dot(draw->from, draw->hit->normal) < 0;
     struct parts p;
-    divide(draw, &p);
+    divide_light(draw, &p);
     if (!(p.sum > 0))
         return 0;
     double sum = through ? 0 : p.diffuse_share;
@@ -317,10 +317,9 @@ double orl_lobed_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
     return sum / p.sum * fabs(cosine) / ORL_PI;
 }
 
-/* ---- Looked at before anything is rendered ----------------------------------------------------
- */
+/* ---- Tests before rendering ------------------------------------------------------------------ */
 
-/* What the function alone comes to on a side, by cells of side x side middles. */
+/* Integral of the function alone over one side, by midpoints of side x side cells. */
 static double integral(const struct orl_material *m, const struct orl_hit *hit,
                        struct orl_vec3 light, bool through, int side)
 {

@@ -1,4 +1,4 @@
-/* A mirror: specular on its front, black behind. */
+/* A mirror: specular on its front; its back is black. */
 #include "scene/material/kinds.h"
 
 struct orl_rgb orl_mirror_reflectance(const struct orl_material *material,

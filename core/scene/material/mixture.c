@@ -1,11 +1,11 @@
 /*
- * Mixtures of two unlike materials. All that is asked of one is the sum of both, by their shares;
- * or the plain sum of both, where they are parts of one material (WGMDfunc).
+ * Mixtures of two materials of different kinds. Every quantity is the sum of both, weighted by
+ * their shares; or the plain sum, if they are parts of one material (WGMDfunc).
  *
- * Shares that depend on the ray's direction are the eye's, as in Radiance: reflectance then differs
- * with who looks, so such a mixture has no diffuse part that photon maps could keep. What its
- * materials reflect evenly is a lobe of it, as wide as the hemisphere; with a texture, light
- * arrives there by the cosine to the turned normal.
+ * Shares that depend on the ray's direction use the eye's direction, as in Radiance. Reflectance
+ * then depends on the viewer, so such a mixture has no diffuse part that photon maps could store.
+ * The diffuse reflection of its materials counts as a lobe as wide as the hemisphere; with a
+ * texture, that lobe is weighted by the cosine to the perturbed normal.
  */
 #include "scene/material/kinds.h"
 
@@ -28,8 +28,9 @@ struct question {
     enum orl_lobes lobes;
 };
 
-static struct orl_rgb answer(const struct orl_mixed_asks *asks, const struct orl_material *m,
-                             const struct orl_hit *hit, const struct question *q)
+static struct orl_rgb query_material(const struct orl_mixed_asks *asks,
+                                     const struct orl_material *m, const struct orl_hit *hit,
+                                     const struct question *q)
 {
     switch (q->part) {
     case DIFFUSE:
@@ -46,7 +47,7 @@ static struct orl_rgb answer(const struct orl_mixed_asks *asks, const struct orl
     return orl_gray(0);
 }
 
-/* One that has no share is not asked. */
+/* Skips a material whose share is 0. */
 static struct orl_rgb sum_of(const struct orl_mixed_asks *asks, const struct orl_material *material,
                              const struct orl_hit *hit, const struct question *q)
 {
@@ -55,13 +56,13 @@ static struct orl_rgb sum_of(const struct orl_mixed_asks *asks, const struct orl
     orl_shares_at(material, hit, q->eye, shares);
     for (int i = 0; i < 2; i++)
         if (shares[i] > 0)
-            sum = orl_rgb_add(sum,
-                              orl_rgb_scale(answer(asks, &material->mixed[i], hit, q), shares[i]));
+            sum = orl_rgb_add(
+                sum, orl_rgb_scale(query_material(asks, &material->mixed[i], hit, q), shares[i]));
     return sum;
 }
 
-/* What is asked of its materials where that is asked of it: where even reflection is a lobe, both
- * or neither. */
+/* Returns the lobes to query in the two materials. If diffuse reflection is a lobe, it goes
+ * together with the reflected ones. */
 enum orl_lobes orl_mixture_lobes_within(const struct orl_material *material, enum orl_lobes lobes)
 {
     if (!orl_mixture_is_directed(material))
@@ -70,8 +71,7 @@ enum orl_lobes orl_mixture_lobes_within(const struct orl_material *material, enu
                                                        : lobes & ORL_LOBE_TRANSMITTED);
 }
 
-/* Of light from there towards an eye on the same side: by the turned normal's cosine in place of
- * the true one's. */
+/* Ratio of the perturbed normal's cosine to the true one, for light and an eye on the same side. */
 static double turned_by(const struct orl_material *material, const struct orl_hit *hit,
                         struct orl_vec3 light, struct orl_vec3 eye)
 {
@@ -129,11 +129,12 @@ struct orl_rgb orl_mixture_lobes(const struct orl_mixed_asks *asks,
 }
 
 /*
- * Shares, and the first's chance of being drawn; false when neither sends anything on. Shares that
- * depend on where light goes to are not known before: then half of the chance is by even shares.
+ * Returns the shares and the probability of sampling the first material; false if neither scatters
+ * anything. Shares that depend on an outgoing direction which is not known yet are averaged with
+ * 1/2.
  */
-static bool weigh(const struct orl_mixed_asks *asks, const struct orl_draw *draw,
-                  enum orl_lobes within, double ret_shares[2], double *ret_chance)
+static bool weigh_materials(const struct orl_mixed_asks *asks, const struct orl_draw *draw,
+                            enum orl_lobes within, double ret_shares[2], double *ret_chance)
 {
     const struct orl_material *const m = draw->material;
     const bool unknown = orl_mixture_is_directed(m) && draw->transport == ORL_TRANSPORT_LIGHT;
@@ -154,7 +155,7 @@ struct orl_scatter orl_mixture_sample(const struct orl_mixed_asks *asks,
     const struct orl_material *const m = draw->material;
     const enum orl_lobes within = orl_mixture_lobes_within(m, draw->lobes);
     double shares[2], first;
-    if (!weigh(asks, draw, within, shares, &first))
+    if (!weigh_materials(asks, draw, within, shares, &first))
         return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
     const int which = u[2] < first ? 0 : 1;
     const double chance = which == 0 ? first : 1 - first;
@@ -182,7 +183,7 @@ double orl_mixture_pdf(const struct orl_mixed_asks *asks, const struct orl_draw 
 {
     const enum orl_lobes within = orl_mixture_lobes_within(draw->material, draw->lobes);
     double shares[2], first, sum = 0;
-    if (!weigh(asks, draw, within, shares, &first))
+    if (!weigh_materials(asks, draw, within, shares, &first))
         return 0;
     const double chances[2] = {first, 1 - first};
     for (int i = 0; i < 2; i++)

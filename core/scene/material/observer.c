@@ -34,10 +34,10 @@ static const struct orl_tristimulus matching[POINTS] = {
     {0.0001, 0, 0},           {0.0001, 0, 0},           {0, 0, 0},
 };
 
-/* The table's integrals, in steps: trapezoids. */
+/* Integrals over the table, in units of steps, by the trapezoidal rule. */
 static const struct orl_tristimulus whole = {21.3707, 21.3712, 21.36825};
 
-/* From the table's beginning to a place in it, in steps. */
+/* Integral from the table's start to a position, in steps. */
 static double integral(size_t channel, double at)
 {
     double sum = 0;
@@ -65,7 +65,8 @@ void orl_observe(struct orl_tristimulus *sum, double from_nm, double to_nm, doub
         (&sum->x)[c] += value * (integral(c, b) - integral(c, a)) / (&whole.x)[c];
 }
 
-/* Rows by primaries (.640, .330), (.290, .600), (.150, .060); each row's sum is 1: white. */
+/* Primaries (.640, .330), (.290, .600), (.150, .060); each row's sum is 1, so an equal-energy
+ * spectrum is white. */
 struct orl_rgb orl_observed_rgb(struct orl_tristimulus s)
 {
     const struct orl_rgb rgb = {(2337 * s.x - 1063 * s.y - 363 * s.z) / 911,

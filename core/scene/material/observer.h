@@ -1,9 +1,9 @@
 /*
- * What an eye makes of a spectrum: CIE's standard observer of 1931 (2 degrees), and RGB of it.
+ * Conversion of spectra by CIE's standard observer of 1931 (2 degrees), and to RGB.
  *
- * RGB is Radiance's (bsdf/color.h): an even spectrum of 1 is white, 1 in each channel. Colours
- * outside its triangle are moved towards grey of the same luminance, until no channel is below 0.
- * Wavelengths in nm; outside 380 to 780 nothing is seen.
+ * RGB is Radiance's (bsdf/color.h): an equal-energy spectrum of 1 is white, 1 in each channel.
+ * Colours outside the gamut are moved towards grey of the same luminance until no channel is below
+ * 0. Wavelengths are in nm; outside 380 to 780 the response is 0.
  *
  * Reference: CIE 15, colour-matching functions in steps of 5 nm, linear in between.
  */
@@ -13,16 +13,16 @@
 #include <oriel/vec.h>
 
 struct orl_tristimulus {
-    double x, y, z; /* of an even spectrum of 1: 1 each */
+    double x, y, z; /* 1 each for an equal-energy spectrum of 1 */
 };
 
-/* A part of a spectrum: at what wavelength it is asked for, and what its value then counts for. */
+/* A band of a spectrum: the wavelength of its sample, and the sample's weight in X, Y and Z. */
 struct orl_band {
     double nm;
     struct orl_tristimulus weight;
 };
 
-/* Adds a value that holds between two wavelengths, either of which may be the longer. */
+/* Adds a value that is constant between two wavelengths, in either order. */
 void orl_observe(struct orl_tristimulus *sum, double from_nm, double to_nm, double value);
 
 struct orl_rgb orl_observed_rgb(struct orl_tristimulus seen);

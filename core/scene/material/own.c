@@ -30,9 +30,10 @@ int orl_own_ways(const struct orl_pattern *pattern, const struct orl_hit *hit, s
     return n;
 }
 
-/* The eye's side of the surface is what these functions call the front, but for BRTDfunc's. */
-static void fill(const struct orl_pattern *pattern, const struct orl_hit *hit, struct orl_rgb color,
-                 const struct orl_lobe_pair *pair, double inputs[ORL_RAY_INPUTS])
+/* The functions take the eye's side of the surface as the front, except those of BRTDfunc. */
+static void fill_inputs(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                        struct orl_rgb color, const struct orl_lobe_pair *pair,
+                        double inputs[ORL_RAY_INPUTS])
 {
     struct orl_hit seen = *hit;
     const struct orl_vec3 side =
@@ -48,7 +49,7 @@ static void fill(const struct orl_pattern *pattern, const struct orl_hit *hit, s
     inputs[ORL_RAY_CBP] = color.b;
 }
 
-/* Lanes in which all has a value; values: rows of the last program. */
+/* Returns the lanes in which every function has a value; values: rows of the last program. */
 static unsigned evaluate(const struct orl_pattern *pattern, struct orl_function_lanes *columns,
                          unsigned lanes, struct orl_function_lanes *values)
 {
@@ -81,7 +82,7 @@ void orl_own_lobes(const struct orl_pattern *pattern, const struct orl_hit *hit,
     const unsigned all = (1U << n) - 1;
     for (size_t l = 0; l < n; l++) {
         double inputs[ORL_RAY_INPUTS] = {0};
-        fill(pattern, hit, color, &pairs[l], inputs);
+        fill_inputs(pattern, hit, color, &pairs[l], inputs);
         for (int i = 0; i < ORL_RAY_INPUTS; i++)
             columns[i].at[l] = inputs[i];
     }

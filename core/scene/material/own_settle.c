@@ -1,4 +1,4 @@
-/* Materials' own functions over their surfaces, before anything is rendered. */
+/* Tests the functions of materials over their surfaces before rendering. */
 #include "scene/material/own_settle.h"
 
 #include <stdio.h>
@@ -14,14 +14,15 @@
 
 enum { PLACES = 2, MOST_KNOWN = 2 };
 
-/* Shares of light that rounding, and approximations at grazing, may exceed 1 by. */
+/* Tolerance for albedos above 1, by rounding and by approximations at grazing. */
 static const double slack = 0.01;
-/* Of a lobe: by so much few cells may be off many. */
+/* Largest relative error of the coarse cells before lobes count as too narrow. */
 static const double narrow = 0.05;
-/* Of a prism's ways: so much may lead not back, and is left out; and what is not worth telling. */
+/* Prisms: largest share of irreversible ways, which are ignored; and the share that is worth a
+ * warning. */
 static const double most_one_way = 0.05, least_one_way = 1e-3;
 
-static int refuse(const struct orl_pattern *pattern, struct orl_error *err)
+static int refuse_pattern(const struct orl_pattern *pattern, struct orl_error *err)
 {
     orl_error_at(err, pattern->file, pattern->line, pattern->name);
     orl_error_hint(err, "describe it as a BSDF");
@@ -44,14 +45,14 @@ static int judge_prism(struct orl_description *d, const struct orl_material *m,
     if (f->most_seen > 1 + slack) {
         orl_error_set(err, ORL_ERR_RANGE, "it lets %.3g of the light through, more than all",
                       f->most_seen);
-        return refuse(m->ways, err);
+        return refuse_pattern(m->ways, err);
     }
     if (one_way > most_one_way) {
         orl_error_set(err, ORL_ERR_UNSUPPORTED,
                       "its functions lead light and eyes different ways: %.3g %% of what they send "
                       "on would not come back by the way it went",
                       100 * one_way);
-        return refuse(m->ways, err);
+        return refuse_pattern(m->ways, err);
     }
     if (one_way > least_one_way)
         warn(d, m->ways, "leads not back by the way it came, what is left out of what it sends on",
@@ -74,7 +75,7 @@ static int judge_lobes(struct orl_description *d, const struct orl_material *m,
         orl_error_set(err, ORL_ERR_RANGE,
                       "it returns up to %.3g of the light that meets it, more than all",
                       f->most_steep);
-        return refuse(m->lobes, err);
+        return refuse_pattern(m->lobes, err);
     }
     if (f->most > 1 + slack)
         warn(d, m->lobes, "returns more than all of the light at grazing, the most", 100 * f->most);
@@ -86,8 +87,9 @@ static int judge_lobes(struct orl_description *d, const struct orl_material *m,
     return 0;
 }
 
-/* Tables for the first few normals of flat surfaces, where the place does not matter. */
-static int know(const struct orl_geometry *g, const struct orl_material *m, uint32_t facet)
+/* Makes tables for the first few normals of flat surfaces, if the functions do not depend on the
+ * place. */
+static int make_tables(const struct orl_geometry *g, const struct orl_material *m, uint32_t facet)
 {
     const uint64_t place = (uint64_t)7 << ORL_RAY_PX | (uint64_t)3 << ORL_RAY_LU;
     struct orl_pattern *const lobes = m->lobes;
@@ -113,14 +115,14 @@ static int know(const struct orl_geometry *g, const struct orl_material *m, uint
     return 0;
 }
 
-/* Facets of a material that are looked at. */
+/* Facets of a material that are tested. */
 struct sample {
     size_t all, met, n;
     uint32_t facets[PLACES];
 };
 
-/* Places on the facets that are looked at; one flat surface may have functions of the place, too.
- */
+/* Makes PLACES test hits on the sample's facets; a single flat surface gets several, because
+ * functions may depend on the place. */
 static void place_hits(const struct orl_geometry *g, const struct sample *sample,
                        struct orl_hit ret_hits[PLACES])
 {
@@ -135,8 +137,8 @@ static void place_hits(const struct orl_geometry *g, const struct sample *sample
     }
 }
 
-static int look_at_prism(struct orl_description *d, const struct orl_material *m,
-                         const struct orl_hit hits[PLACES], struct orl_error *err)
+static int test_prism(struct orl_description *d, const struct orl_material *m,
+                      const struct orl_hit hits[PLACES], struct orl_error *err)
 {
     struct orl_prism_findings findings = {0};
     for (size_t i = 0; i < PLACES; i++)
@@ -144,7 +146,7 @@ static int look_at_prism(struct orl_description *d, const struct orl_material *m
     return judge_prism(d, m, &findings, err);
 }
 
-/* Directions, on both sides. */
+/* Test directions on both sides. */
 enum { COSINES = 4, AZIMUTHS = 2, LOOKS = 2 * COSINES * AZIMUTHS };
 static struct orl_vec3 light_of(const struct orl_hit *hit, size_t look)
 {
@@ -156,14 +158,15 @@ static struct orl_vec3 light_of(const struct orl_hit *hit, size_t look)
                                        i < COSINES * AZIMUTHS ? cosine : -cosine));
 }
 
-/* Is it made of sums alone, in which all parts send on light beside each other? */
+/* Returns true if the material consists of sums only, whose parts all scatter light
+ * independently. */
 static bool is_sum(const struct orl_material *m)
 {
     return m->mixed && !m->mix && (!m->mixed[0].mixed || is_sum(&m->mixed[0])) &&
            (!m->mixed[1].mixed || is_sum(&m->mixed[1]));
 }
 
-/* What the others of a sum send on of light from there. */
+/* Albedo of the other parts of a sum for light from that direction. */
 static double rest_of(const struct orl_material *whole, const struct orl_material *part,
                       const struct orl_hit *hit, struct orl_vec3 light)
 {
@@ -175,9 +178,9 @@ static double rest_of(const struct orl_material *whole, const struct orl_materia
     return fmax(0, fmax(sum.r - own.r, fmax(sum.g - own.g, sum.b - own.b)));
 }
 
-static int look_at_lobes(struct orl_description *d, const struct orl_material *whole,
-                         const struct orl_material *part, const struct orl_hit hits[PLACES],
-                         struct orl_error *err)
+static int test_lobes(struct orl_description *d, const struct orl_material *whole,
+                      const struct orl_material *part, const struct orl_hit hits[PLACES],
+                      struct orl_error *err)
 {
     struct orl_lobed_findings findings = {0};
     for (size_t k = 0; k < (size_t)PLACES * LOOKS; k++) {
@@ -188,7 +191,7 @@ static int look_at_lobes(struct orl_description *d, const struct orl_material *w
     return judge_lobes(d, part, &findings, err);
 }
 
-/* A sum of parts with no functions of their own. */
+/* Tests the total albedo of a sum whose parts have no functions. */
 static int judge_sum(struct orl_description *d, const struct orl_geometry *g,
                      const struct orl_material *m, const struct orl_hit hits[PLACES],
                      struct orl_error *err)
@@ -217,41 +220,41 @@ static bool has_own(const struct orl_material *m)
            (m->mixed && (has_own(&m->mixed[0]) || has_own(&m->mixed[1])));
 }
 
-/* A material, or a part of it. */
-static int look(struct orl_description *d, const struct orl_geometry *g,
-                const struct orl_material *whole, const struct orl_material *m,
-                const struct sample *sample, struct orl_error *err)
+/* Tests a material or a part of it. */
+static int test_material(struct orl_description *d, const struct orl_geometry *g,
+                         const struct orl_material *whole, const struct orl_material *m,
+                         const struct sample *sample, struct orl_error *err)
 {
     struct orl_hit hits[PLACES];
     int code = 0;
     for (int i = 0; i < 2 && code == 0 && m->mixed; i++)
-        code = look(d, g, whole, &m->mixed[i], sample, err);
+        code = test_material(d, g, whole, &m->mixed[i], sample, err);
     const bool sum = m == whole && is_sum(m) && !has_own(m);
     if (code < 0 || (m->kind != ORL_MATERIAL_PRISM && m->kind != ORL_MATERIAL_LOBED && !sum))
         return code;
     place_hits(g, sample, hits);
     if (sum)
         return judge_sum(d, g, m, hits, err);
-    code = m->kind == ORL_MATERIAL_PRISM ? look_at_prism(d, m, hits, err)
-                                         : look_at_lobes(d, whole, m, hits, err);
+    code = m->kind == ORL_MATERIAL_PRISM ? test_prism(d, m, hits, err)
+                                         : test_lobes(d, whole, m, hits, err);
     for (size_t i = 0; i < sample->n && code == 0 && m->kind == ORL_MATERIAL_LOBED; i++)
-        code = know(g, m, sample->facets[i]);
+        code = make_tables(g, m, sample->facets[i]);
     return code;
 }
 
-static bool is_looked_at(const struct orl_material *m)
+static bool needs_test(const struct orl_material *m)
 {
     return has_own(m) || is_sum(m);
 }
 
-static void choose(const struct orl_description *d, const struct orl_geometry *g,
-                   struct sample *samples)
+static void choose_facets(const struct orl_description *d, const struct orl_geometry *g,
+                          struct sample *samples)
 {
     for (size_t i = 0; i < g->n_facets; i++)
         samples[orl_facet_material(g, i)].all += orl_facet_area(g, i) > 0;
     for (size_t i = 0; i < g->n_facets; i++) {
         struct sample *const s = &samples[orl_facet_material(g, i)];
-        if (is_looked_at(&d->materials[orl_facet_material(g, i)]) && orl_facet_area(g, i) > 0 &&
+        if (needs_test(&d->materials[orl_facet_material(g, i)]) && orl_facet_area(g, i) > 0 &&
             s->n < PLACES && s->met++ % ((s->all + PLACES - 1) / PLACES) == 0)
             s->facets[s->n++] = (uint32_t)i;
     }
@@ -262,13 +265,13 @@ int orl_own_settle(struct orl_description *description, const struct orl_geometr
 {
     size_t n = 0;
     for (size_t i = 0; i < description->n_materials; i++)
-        n += is_looked_at(&description->materials[i]);
+        n += needs_test(&description->materials[i]);
     if (n == 0)
         return 0;
     struct sample *const samples = calloc(description->n_materials, sizeof *samples);
     if (!samples)
         return ORL_ERR_NOMEM;
-    choose(description, geometry, samples);
+    choose_facets(description, geometry, samples);
     int code = 0;
     size_t looked = 0;
     for (size_t i = 0; i < description->n_materials && code == 0; i++) {
@@ -276,8 +279,8 @@ int orl_own_settle(struct orl_description *description, const struct orl_geometr
             continue;
         looked += has_own(&description->materials[i]);
         code = looked <= ORL_LIMIT_OWN_FUNCTIONS
-                   ? look(description, geometry, &description->materials[i],
-                          &description->materials[i], &samples[i], err)
+                   ? test_material(description, geometry, &description->materials[i],
+                                   &description->materials[i], &samples[i], err)
                    : orl_error_set(err, ORL_ERR_LIMIT,
                                    "more than %u materials of a scene are by functions of both "
                                    "directions",

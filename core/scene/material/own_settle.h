@@ -1,13 +1,14 @@
-/* Materials' own functions, looked at over their surfaces before anything is rendered. */
+/* Tests of material functions over their surfaces, before rendering. */
 #ifndef ORL_SCENE_MATERIAL_OWN_SETTLE_H
 #define ORL_SCENE_MATERIAL_OWN_SETTLE_H
 
 #include "scene/geometry/geometry.h"
 
 /*
- * Fills in what lobes come to, warns, and refuses what would come out wrong: prisms that lead light
- * and eyes different ways, lobes that return more than they get. ORL_ERR_RANGE, _UNSUPPORTED, with
- * the place.
+ * Stores the integrals of lobes, warns, and refuses materials that would give wrong results: prisms
+ * whose ways differ between light and eye, lobes with an albedo above 1. Returns 0, or
+ * ORL_ERR_RANGE or _UNSUPPORTED with file and line; ORL_ERR_LIMIT (too many such materials),
+ * _CANCELLED or _NOMEM.
  */
 int orl_own_settle(struct orl_description *description, const struct orl_geometry *geometry,
                    struct orl_error *err);

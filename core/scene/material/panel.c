@@ -1,10 +1,10 @@
 /*
- * Surfaces described by a BSDF: the data, and what the material adds to them. BSDF takes 3, 6 or 9
- * numbers: diffuse reflectances of the front and of the back, and a diffuse transmittance both
- * ways, each spread evenly. Of an aBSDF, what goes straight through by orl_bsdf_straight does so.
+ * BSDF surfaces: the data, and the diffuse parts that the material adds. BSDF takes 3, 6 or 9
+ * numbers: diffuse reflectances of the front and of the back, and a diffuse transmittance for both
+ * ways. For an aBSDF, the part that orl_bsdf_straight returns goes straight through.
  *
- * Where data and additions together would send out more than they get, both are divided by what it
- * is too much: for light from that direction, by the largest channel.
+ * Where data and additions together exceed an albedo of 1, both are divided by the excess: for
+ * light from that direction, by the largest channel.
  */
 #include "scene/material/kinds.h"
 
@@ -23,9 +23,11 @@ static enum orl_bsdf_side sides_of(enum orl_lobes lobes)
                                 (lobes & ORL_LOBE_TRANSMITTED ? ORL_BSDF_TRANSMIT : 0));
 }
 
-/* ---- What is added --------------------------------------------------------------------------- */
+/* ---- Diffuse additions
+ * ------------------------------------------------------------------------ */
 
-/* Reflectance for light from that side, and transmittance; where the sides are wanted. */
+/* Added diffuse reflectance for light from one side, and transmittance; 0 for sides that are not
+ * wanted. */
 struct added {
     struct orl_rgb reflected, transmitted;
 };
@@ -44,7 +46,7 @@ static double added_luma(const struct added *added)
     return orl_luma(added->reflected) + orl_luma(added->transmitted);
 }
 
-/* What everything is divided by for light from there, lest more leaves than came. */
+/* Returns the divisor that keeps the albedo for light from that direction at most 1. */
 static double excess(const struct orl_material *material, struct orl_vec3 in)
 {
     const struct added a = added_to(material, in.z > 0, ORL_BSDF_BOTH);
@@ -58,7 +60,7 @@ static double excess(const struct orl_material *material, struct orl_vec3 in)
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-/* f of all but the straight part; directions in the surface's frame. */
+/* f without the straight part; directions in the surface's frame. */
 static struct orl_rgb lobes_between(const struct orl_material *material, struct orl_vec3 in,
                                     struct orl_vec3 out)
 {
@@ -92,7 +94,7 @@ struct orl_rgb orl_panel_albedo(const struct orl_material *material, const struc
                          1 / excess(material, in));
 }
 
-/* Of light that arrives from there; in the surface's frame. */
+/* Straight transmittance of light from that direction; in the surface's frame. */
 static struct orl_rgb straight_from(const struct orl_material *material, struct orl_vec3 in)
 {
     return orl_rgb_scale(orl_bsdf_straight(material->bsdf, in), 1 / excess(material, in));
@@ -107,16 +109,17 @@ struct orl_rgb orl_panel_straight(const struct orl_material *material, const str
     return straight_from(material, orl_neg(orl_to_local(&frame, eye)));
 }
 
-/* ---- Draws ----------------------------------------------------------------------------------- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
-/* A draw's circumstances in the surface's frame. */
+/* The arguments of a draw in the surface's frame. */
 struct local {
     const struct orl_material *material;
     struct orl_vec3 from;
     bool adjoint;
     enum orl_bsdf_side sides;
     struct added added;
-    double data, sum; /* luminances: of the data, and with what is added; 1 with nothing added */
+    /* luminances: of the data, and of the sum with the additions; both 1 if nothing is added */
+    double data, sum;
 };
 
 static struct local local_of(const struct orl_draw *draw, const struct orl_frame *frame)
@@ -155,7 +158,8 @@ double orl_panel_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
     return local_pdf(&l, orl_to_local(&frame, towards));
 }
 
-/* Evenly to one side, by that side's share; choice is below the sum of both. */
+/* Samples the cosine distribution on one side, chosen by its share; choice is below the sum of
+ * both. */
 static struct orl_vec3 draw_added(const struct local *l, double choice, const double u[3])
 {
     const double sine = sqrt(u[0]), phi = 2 * ORL_PI * u[1];
@@ -164,14 +168,14 @@ static struct orl_vec3 draw_added(const struct local *l, double choice, const do
     return orl_v3(sine * cos(phi), sine * sin(phi), front ? cosine : -cosine);
 }
 
-/* Of a draw from the data alone, or one that goes straight. */
+/* Weight of a sample that came from the data alone or went straight. */
 static void settle_weight(const struct local *l, struct orl_bsdf_draw *draw)
 {
     const struct orl_vec3 in = l->adjoint ? draw->direction : l->from;
     draw->weight = orl_rgb_scale(draw->weight, l->sum / l->data / excess(l->material, in));
 }
 
-/* From the data or from what is added; false: nothing there. */
+/* Samples the data or the additions; false if nothing is scattered. */
 static bool draw_local(const struct local *l, const double u[3], struct orl_bsdf_draw *ret)
 {
     const double choice = u[2] * l->sum, v[3] = {u[0], u[1], l->data > 0 ? choice / l->data : 0};

@@ -41,7 +41,7 @@ static struct orl_vec3 turned(const struct orl_pattern *pattern, struct orl_vec3
                   orl_dot(pattern->row[2], v));
 }
 
-static void take(double *inputs, enum orl_ray_input first, struct orl_vec3 v)
+static void take_vector(double *inputs, enum orl_ray_input first, struct orl_vec3 v)
 {
     inputs[first] = v.x;
     inputs[first + 1] = v.y;
@@ -58,7 +58,7 @@ enum orl_pattern_worth orl_pattern_run(const struct orl_function *function, cons
                                : ORL_WORTH_VALUE;
 }
 
-/* What the grids hold at a place. */
+/* Reads all grids at a place. */
 static void look_up(const struct orl_pattern *pattern, const double *place, double *ret_held)
 {
     orl_grid_at(pattern->grids[0], place, ret_held);
@@ -70,9 +70,9 @@ static void look_up(const struct orl_pattern *pattern, const double *place, doub
     }
 }
 
-static const uint32_t no_facet = UINT32_MAX; /* of distant light */
+static const uint32_t no_facet = UINT32_MAX; /* facet of hits on distant light */
 
-/* NULL: none has corners of its own. */
+/* Returns NULL if the surface's corners were not kept. */
 const struct orl_surface *orl_pattern_surface(const struct orl_pattern *pattern,
                                               const struct orl_hit *hit)
 {
@@ -99,7 +99,7 @@ void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit
     *ret_c = orl_dot(orl_cross(ab, ap), n) / n2;
 }
 
-/* What a mesh says of the place; nothing else does, and has 0 there. */
+/* Returns the (u, v) that a mesh gives the place; 0 for other surfaces. */
 static void find_place(const struct orl_pattern *pattern, const struct orl_hit *hit,
                        double ret_place[2])
 {
@@ -114,9 +114,10 @@ static void find_place(const struct orl_pattern *pattern, const struct orl_hit *
         ret_place[k] = (1 - b - c) * at[k] + b * at[2 + k] + c * at[4 + k];
 }
 
-/* Colours by the first's share. Patterns are as deep as they were defined, ORL_PATTERN_STEPS. */
-static enum orl_pattern_worth mix(const struct orl_pattern *pattern, const struct orl_hit *hit,
-                                  struct orl_vec3 towards, double share, struct orl_rgb *ret_color)
+/* Mixes two colours by the first's share. The recursion is at most ORL_PATTERN_STEPS deep. */
+static enum orl_pattern_worth mix_colors(const struct orl_pattern *pattern,
+                                         const struct orl_hit *hit, struct orl_vec3 towards,
+                                         double share, struct orl_rgb *ret_color)
 {
     enum orl_pattern_worth worth = ORL_WORTH_VALUE;
     const double shares[2] = {share, 1 - share};
@@ -137,14 +138,14 @@ static enum orl_pattern_worth mix(const struct orl_pattern *pattern, const struc
 void orl_pattern_take(const struct orl_pattern *pattern, double *inputs, enum orl_ray_input first,
                       struct orl_vec3 direction)
 {
-    take(inputs, first, orl_scale(turned(pattern, direction), pattern->scale));
+    take_vector(inputs, first, orl_scale(turned(pattern, direction), pattern->scale));
 }
 
 void orl_pattern_inputs(const struct orl_pattern *pattern, const struct orl_hit *hit,
                         struct orl_vec3 towards, double inputs[ORL_RAY_INPUTS])
 {
-    take(inputs, ORL_RAY_PX,
-         orl_add(turned(pattern, orl_add(hit->point, pattern->center)), pattern->offset));
+    take_vector(inputs, ORL_RAY_PX,
+                orl_add(turned(pattern, orl_add(hit->point, pattern->center)), pattern->offset));
     orl_pattern_take(pattern, inputs, ORL_RAY_NX, hit->normal);
     orl_pattern_take(pattern, inputs, ORL_RAY_DX, orl_neg(towards));
     inputs[ORL_RAY_RDOT] = orl_dot(towards, hit->normal);
@@ -152,7 +153,7 @@ void orl_pattern_inputs(const struct orl_pattern *pattern, const struct orl_hit 
         find_place(pattern, hit, inputs + ORL_RAY_LU);
 }
 
-/* What its function, and what its grids hold, come to. */
+/* Evaluates the pattern's function, and its values function on what the grids hold. */
 static enum orl_pattern_worth values_at(const struct orl_pattern *pattern,
                                         const struct orl_hit *hit, struct orl_vec3 towards,
                                         double values[ORL_GRID_AXES])
@@ -178,8 +179,8 @@ bool orl_pattern_values(const struct orl_pattern *pattern, const struct orl_hit 
     return true;
 }
 
-/* Eight bands at once: what the grid holds of each, and the wavelength, are what values take. */
-static enum orl_pattern_worth see_bands(const struct orl_pattern *pattern, const double *inputs,
+/* Evaluates eight bands at once; the function takes the wavelength and the grid's value of each. */
+static enum orl_pattern_worth add_bands(const struct orl_pattern *pattern, const double *inputs,
                                         double *place, uint32_t first, struct orl_tristimulus *seen)
 {
     struct orl_function_lanes columns[ORL_RAY_INPUTS], values;
@@ -209,9 +210,11 @@ static enum orl_pattern_worth see_bands(const struct orl_pattern *pattern, const
                                : ORL_WORTH_VALUE;
 }
 
-/* A spectrum's factor. Of a grid all axes but the last are the function's coordinates. */
-static enum orl_pattern_worth see(const struct orl_pattern *pattern, const struct orl_hit *hit,
-                                  struct orl_vec3 towards, struct orl_rgb *ret_factor)
+/* Returns a spectrum's factor. The function gives all coordinates of the grid except the last,
+ * which is the wavelength. */
+static enum orl_pattern_worth spectral_factor(const struct orl_pattern *pattern,
+                                              const struct orl_hit *hit, struct orl_vec3 towards,
+                                              struct orl_rgb *ret_factor)
 {
     double inputs[ORL_RAY_INPUTS], place[ORL_GRID_AXES];
     struct orl_tristimulus seen = {0, 0, 0};
@@ -219,7 +222,7 @@ static enum orl_pattern_worth see(const struct orl_pattern *pattern, const struc
     enum orl_pattern_worth worth =
         pattern->function ? orl_pattern_run(pattern->function, inputs, place) : ORL_WORTH_VALUE;
     for (uint32_t i = 0; i < pattern->n_bands && worth == ORL_WORTH_VALUE; i += LANES)
-        worth = see_bands(pattern, inputs, place, i, &seen);
+        worth = add_bands(pattern, inputs, place, i, &seen);
     if (worth != ORL_WORTH_VALUE)
         return worth;
     if (!isfinite(seen.x) || !isfinite(seen.y) || !isfinite(seen.z))
@@ -247,7 +250,8 @@ void orl_pattern_fix(struct orl_pattern *pattern)
     if ((pattern->function && orl_function_inputs(pattern->function) & own) ||
         orl_function_inputs(pattern->values) & own)
         return;
-    pattern->fixed = see(pattern, &hit, hit.normal, &pattern->factor) == ORL_WORTH_VALUE;
+    pattern->fixed =
+        spectral_factor(pattern, &hit, hit.normal, &pattern->factor) == ORL_WORTH_VALUE;
 }
 
 static bool covers(const struct orl_pattern *pattern, const struct orl_hit *hit)
@@ -255,7 +259,7 @@ static bool covers(const struct orl_pattern *pattern, const struct orl_hit *hit)
     return orl_text_covers(pattern->text, orl_add(hit->point, pattern->center));
 }
 
-/* Its own factor, without those under it. */
+/* The pattern's own factor, without the patterns under it. */
 static enum orl_pattern_worth own_factor(const struct orl_pattern *pattern,
                                          const struct orl_hit *hit, struct orl_vec3 towards,
                                          struct orl_rgb *ret_factor)
@@ -265,7 +269,7 @@ static enum orl_pattern_worth own_factor(const struct orl_pattern *pattern,
     if (pattern->smooth || pattern->fixed)
         return ORL_WORTH_VALUE;
     if (pattern->bands)
-        return see(pattern, hit, towards, ret_factor);
+        return spectral_factor(pattern, hit, towards, ret_factor);
     const bool covered = pattern->text && covers(pattern, hit);
     enum orl_pattern_worth worth =
         pattern->text ? ORL_WORTH_VALUE : values_at(pattern, hit, towards, values);
@@ -280,7 +284,7 @@ static enum orl_pattern_worth own_factor(const struct orl_pattern *pattern,
     if (pattern->mixture) {
         const bool valued = worth == ORL_WORTH_VALUE && isfinite(values[0]);
         const double share = valued ? fmin(fmax(values[0], 0), 1) : 1;
-        const enum orl_pattern_worth other = mix(pattern, hit, towards, share, ret_factor);
+        const enum orl_pattern_worth other = mix_colors(pattern, hit, towards, share, ret_factor);
         worth = valued ? ORL_WORTH_VALUE : worth > ORL_WORTH_NONE ? worth : ORL_WORTH_NONE;
         return other > worth ? other : worth;
     }

@@ -1,4 +1,4 @@
-/* Patterns over the surfaces that have them, before anything is rendered: means and bounds. */
+/* Means and bounds of patterns over their surfaces, before rendering. */
 #include "scene/material/pattern_parts.h"
 
 #include <math.h>
@@ -12,10 +12,9 @@
 
 enum { PLACES = 1024, FEWEST = 64, ALL_PLACES = 1 << 22 };
 
-/* ---- Mean and most ----------------------------------------------------------------------------
- */
+/* ---- Mean and maximum ------------------------------------------------------------------------ */
 
-/* The facets of one pattern, and where among them an even sequence of places has come to. */
+/* The facets of one pattern, over which places are spread by area. */
 struct spread {
     const struct orl_geometry *geometry;
     const uint32_t *facets;
@@ -23,8 +22,8 @@ struct spread {
     double area;
 };
 
-/* Facets by patterns, of what is kept once in its first place: those of pattern i are from first[i]
- * on. NULL without memory. */
+/* Sorts facets by pattern, prototypes in their first place: those of pattern i start at first[i].
+ * Returns NULL if out of memory. */
 static uint32_t *sort_facets(const struct orl_description *d, const struct orl_geometry *g,
                              size_t *first)
 {
@@ -63,7 +62,7 @@ static struct orl_rgb larger(struct orl_rgb a, struct orl_rgb b)
     return (struct orl_rgb){fmax(a.r, b.r), fmax(a.g, b.g), fmax(a.b, b.b)};
 }
 
-/* In all of its places. */
+/* Area over all instances. */
 static double area_of(const struct orl_geometry *g, uint32_t facet)
 {
     struct orl_curved room;
@@ -73,9 +72,10 @@ static double area_of(const struct orl_geometry *g, uint32_t facet)
                : area;
 }
 
-/* n places of even area, within a facet by a sequence of low discrepancy (Roberts'). */
-static int evaluate(struct orl_pattern *pattern, const struct spread *spread, size_t n,
-                    size_t *ret_without, struct orl_error *err)
+/* Evaluates n places of equal area; within a facet they follow a low-discrepancy sequence
+ * (Roberts'). */
+static int evaluate_places(struct orl_pattern *pattern, const struct spread *spread, size_t n,
+                           size_t *ret_without, struct orl_error *err)
 {
     const struct orl_geometry *const g = spread->geometry;
     struct orl_rgb sum = orl_gray(0), most = orl_gray(0);
@@ -110,7 +110,7 @@ static int evaluate(struct orl_pattern *pattern, const struct spread *spread, si
     return 0;
 }
 
-/* The first few patterns that have no value everywhere; the others are not told of. */
+/* Warns of patterns without a value somewhere, but only of the first few. */
 static void warn(struct orl_description *description, const struct orl_pattern *pattern,
                  size_t without, size_t n)
 {
@@ -136,9 +136,10 @@ static int brighter(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-/* Warns when most of the light comes from few directions. */
-static void weigh(struct orl_description *description, const struct orl_distant *distant,
-                  const struct orl_pattern *pattern, double *lumas, size_t n)
+/* Warns if much of the light comes from few directions. */
+static void warn_of_concentration(struct orl_description *description,
+                                  const struct orl_distant *distant,
+                                  const struct orl_pattern *pattern, double *lumas, size_t n)
 {
     const double most_share = 0.25;
     double all = 0, few = 0;
@@ -157,7 +158,7 @@ static void weigh(struct orl_description *description, const struct orl_distant 
     orl_description_warn(description, text);
 }
 
-/* A pattern over the directions of a source, of equal solid angles. */
+/* Evaluates a pattern over the directions of a source, in equal solid angles. */
 static int settle_distant(struct orl_description *description, const struct orl_distant *distant,
                           struct orl_pattern *pattern, bool alone, struct orl_error *err)
 {
@@ -167,7 +168,7 @@ static int settle_distant(struct orl_description *description, const struct orl_
     size_t n = 0, without = 0;
     enum orl_pattern_worth worth = lumas ? ORL_WORTH_VALUE : ORL_WORTH_TOO_LONG;
     for (int i = 0; i < DIRECTIONS && worth != ORL_WORTH_TOO_LONG; i++) {
-        /* A spiral: each direction stands for as much. */
+        /* A spiral of directions with equal solid angles. */
         const double z = 1 - (2 * i + 1.0) / DIRECTIONS, s = sqrt(1 - z * z);
         const double phi = 2 * ORL_PI * fmod(i * 0.6180339887498949, 1);
         const struct orl_vec3 d = orl_v3(s * cos(phi), s * sin(phi), z);
@@ -182,7 +183,7 @@ static int settle_distant(struct orl_description *description, const struct orl_
         most = larger(most, value);
     }
     if (worth != ORL_WORTH_TOO_LONG) {
-        weigh(description, distant, pattern, lumas, n);
+        warn_of_concentration(description, distant, pattern, lumas, n);
         warn(description, pattern, without, n);
     }
     if (alone && n > 0) {
@@ -229,7 +230,7 @@ int orl_patterns_settle(struct orl_description *description, const struct orl_ge
         pattern->mean = pattern->most = orl_gray(1);
         size_t without = 0;
         if (spread.area > 0)
-            code = evaluate(pattern, &spread, places, &without, err);
+            code = evaluate_places(pattern, &spread, places, &without, err);
         warn(description, pattern, without, places);
     }
     if (code == 0)

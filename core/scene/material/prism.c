@@ -1,25 +1,27 @@
 /*
- * Prisms (prism1, prism2): what meets them goes on in one direction, or two, with a share each, by
- * functions of the direction; nothing else. An eye's ray asks the functions as Radiance does: of
- * radiance from where it goes on to, the share comes back along it.
+ * Prisms (prism1, prism2): a ray continues in one or two directions, each with a share, by
+ * functions of its direction; nothing else is scattered. For eye rays the functions are used as in
+ * Radiance: the share of the radiance from the new direction comes back along the ray.
  *
- * Light takes the same ways backwards: which, the functions say of a ray that travels as the light
- * does, and their word for an eye that looks back along that way is what counts. The functions must
- * so be their own inverse, as those of a real prism are; that is looked at over all surfaces before
- * anything is rendered (settle), and refused where it is not so. Flux is radiance times the
- * projected solid angle, which a prism may stretch: light's shares are multiplied by the ratio, by
- * differences of the directions.
+ * Light takes the same ways backwards. The functions, evaluated for a ray that travels as the light
+ * does, give the ways; the share is that of an eye ray which looks back along the way. So the
+ * functions must be their own inverse, as those of a real prism are. This is tested over all
+ * surfaces before rendering (orl_own_settle), and refused where it fails.
+ *
+ * Flux is radiance times projected solid angle, which a prism may stretch. Light's shares are
+ * multiplied by that ratio, found by finite differences of the directions.
  */
 #include "scene/material/prism.h"
 
 #include "scene/material/hemisphere.h"
 #include "scene/material/kinds.h"
 
-/* Directions nearer than this are one way and its inverse: rounding of functions, and more. */
+/* Cosine above which two directions are a way and its inverse: allows for rounding in the
+ * functions. */
 static const double same_way = 1 - 1e-7;
-static const double step = 1e-4; /* of differences, radians */
+static const double step = 1e-4; /* step of finite differences, radians */
 
-/* A way on, and the share that goes it. */
+/* An outgoing direction and its share. */
 struct way {
     double share;
     struct orl_vec3 towards;
@@ -31,7 +33,7 @@ static bool is_through(const struct orl_hit *hit, struct orl_vec3 ray, struct or
     return orl_dot(ray, hit->normal) * orl_dot(towards, hit->normal) > 0;
 }
 
-/* What an eye that looks back gets of light that travels along ray, and left towards there. */
+/* Share of an eye ray that looks back along `towards`, for light that travels along ray. */
 static double seen_share(const struct orl_material *m, const struct orl_hit *hit,
                          struct orl_vec3 ray, struct orl_vec3 towards)
 {
@@ -44,10 +46,9 @@ static double seen_share(const struct orl_material *m, const struct orl_hit *hit
     return share;
 }
 
-/* ---- Eyes -------------------------------------------------------------------------------------
- */
+/* ---- Eye rays -------------------------------------------------------------------------------- */
 
-/* Of an eye's ray that travels so, those that light takes too; how many. */
+/* Ways of an eye ray travelling along ray that light takes too; returns their number. */
 static int ways_of_eye(const struct orl_material *m, const struct orl_hit *hit, struct orl_vec3 ray,
                        struct way ret_ways[ORL_PRISM_WAYS])
 {
@@ -64,7 +65,7 @@ static int ways_of_eye(const struct orl_material *m, const struct orl_hit *hit, 
 /* ---- Light ------------------------------------------------------------------------------------
  */
 
-/* Where the function of that number sends a ray to; false: nowhere. */
+/* Returns the direction from the function of that index; false if it has none. */
 static bool sent_by(const struct orl_material *m, const struct orl_hit *hit, struct orl_vec3 ray,
                     int number, struct orl_vec3 *ret_towards)
 {
@@ -78,7 +79,8 @@ static bool sent_by(const struct orl_material *m, const struct orl_hit *hit, str
     return false;
 }
 
-/* How much a small solid angle about ray is stretched: its image's over its own; 0 at an end. */
+/* Ratio of the solid angle of the image to that of a small cone about ray; 0 at the edge of the
+ * domain. */
 static double stretch(const struct orl_material *m, const struct orl_hit *hit, struct orl_vec3 ray,
                       int number)
 {
@@ -97,7 +99,7 @@ static double stretch(const struct orl_material *m, const struct orl_hit *hit, s
     return orl_length(orl_cross(slopes[0], slopes[1]));
 }
 
-/* Of light that travels along ray: shares of flux. */
+/* Ways of light that travels along ray, with shares of flux; returns their number. */
 static int ways_of_light(const struct orl_material *m, const struct orl_hit *hit,
                          struct orl_vec3 ray, struct way ret_ways[ORL_PRISM_WAYS])
 {
@@ -119,8 +121,7 @@ static int ways_of_light(const struct orl_material *m, const struct orl_hit *hit
     return n;
 }
 
-/* ---- Draws ------------------------------------------------------------------------------------
- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 static int ways_at(const struct orl_material *m, const struct orl_hit *hit, struct orl_vec3 from,
                    enum orl_transport transport, enum orl_lobes lobes,
@@ -161,7 +162,7 @@ struct orl_rgb orl_prism_albedo(const struct orl_material *material, const struc
 {
     struct way ways[ORL_PRISM_WAYS];
     double sum = 0;
-    /* Of a surface as a whole nothing is known but this. */
+    /* For a surface as a whole nothing better is known. */
     if (orl_hit_is_anywhere(hit))
         return orl_gray(lobes & ORL_LOBE_TRANSMITTED ? 1 : 0);
     const int n = ways_at(material, hit, light, ORL_TRANSPORT_LIGHT, lobes, ways);
@@ -188,8 +189,7 @@ struct orl_scatter orl_prism_sample(const struct orl_draw *draw, const double u[
     return scatter_of(&ways[n - 1], sum);
 }
 
-/* ---- Looked at before anything is rendered ----------------------------------------------------
- */
+/* ---- Tests before rendering ------------------------------------------------------------------ */
 
 void orl_prism_look(const struct orl_material *material, const struct orl_hit *hit,
                     struct orl_prism_findings *findings)

@@ -5,9 +5,9 @@
 #include "scene/material/ward.h"
 
 /*
- * What light is divided into. As Radiance has it: a share `specular` is mirrored, white for plastic
- * and trans; of the rest, which takes the material's colour, trans lets `transmitted` through, and
- * of that `transmitted_specular` without spreading it evenly.
+ * Division of the light, as in Radiance: a share `specular` is mirrored, white for plastic and
+ * trans. The rest takes the material's colour; trans transmits `transmitted` of it, and of that
+ * `transmitted_specular` is not diffuse.
  */
 enum part { DIFFUSE, SPECULAR, SPREAD, STRAIGHT, PARTS };
 
@@ -52,7 +52,7 @@ struct orl_rgb orl_trans_straight(const struct orl_material *material, const str
                                                           material->transmitted_specular);
 }
 
-/* The parts of the allowed lobes; ret_luma, by which one is chosen. */
+/* Returns the parts of the allowed lobes, and their luminances, by which one is chosen. */
 static void parts_of(const struct orl_material *m, const struct orl_hit *hit, enum orl_lobes lobes,
                      struct orl_rgb ret_part[PARTS], double ret_luma[PARTS])
 {
@@ -70,8 +70,8 @@ static void parts_of(const struct orl_material *m, const struct orl_hit *hit, en
     ret_luma[STRAIGHT] = orl_luma(ret_part[STRAIGHT]);
 }
 
-/* One after the other: this part, or one of those that follow? */
-static enum part choose(const double luma[PARTS], double u, double *ret_chance)
+/* Chooses in sequence: this part, or one of those that follow. */
+static enum part choose_part(const double luma[PARTS], double u, double *ret_chance)
 {
     double after[PARTS];
     after[PARTS - 1] = 0;
@@ -99,10 +99,9 @@ static struct orl_vec3 facing(const struct orl_hit *hit, struct orl_vec3 from)
     return orl_dot(from, hit->normal) >= 0 ? hit->normal : orl_neg(hit->normal);
 }
 
-/* Fills in event and direction; returns f cos / pdf of the part alone, 0 where the light is lost.
- */
-static double send(struct orl_scatter *s, enum part part, const struct orl_draw *draw,
-                   const double u[2])
+/* Sets event and direction; returns f cos / pdf of the part alone, 0 if the light is lost. */
+static double sample_part(struct orl_scatter *s, enum part part, const struct orl_draw *draw,
+                          const double u[2])
 {
     const struct orl_material *m = draw->material;
     const struct orl_vec3 from = draw->from, normal = facing(draw->hit, from);
@@ -134,7 +133,7 @@ bool orl_reflector_is_matt(const struct orl_draw *draw)
            orl_luma(orl_color_at(draw->material, draw->hit)) > 0;
 }
 
-/* Directions about normals, in columns: vectors' work. */
+/* Directions about normals, in columns for vector instructions. */
 struct turns {
     double normals[3][ORL_MATTS_ABREAST], points[2][ORL_MATTS_ABREAST];
     double directions[3][ORL_MATTS_ABREAST];
@@ -182,7 +181,7 @@ struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const doubl
     struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
     struct orl_rgb parts[PARTS];
     double luma[PARTS], chance;
-    /* Most surfaces of a room: there is nothing to choose between. */
+    /* Fast path for most surfaces of a room, which are only diffuse. */
     if (orl_reflector_is_matt(draw)) {
         s.event = ORL_EVENT_DIFFUSE;
         s.direction = orl_hemisphere_about(facing(draw->hit, draw->from), u[0], u[1]);
@@ -192,8 +191,8 @@ struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const doubl
     parts_of(draw->material, draw->hit, draw->lobes, parts, luma);
     if (!(luma[DIFFUSE] + luma[SPECULAR] + luma[SPREAD] + luma[STRAIGHT] > 0))
         return s;
-    const enum part part = choose(luma, u[2], &chance);
-    const double weight = send(&s, part, draw, u);
+    const enum part part = choose_part(luma, u[2], &chance);
+    const double weight = sample_part(&s, part, draw, u);
     s.weight = orl_rgb_scale(parts[part], weight / chance);
     return s;
 }
@@ -222,8 +221,7 @@ double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
     return sum / total;
 }
 
-/* Whether a part of a material is more than nothing; where a pattern takes it away does not count.
- */
+/* Returns true if a part of a material is not zero, whatever its pattern does. */
 static bool is_part(struct orl_rgb (*part)(const struct orl_material *material,
                                            const struct orl_hit *hit),
                     const struct orl_material *material)
@@ -250,7 +248,7 @@ bool orl_reflector_has_lobes(const struct orl_material *material)
            orl_reflector_transmits_lobes(material);
 }
 
-/* About a turned normal, by whose cosine light arrives. */
+/* The lobe about a perturbed normal, weighted by the cosine to that normal. */
 static struct orl_rgb textured_gloss(const struct orl_material *material, const struct orl_hit *hit,
                                      struct orl_vec3 light, struct orl_vec3 eye, double cos_light)
 {

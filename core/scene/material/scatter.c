@@ -126,7 +126,7 @@ int orl_material_bent_ways(const struct orl_material *material, const struct orl
     return orl_material_refract(material, hit, from, transport, ret_scatters) ? 1 : 0;
 }
 
-/* What gets through, in whatever way, but for BSDFs. */
+/* Transmittance for light from a direction, of all kinds except BSDFs. */
 static struct orl_rgb transmitted(const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 light)
 {
@@ -136,9 +136,9 @@ static struct orl_rgb transmitted(const struct orl_material *material, const str
     if (material->kind == ORL_MATERIAL_TRANS)
         return orl_rgb_add(orl_trans_spread(material, hit), orl_trans_straight(material, hit));
     if (material->kind == ORL_MATERIAL_BSDF)
-        return orl_gray(0); /* counted with its other parts */
+        return orl_gray(0); /* included in the BSDF's albedo */
     if (material->kind == ORL_MATERIAL_ILLUM && !(orl_dot(light, hit->normal) > 0))
-        return orl_gray(0); /* of what comes from behind suns' and lamps' alone passes */
+        return orl_gray(0); /* from behind only light of suns and lamps passes */
     return orl_material_straight(material, hit, light);
 }
 
@@ -169,8 +169,8 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
     return sum;
 }
 
-/* Light from before it passes; of what comes from behind, in place of which it shines, that of suns
- * and lamps. */
+/* An illum transmits light from its front. From behind it transmits only light of suns and lamps,
+ * because its emission replaces the rest. */
 static struct orl_scatter sample_illum(const struct orl_draw *draw)
 {
     const struct orl_rgb share = orl_material_straight(draw->material, draw->hit, draw->from);
@@ -185,7 +185,7 @@ static struct orl_scatter sample_illum(const struct orl_draw *draw)
                                 .weight = share};
 }
 
-static struct orl_scatter sample(const struct orl_draw *draw, const double u[3])
+static struct orl_scatter sample_material(const struct orl_draw *draw, const double u[3])
 {
     switch (draw->material->kind) {
     case ORL_MATERIAL_PLASTIC:
@@ -229,7 +229,7 @@ struct orl_scatter orl_scatter_sample_at(const struct orl_material *material,
                                          const double u[3])
 {
     const struct orl_draw draw = {material, hit, from, transport, lobes};
-    return sample(&draw, u);
+    return sample_material(&draw, u);
 }
 
 void orl_scatter_sample_many(const struct orl_draw *draws, const double (*u)[3], size_t n,
@@ -242,7 +242,7 @@ void orl_scatter_sample_many(const struct orl_draw *draws, const double (*u)[3],
         else if (orl_panel_is_data_alone(draws[i].material))
             panels[n_panels++] = i;
         else
-            ret_scatters[i] = sample(&draws[i], u[i]);
+            ret_scatters[i] = sample_material(&draws[i], u[i]);
         if (n_matts == ORL_MATTS_ABREAST) {
             orl_reflector_sample_matts(draws, u, matts, n_matts, ret_scatters);
             n_matts = 0;

@@ -1,6 +1,6 @@
 #include "scene/material/text.h"
 
-/* By how many edges a ray to the right meets. */
+/* Even-odd rule: counts the edges that a ray to the right crosses. */
 static bool is_inside(const struct orl_glyph *glyph, double x, double y)
 {
     bool inside = false;

@@ -3,7 +3,7 @@
 #include "scene/geometry/placed.h"
 #include "scene/material/pattern.h"
 
-/* What the mesh's normals differ by from the facet's; nothing before there are facets. */
+/* Difference of the mesh's interpolated normal from the facet's; 0 before there are facets. */
 static struct orl_vec3 smoothed(const struct orl_pattern *texture, const struct orl_hit *hit)
 {
     const struct orl_surface *const s = orl_pattern_surface(texture, hit);
@@ -18,7 +18,7 @@ static struct orl_vec3 smoothed(const struct orl_pattern *texture, const struct 
     return length > 0 ? orl_sub(orl_scale(sum, 1 / length), hit->normal) : orl_v3(0, 0, 0);
 }
 
-/* What one texture adds to the front's normal. */
+/* Perturbation that one texture adds to the front normal. */
 static struct orl_vec3 turn_of(const struct orl_pattern *texture, const struct orl_hit *hit,
                                struct orl_vec3 from)
 {
@@ -33,7 +33,7 @@ static struct orl_vec3 turn_of(const struct orl_pattern *texture, const struct o
     return isfinite(sum.x) && isfinite(sum.y) && isfinite(sum.z) ? sum : orl_v3(0, 0, 0);
 }
 
-/* Where the surface stands as it was read. */
+/* The perturbed normal in the frame in which the surface was read. */
 static struct orl_vec3 turned_normal(const struct orl_pattern *texture, const struct orl_hit *hit,
                                      struct orl_vec3 from)
 {

@@ -1,18 +1,17 @@
 /*
- * Textures: normals turned by functions (texfunc), by values on grids (texdata), or by what a mesh
- * says of its corners. What a function gives is added to the normal, in its own coordinates without
- * their scale; several add up. The sum's direction is the normal that light meets, turned about
- * where it would look away from who asks.
+ * Textures: normals perturbed by functions (texfunc), by values on grids (texdata), or by a mesh's
+ * corner normals. A function's value is added to the normal, in the function's coordinates without
+ * their scale; several textures add up. The normalised sum is the shading normal, tilted back where
+ * it would face away from the viewer.
  *
- * It is for what is mirrored and for lobes wherever they are met, with directions kept above the
- * true surface: what a turned normal would mirror below is mirrored by the surface itself, what a
- * lobe would send there is lost. Of evenly scattered light it turns what views see: direct light by
- * its cosine, the rest by the gradient of irradiance, or folded at the surface. To what goes on
- * from there, and to photons, such surfaces are flat, so that no reflection gains or loses by a
- * texture.
+ * Mirror reflections and lobes use the shading normal everywhere, with directions kept above the
+ * true surface: a mirror direction below it is replaced by the true surface's, a lobe's sample
+ * below it is lost. For diffuse light only views use it: direct light by its cosine, the rest by
+ * the irradiance gradient or by integrating the hemisphere. Further bounces and photons see such
+ * surfaces as flat, so that no reflection gains or loses energy by a texture.
  *
- * Reference: "The RADIANCE Synthetic Imaging System", section 2.1.3; on what turned normals do to
- * energy, Veach 1997, section 5.3.
+ * References: "The RADIANCE Synthetic Imaging System", section 2.1.3; Veach 1997, section 5.3, on
+ * shading normals and energy.
  */
 #ifndef ORL_SCENE_MATERIAL_TEXTURE_H
 #define ORL_SCENE_MATERIAL_TEXTURE_H
@@ -21,11 +20,11 @@
 
 struct orl_pattern;
 
-/* The turned normal, unit, on the side of from; the true one at a hit that is anywhere. */
+/* Returns the shading normal, unit, on the side of from; the true normal at orl_hit_anywhere. */
 struct orl_vec3 orl_texture_normal(const struct orl_pattern *texture, const struct orl_hit *hit,
                                    struct orl_vec3 from);
 
-/* On the side of from, turned where the material has a texture. */
+/* Returns the shading normal on the side of from; the true normal if there is no texture. */
 static inline struct orl_vec3 orl_normal_at(const struct orl_material *material,
                                             const struct orl_hit *hit, struct orl_vec3 from)
 {
@@ -39,7 +38,7 @@ static inline struct orl_vec3 orl_mirrored(struct orl_vec3 from, struct orl_vec3
     return orl_sub(orl_scale(normal, 2 * orl_dot(from, normal)), from);
 }
 
-/* To the turned normal; its sign is that of the true one. */
+/* Cosine to the shading normal, with the sign of the true one. */
 static inline double orl_cosine_at(const struct orl_material *material, const struct orl_hit *hit,
                                    struct orl_vec3 from)
 {
@@ -49,7 +48,7 @@ static inline double orl_cosine_at(const struct orl_material *material, const st
     return copysign(orl_dot(from, orl_texture_normal(material->texture, hit, from)), plain);
 }
 
-/* Where the surface mirrors light from there to, above it. */
+/* Returns the mirror direction of from, above the true surface. */
 static inline struct orl_vec3 orl_mirrored_at(const struct orl_material *material,
                                               const struct orl_hit *hit, struct orl_vec3 from)
 {

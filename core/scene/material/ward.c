@@ -38,9 +38,9 @@ struct orl_ward orl_ward_at(const struct orl_material *material, const struct or
 
 /* ---- Reflected ------------------------------------------------------------------------------- */
 
-/* The sum of two directions, with what the Gaussian makes of its slope: exp(-tan^2 / a^2). */
+/* The unnormalised half vector, and the Gaussian of its slope: exp(-tan^2 / a^2). */
 struct half {
-    double h2, hn, gauss; /* length squared, along the normal */
+    double h2, hn, gauss; /* length squared; component along the normal */
 };
 
 static struct half half_of(const struct orl_ward *ward, struct orl_vec3 a, struct orl_vec3 b)
@@ -95,7 +95,7 @@ double orl_ward_pdf_reflected(const struct orl_ward *ward, struct orl_vec3 from,
 
 /* ---- Transmitted ----------------------------------------------------------------------------- */
 
-/* A direction on the plane of the equal-area projection about the normal on its side. */
+/* A direction in the plane of the equal-area projection about the normal on its side. */
 struct point {
     double x, y;
 };
@@ -106,7 +106,7 @@ static struct point project(const struct orl_frame *frame, struct orl_vec3 d)
     return (struct point){stretch * orl_dot(d, frame->u), stretch * orl_dot(d, frame->v)};
 }
 
-/* The Gaussian between a direction and where light from the other one goes straight. */
+/* Gaussian of the distance between a direction and the straight continuation of the other. */
 static double gaussian(const struct orl_ward *ward, struct orl_vec3 a, struct orl_vec3 b)
 {
     const struct orl_frame frame = frame_of(ward);

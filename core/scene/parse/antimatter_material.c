@@ -1,12 +1,12 @@
-/* antimatter: the names of what it cuts (geometry/antimatter.h). */
+/* antimatter: its strings name the materials that it cuts (geometry/antimatter.h). */
 #include <string.h>
 
 #include <oriel/limits.h>
 
 #include "scene/parse/material_readers.h"
 
-/* What light goes through, or comes from, is not cut: windows and lamps are reckoned by their area.
- */
+/* Returns true for opaque materials that do not emit. Others cannot be cut, because windows and
+ * lights are sampled by area. */
 static bool is_cuttable(const struct orl_material *m)
 {
     switch (m->kind) {
@@ -21,7 +21,7 @@ static bool is_cuttable(const struct orl_material *m)
     }
 }
 
-/* The material of one of its strings. */
+/* Finds the material that one of its strings names. */
 static int find_cut(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
                     uint32_t *ret_index, struct orl_error *err)
 {

@@ -7,7 +7,7 @@
 #include "base/grow.h"
 #include "scene/generate/generate.h"
 
-/* Of Radiance. */
+/* Radiance's limits. */
 enum { STRING_BYTES = 512, TYPES_MAX = 128 };
 
 int orl_binary_fail(const struct orl_binary *binary, const char *what, struct orl_error *err)
@@ -63,7 +63,7 @@ int64_t orl_binary_int(struct orl_binary *binary, unsigned bytes)
     orl_binary_skip(binary, bytes);
     if (binary->ended)
         return 0;
-    uint64_t value = at[0] & 0x80 ? UINT64_MAX : 0; /* the sign */
+    uint64_t value = at[0] & 0x80 ? UINT64_MAX : 0; /* sign extension */
     for (unsigned i = 0; i < bytes; i++)
         value = value << 8 | at[i];
     return (int64_t)value;
@@ -96,7 +96,7 @@ const char *orl_binary_string(struct orl_binary *binary)
 int orl_binary_skip_octree(struct orl_binary *binary, unsigned bytes, struct orl_error *err)
 {
     enum { EMPTY, FULL, TREE, CHILDREN = 8 };
-    uint64_t nodes = 1; /* still to come */
+    uint64_t nodes = 1; /* not yet read */
     while (nodes > 0 && !binary->ended) {
         const int64_t kind = orl_binary_int(binary, 1);
         nodes--;
@@ -119,11 +119,11 @@ int orl_binary_skip_octree(struct orl_binary *binary, unsigned bytes, struct orl
 struct primitives {
     const char *types[TYPES_MAX];
     size_t n_types;
-    struct orl_binary_names *names; /* of those read so far */
+    struct orl_binary_names *names; /* names of the primitives read so far */
     struct orl_text text;
 };
 
-/* Words with blanks in them go between quotes; what would end those has no business in a name. */
+/* Adds a word, in quotes if it has blanks; the quote character that it does not contain is used. */
 static void add_word(struct orl_text *text, const char *word)
 {
     const char *quote = strchr(word, '"') ? "'" : "\"";
@@ -163,7 +163,7 @@ static void add_numbers(struct orl_binary *binary, struct orl_text *text, int64_
     orl_text_add(text, "\n");
 }
 
-/* An alias has one word; or none, where it stands for its modifier with all that this has. */
+/* An alias has one word; or none, if it stands for its modifier with all its properties. */
 static void add_alias(struct orl_binary *binary, struct orl_text *text, const char *modifier,
                       const char *name)
 {

@@ -1,6 +1,6 @@
 /*
- * The materials BSDF and aBSDF: file, up vector, what is added. A BSDF's first string is its
- * thickness, which an aBSDF does not have; the others are the same.
+ * The materials BSDF and aBSDF: file, up vector, diffuse additions. A BSDF's first string is its
+ * thickness, which an aBSDF does not have; the other strings are equal.
  */
 #include <math.h>
 #include <stdio.h>
@@ -25,7 +25,7 @@ static int read_bsdf_file(struct orl_parser *parser, const struct orl_scope *sco
     }
     code = orl_sources_bsdf(&parser->sources, source, &bsdf, err);
     if (code < 0) {
-        /* The place is in the XML; only what is not said yet is added. */
+        /* The loader may have set a place in the XML; only what is missing is added. */
         const bool has_place = err->file[0] != '\0';
         snprintf(name, sizeof name, "BSDF %.200s", parser->primitive.id);
         orl_error_at(err, has_place ? NULL : scope->file, has_place ? 0 : parser->primitive.line,
@@ -53,7 +53,7 @@ static int read_bsdf_diffuse(struct orl_parser *parser, const struct orl_scope *
     return code;
 }
 
-/* What is added may be more than what the file leaves of the light. */
+/* Warns if data and additions together may exceed an albedo of 1. */
 static void warn_of_gain(struct orl_parser *parser, const struct orl_material *material)
 {
     struct orl_bsdf_info info;
@@ -70,7 +70,7 @@ static void warn_of_gain(struct orl_parser *parser, const struct orl_material *m
                             front ? "front" : "back");
 }
 
-/* Thickness, where there is one, and up. */
+/* Reads the thickness, if there is one, and the up vector. */
 static int read_bsdf_numbers(struct orl_parser *parser, const struct orl_scope *scope, size_t file,
                              struct orl_material *material, struct orl_error *err)
 {
@@ -100,7 +100,8 @@ int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *sc
                            struct orl_material *material, struct orl_error *err)
 {
     const struct orl_primitive *primitive = &parser->primitive;
-    const size_t file = strcmp(primitive->type, "aBSDF") == 0 ? 0 : 1; /* which string names it */
+    /* index of the string with the file */
+    const size_t file = strcmp(primitive->type, "aBSDF") == 0 ? 0 : 1;
     int code;
     material->peak = file == 0;
     if (primitive->n_strings < file + 5)

@@ -1,7 +1,7 @@
 /*
  * '!' lines, without a shell: a generator, "xform ... file", "cat file", "replmarks ... file" or
- * "obj2rad ... file", and any number of "| xform ..." or "| replmarks ..." behind. What the program
- * would print is read right away, in the scope that its transforms make.
+ * "obj2rad ... file", followed by any number of "| xform ..." or "| replmarks ...". The program's
+ * output is read immediately, in the scope that the transforms make.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include "scene/parse/objects.h"
 #include "scene/parse/packages.h"
 
-/* One of the three, and what it needs. */
+/* A generator; exactly one of the three functions is set, by what it needs. */
 struct generator {
     const char *name;
     int (*run)(const char *const *words, size_t count, struct orl_text *text,
@@ -51,19 +51,19 @@ static const struct generator *find_generator(const char *name)
     return NULL;
 }
 
-/* A command under way: stage stage is about to be applied within scope. */
+/* A running command; `stage` is the next one to apply within `scope`. */
 struct run {
     struct orl_parser *parser;
     const struct orl_command *command;
     const struct orl_scope *scope;
     size_t stage;
     int line;
-    struct orl_text text; /* what its generator wrote, once: arrays read it again */
+    struct orl_text text; /* the generator's output, written once and read again by arrays */
 };
 
 static int run_stage(struct run *run, struct orl_error *err);
 
-/* The stage before the one at hand, within scope. */
+/* Runs the previous stage within scope. */
 static int run_before(struct run *run, const struct orl_scope *scope, struct orl_error *err)
 {
     const struct orl_scope *outer = run->scope;
@@ -98,7 +98,7 @@ int orl_parser_include(struct orl_parser *parser, const struct orl_scope *inner,
     return orl_parser_file(parser, &scope, &file, err);
 }
 
-/* Files as they are; behind '|', what comes. */
+/* Includes the files; behind '|', runs the previous stage. */
 static int concatenate(struct run *run, const char *const *words, size_t count,
                        struct orl_error *err)
 {
@@ -120,9 +120,9 @@ static int concatenate(struct run *run, const char *const *words, size_t count,
 
 /* ---- xform ----------------------------------------------------------------------------------- */
 
-/* The scope inside a use of xform; prefix is where a joined prefix may be written. */
-static struct orl_scope enter(const struct orl_scope *outer, const struct orl_xform_use *use,
-                              char prefix[ORL_PREFIX_BYTES])
+/* Returns the scope inside a use of xform; prefix: room for a joined prefix. */
+static struct orl_scope enter_use(const struct orl_scope *outer, const struct orl_xform_use *use,
+                                  char prefix[ORL_PREFIX_BYTES])
 {
     struct orl_scope inner = *outer;
     inner.outer = outer;
@@ -139,7 +139,8 @@ static struct orl_scope enter(const struct orl_scope *outer, const struct orl_xf
     return inner;
 }
 
-/* A copy costs what its command's words cost to read again: as much text, for the bound on that. */
+/* Text that a copy counts as, for the limit of text read: reading a command's words again takes as
+ * long. */
 enum { WORD_COST = 64 };
 
 static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_error *err)
@@ -157,7 +158,7 @@ static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_erro
         strlen(use->prefix) + strlen(outer->prefix) + 2 > ORL_PREFIX_BYTES)
         return orl_error_set(err, ORL_ERR_LIMIT, "the prefixes of -n are too long together");
     run->parser->text_bytes += WORD_COST * use->n_words;
-    inner = enter(outer, use, prefix);
+    inner = enter_use(outer, use, prefix);
     if (run->stage > 0)
         return run_before(run, &inner, err);
     for (size_t i = 0; i < use->n_files && code == 0; i++)
@@ -165,7 +166,7 @@ static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_erro
     return code;
 }
 
-/* A file that a command's words name. */
+/* Reads a file that a command's words name. */
 static int read_arguments(void *ctx, const char *name, char **ret_text, struct orl_error *err)
 {
     struct run *run = ctx;
@@ -181,8 +182,8 @@ static int read_arguments(void *ctx, const char *name, char **ret_text, struct o
 
 /* ---- replmarks ------------------------------------------------------------------------------- */
 
-/* An octree or a mesh in a marker's place: the primitive that replmarks writes of it. The marker's
- * name goes before those inside an octree, and is that of a mesh. */
+/* Places an octree or a mesh at a marker, by the primitive that replmarks writes. The marker's name
+ * becomes the prefix of names inside an octree, or the name of a mesh. */
 static int place_compiled(struct orl_parser *parser, struct orl_scope *inner,
                           const struct orl_marker *marker, int line, struct orl_error *err)
 {
@@ -196,8 +197,8 @@ static int place_compiled(struct orl_parser *parser, struct orl_scope *inner,
     return orl_parser_read(parser, inner, text, (size_t)size, line, err);
 }
 
-/* Reads the object of the marker at hand, in the scope where the markers were named; its name goes
- * before those of the object, with the prefixes it has itself. */
+/* Reads the object of the current marker, in the scope of the replmarks command. The marker's name,
+ * with its own prefixes, becomes the prefix of the object's names. */
 static int replace_marker(struct orl_parser *parser, const struct orl_scope *scope,
                           const struct orl_marker *marker, struct orl_error *err)
 {
@@ -211,7 +212,7 @@ static int replace_marker(struct orl_parser *parser, const struct orl_scope *sco
         return code;
     if ((size_t)length >= sizeof name)
         return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "its name is too long");
-    struct orl_scope inner = enter(scope->markers->scope, &use, NULL);
+    struct orl_scope inner = enter_use(scope->markers->scope, &use, NULL);
     inner.prefix = name;
     code = marker->compiled ? place_compiled(parser, &inner, marker, line, err)
                             : orl_parser_include(parser, &inner, marker->object, err);
@@ -222,7 +223,8 @@ static int replace_marker(struct orl_parser *parser, const struct orl_scope *sco
     return code;
 }
 
-/* Markers are among what the files say, or what comes before '|'; objects go into the scope. */
+/* Reads files, or the output before '|', with markers replaced; objects are read in the command's
+ * scope. */
 static int replace_markers(struct run *run, const char *const *words, size_t count,
                            struct orl_error *err)
 {
@@ -243,7 +245,7 @@ static int replace_markers(struct run *run, const char *const *words, size_t cou
                              run->stage == 0 ? "replmarks has no file to read"
                                              : "replmarks behind '|' takes no files");
     if (code == 0 && run->stage > 0) {
-        markers->expand = true; /* xform has carried out what commands it found */
+        markers->expand = true; /* xform has already expanded the commands that it found */
         code = run_before(run, &inner, err);
     }
     for (size_t i = used + 1; i < count && code == 0; i++)
@@ -254,7 +256,7 @@ static int replace_markers(struct run *run, const char *const *words, size_t cou
 
 /* ---- Generators ------------------------------------------------------------------------------ */
 
-/* What the generator that words name writes, into run->text. */
+/* Runs the generator that the words name; stores its output in run->text. */
 static int write_text(struct run *run, const struct generator *generator, const char *const *words,
                       size_t count, struct orl_error *err)
 {
@@ -279,7 +281,7 @@ static int write_text(struct run *run, const struct generator *generator, const 
     return 0;
 }
 
-static int generate(struct run *run, const struct generator *generator, struct orl_error *err)
+static int read_generated(struct run *run, const struct generator *generator, struct orl_error *err)
 {
     size_t count;
     const char *const *words = stage_words(run, &count);
@@ -293,7 +295,7 @@ static int generate(struct run *run, const struct generator *generator, struct o
     return orl_parser_read(run->parser, run->scope, run->text.data, run->text.size, run->line, err);
 }
 
-/* obj2rad of a file, or behind a generator that writes one. */
+/* Runs obj2rad on a file, or on the output of a generator. */
 static int read_object(struct run *run, const char *const *words, size_t count,
                        struct orl_error *err)
 {
@@ -312,7 +314,7 @@ static int read_object(struct run *run, const char *const *words, size_t count,
     return orl_parser_obj2rad(run->parser, run->scope, words, count, &piped, run->line, err);
 }
 
-static int refuse(const char *name, struct orl_error *err)
+static int refuse_command(const char *name, struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command '%.80s' is not run", name);
     orl_error_hint(
@@ -337,11 +339,11 @@ static int run_stage(struct run *run, struct orl_error *err)
     if (strcmp(words[0], "obj2rad") == 0)
         return read_object(run, words, count, err);
     if (!generator)
-        return refuse(words[0], err);
+        return refuse_command(words[0], err);
     if (run->stage > 0)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
                              "%s reads nothing: it cannot stand behind '|'", words[0]);
-    return generate(run, generator, err);
+    return read_generated(run, generator, err);
 }
 
 int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope, const char *line,
@@ -360,7 +362,7 @@ int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope,
     }
     orl_text_done(&run.text);
     orl_command_done(&command);
-    /* Errors inside what was read have their place already. */
+    /* Errors inside the text have their place already. */
     if (code < 0 && err->file[0] == '\0') {
         snprintf(name, sizeof name, "!%.200s", line);
         orl_error_at(err, scope->file, number, name);

@@ -7,16 +7,16 @@
 #include "scene/parse/binary.h"
 #include "scene/parse/patches.h"
 
-/* What a file's first integer is more than, by the bytes of its numbers of primitives. */
+/* The first integer of a file is one of these plus the size in bytes of its primitive numbers. */
 enum { OCTREE_MAGIC = 283, MESH_MAGIC = 319, NUMBER_BYTES_MAX = 8 };
 
-/* A compiled file that is read. */
+/* A compiled file that is being read. */
 struct inside {
     struct orl_parser *parser;
     struct orl_scope scope;
-    const char *id; /* of the primitive that names it */
+    const char *id; /* identifier of the primitive that names it */
     struct orl_binary binary;
-    unsigned bytes; /* of its numbers of primitives */
+    unsigned bytes; /* size of its primitive numbers */
     struct orl_binary_names names;
 };
 
@@ -25,7 +25,8 @@ bool orl_parser_is_compiled(const char *type)
     return strcmp(type, "instance") == 0 || strcmp(type, "mesh") == 0;
 }
 
-/* ---- What both have -------------------------------------------------------------------------- */
+/* ---- Common parts
+ * ----------------------------------------------------------------------------- */
 
 static int read_text(void *ctx, const char *text, size_t size, struct orl_error *err)
 {
@@ -39,7 +40,7 @@ static int read_primitives(struct inside *inside, struct orl_error *err)
                                  err);
 }
 
-/* Header, kind, and the cube that holds all. */
+/* Reads the header, the kind, and the bounding cube. */
 static int open_file(struct inside *inside, const struct orl_file *file, const char *format,
                      int magic, double ret_cube[4], struct orl_error *err)
 {
@@ -57,7 +58,7 @@ static int open_file(struct inside *inside, const struct orl_file *file, const c
 
 /* ---- instance -------------------------------------------------------------------------------- */
 
-/* The files that the octree was made of. */
+/* Reads the files that the octree was made of. */
 static int read_named(struct inside *inside, size_t *ret_count, struct orl_error *err)
 {
     const char *name;
@@ -85,14 +86,14 @@ static int read_octree(struct inside *inside, const struct orl_file *file, struc
         code = read_named(inside, &n_files, err);
     if (code < 0 || n_files > 0)
         return code;
-    orl_binary_int(&inside->binary, inside->bytes); /* how many primitives there are */
+    orl_binary_int(&inside->binary, inside->bytes); /* number of primitives */
     code = orl_binary_skip_octree(&inside->binary, inside->bytes, err);
     return code < 0 ? code : read_primitives(inside, err);
 }
 
 /* ---- mesh ------------------------------------------------------------------------------------ */
 
-/* In messages its line is its number. */
+/* A triangle's line in messages is its number. */
 static int add_triangle(struct inside *inside, const struct orl_patches *patches, size_t number,
                         struct orl_error *err)
 {
@@ -156,7 +157,7 @@ static int read_mesh(struct inside *inside, const struct orl_file *file, struct 
 
 /* ---- The primitive --------------------------------------------------------------------------- */
 
-/* Inside, a modifier of the primitive's own goes by a name that nothing there has. */
+/* Defines the primitive's modifier inside the file, under a name that the file does not use. */
 static int carry_modifier(struct orl_parser *parser, const struct orl_scope *scope,
                           const struct orl_symbols *outer, const char *modifier,
                           const char **ret_name, struct orl_error *err)
@@ -179,7 +180,7 @@ static int carry_modifier(struct orl_parser *parser, const struct orl_scope *sco
                : 0;
 }
 
-/* With a table of modifiers of its own. */
+/* Reads the file with its own table of modifiers. */
 static int read_inside(struct inside *inside, const struct orl_scope *outer, const char *modifier,
                        bool is_mesh, const struct orl_file *file, struct orl_error *err)
 {
@@ -197,9 +198,9 @@ static int read_inside(struct inside *inside, const struct orl_scope *outer, con
     return code;
 }
 
-/* The primitive at hand is read over by what is inside. */
-static int begin(struct orl_parser *parser, const struct orl_scope *scope, struct inside *inside,
-                 const char **ret_modifier, struct orl_error *err)
+/* Copies what is needed of the current primitive, which reading the file overwrites. */
+static int begin_file(struct orl_parser *parser, const struct orl_scope *scope,
+                      struct inside *inside, const char **ret_modifier, struct orl_error *err)
 {
     const struct orl_primitive *primitive = &parser->primitive;
     struct orl_arena *arena = parser->out->arena;
@@ -219,7 +220,7 @@ static int begin(struct orl_parser *parser, const struct orl_scope *scope, struc
     return orl_parser_string_xform(parser, scope, 1, &inside->scope.xform, err);
 }
 
-/* Where it has been read before and is fit for that, what is inside is put there once more. */
+/* Adds an instance if the file has been read before and can be instanced; reads it otherwise. */
 static int read_or_place(struct inside *inside, const struct orl_scope *outer, const char *modifier,
                          bool is_mesh, const struct orl_file *file, struct orl_error *err)
 {
@@ -251,7 +252,7 @@ int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope
     struct orl_file file;
     char name[ORL_ERROR_NAME_MAX];
     const char *modifier = NULL;
-    int code = begin(parser, scope, &inside, &modifier, err);
+    int code = begin_file(parser, scope, &inside, &modifier, err);
     if (code == 0)
         code = orl_parser_enter(parser, &inside.scope, orl_primitive_string(&parser->primitive, 0),
                                 &file, err);

@@ -1,13 +1,13 @@
 /*
  * The primitives instance and mesh: scenes that oconv has compiled into an octree, and triangles
- * that obj2mesh has compiled. Their octrees are passed over; of an octree that is not frozen the
+ * that obj2mesh has compiled. Their octrees are skipped; for an octree that is not frozen, the
  * files it names are read.
  *
- * What is inside has names of its own: it sees no modifier from outside, and none of its is seen
- * there; a modifier of the primitive itself, other than void, takes the place of all inside.
+ * Names inside are separate: a file sees no modifiers from outside, and its own are not visible
+ * there. A modifier of the primitive itself, other than void, replaces all modifiers inside.
  *
- * Triangles are flat here: normals of their corners, which Radiance interpolates, are passed over
- * with a warning. Instances are copied, a surface for each inside.
+ * Normals and (u, v) of a mesh's corners are kept (smoothing.c). Files that occur several times may
+ * be stored once (repeats.h).
  */
 #ifndef ORL_SCENE_PARSE_COMPILED_H
 #define ORL_SCENE_PARSE_COMPILED_H
@@ -15,7 +15,7 @@
 #include "scene/parse/parser.h"
 
 bool orl_parser_is_compiled(const char *type);
-/* Reads what the primitive at hand names. */
+/* Reads the file that the current primitive names. */
 int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_error *err);
 

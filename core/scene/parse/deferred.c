@@ -6,7 +6,7 @@
 #include "base/grow.h"
 #include "scene/parse/parser.h"
 
-static const char *keep(struct orl_arena *arena, const char *text)
+static const char *copy_text(struct orl_arena *arena, const char *text)
 {
     return orl_arena_text(arena, text, strlen(text));
 }
@@ -14,10 +14,10 @@ static const char *keep(struct orl_arena *arena, const char *text)
 int orl_deferred_add(struct orl_deferred *deferred, const struct orl_error *err,
                      struct orl_arena *arena, uint32_t *ret_index)
 {
-    const struct orl_deferred_item item = {.file = keep(arena, err->file),
-                                           .primitive = keep(arena, err->primitive),
-                                           .message = keep(arena, err->message),
-                                           .hint = keep(arena, err->hint),
+    const struct orl_deferred_item item = {.file = copy_text(arena, err->file),
+                                           .primitive = copy_text(arena, err->primitive),
+                                           .message = copy_text(arena, err->message),
+                                           .hint = copy_text(arena, err->hint),
                                            .code = err->code,
                                            .line = err->line};
     if (!item.file || !item.primitive || !item.message || !item.hint ||

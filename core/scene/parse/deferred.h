@@ -1,7 +1,7 @@
 /*
- * Modifiers that are refused, until something uses them. Libraries define a thousand materials and
- * scenes use ten: one that is not simulated, or whose numbers are out of range, spoils nothing as
- * long as no surface is of it.
+ * Modifiers whose definition was refused; the error is reported when something uses them. Libraries
+ * define a thousand materials and scenes use ten: one that is not supported, or whose numbers are
+ * out of range, is harmless if no surface uses it.
  */
 #ifndef ORL_SCENE_PARSE_DEFERRED_H
 #define ORL_SCENE_PARSE_DEFERRED_H
@@ -22,24 +22,24 @@ struct orl_deferred {
     size_t count, room;
 };
 
-/* Whether an error in a modifier's definition can wait. */
+/* Returns true if an error in a modifier's definition can be deferred. */
 static inline bool orl_is_deferrable(int code)
 {
     return code == ORL_ERR_UNSUPPORTED || code == ORL_ERR_RANGE || code == ORL_ERR_NOT_FOUND;
 }
 
-/* Keeps what err says. Returns 0 or ORL_ERR_NOMEM. */
+/* Stores the error. Returns 0 or ORL_ERR_NOMEM. */
 int orl_deferred_add(struct orl_deferred *deferred, const struct orl_error *err,
                      struct orl_arena *arena, uint32_t *ret_index);
 
 /*
- * Something uses it. What is not simulated goes among the refusals, once, and 0 is returned; for
- * anything else its own code, and err says it.
+ * Records a use. Unsupported modifiers are added to the refusals, once, and 0 is returned; for
+ * other errors it returns their code and fills err.
  */
 int orl_deferred_use(struct orl_deferred *deferred, uint32_t index, struct orl_refusals *refusals,
                      struct orl_error *err);
 
-/* The first that nothing used, or NULL; ret_count: how many there are. */
+/* Returns the first unused one, or NULL; *ret_count: number of unused ones. */
 const struct orl_deferred_item *orl_deferred_unused(const struct orl_deferred *deferred,
                                                     size_t *ret_count);
 

@@ -1,8 +1,8 @@
 /*
  * BRTDfunc. Without lobes and patterns it is glazing, whose mirrored and straight shares are
- * functions of the angle (material/glazing.c). They are looked at from both sides at many angles,
- * which bounds them too. With any, it is a sum: of what is spread evenly, which the pattern is for,
- * of such shares, and of lobes by functions of both directions (material/lobed.c).
+ * functions of the angle (material/glazing.c). They are evaluated at many angles from both sides,
+ * which also gives their bounds. Otherwise it is a sum: of the diffuse parts, to which the pattern
+ * applies, of such shares, and of lobes by functions of both directions (material/lobed.c).
  */
 #include <math.h>
 #include <string.h>
@@ -12,10 +12,11 @@
 
 enum { ANGLES = 512, FIRST_LOBE = 6, LOBES = 3, STRINGS = 10, REALS = 9 };
 
-/* What rounding may exceed 1 by; what approximations may at grazing, below this cosine, is cut. */
+/* slack: rounding above 1; grazing: cosine below which sums above 1, from approximations, are
+ * clamped. */
 static const double slack = 0.001, grazing = 0.4;
 
-/* Whether one of n functions from the first on is more than 0. */
+/* Returns true if one of n functions from the first on is not the constant 0. */
 static bool any_of(const struct orl_parser *parser, size_t first, size_t n)
 {
     for (size_t i = first; i < first + n; i++)
@@ -36,9 +37,9 @@ static int refuse_gain(struct orl_parser *parser, const struct orl_scope *scope,
     return ORL_ERR_RANGE;
 }
 
-/* At one angle: all that it does with light, which is to be no more than 1, but at grazing. */
-static int look(struct orl_parser *parser, const struct orl_scope *scope, double cosine,
-                struct orl_material *m, double *most, struct orl_error *err)
+/* Checks one angle: the sum of all shares must not exceed 1, except at grazing. */
+static int check_angle(struct orl_parser *parser, const struct orl_scope *scope, double cosine,
+                       struct orl_material *m, double *most, struct orl_error *err)
 {
     double to[ORL_PATTERN_ANGLES], behind[ORL_PATTERN_ANGLES];
     if (!orl_pattern_of_angle(m->angles, cosine, to) ||
@@ -62,7 +63,7 @@ static int look(struct orl_parser *parser, const struct orl_scope *scope, double
     return 0;
 }
 
-/* Its shares by the angle, beside what is spread evenly. */
+/* Reads the shares by angle, which add to the diffuse parts. */
 static int read_angles(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_material *material, struct orl_error *err)
 {
@@ -71,7 +72,7 @@ static int read_angles(struct orl_parser *parser, const struct orl_scope *scope,
     for (int i = 0; i < 2 * ANGLES && code == 0; i++) {
         const int angle = i / 2;
         const double cosine = (angle + 0.5) / ANGLES;
-        code = look(parser, scope, i & 1 ? -cosine : cosine, material, &most, err);
+        code = check_angle(parser, scope, i & 1 ? -cosine : cosine, material, &most, err);
     }
     if (code == 0 && most > 1 + slack)
         orl_parser_warn(parser,
@@ -94,7 +95,7 @@ static int read_glazing(struct orl_parser *parser, const struct orl_scope *scope
     return code < 0 ? code : read_angles(parser, scope, material, err);
 }
 
-/* Spread evenly, mirrored and straight, and by lobes: what there is of the three. */
+/* Reads the parts that exist: diffuse, mirrored and straight, lobes. */
 static int read_sum(struct orl_parser *parser, const struct orl_scope *scope,
                     struct orl_material *material, struct orl_error *err)
 {

@@ -11,7 +11,7 @@
 enum { MAX_DEPTH = 500 };
 enum { POINTS, LINES, LINE_LOOP, LINE_STRIP, TRIANGLES, STRIP, FAN };
 
-/* Of a node: not reached; in the branch at hand; left. */
+/* State of a node: not visited; on the current branch; done. */
 enum { NEW, OPEN, LEFT };
 
 struct reading {
@@ -24,12 +24,12 @@ struct reading {
     struct orl_error *err;
 };
 
-/* What is drawn of a mesh at once. */
+/* A glTF mesh primitive. */
 struct primitive {
     struct orl_gltf_item item;
     struct orl_gltf_accessor corners, normals, indices;
     bool has_normals, has_indices;
-    size_t mode, n; /* corners in all */
+    size_t mode, n; /* n: corners in total */
 };
 
 /* ---- Names ----------------------------------------------------------------------------------- */
@@ -78,7 +78,7 @@ static int read_vector(struct reading *r, const struct orl_gltf_accessor *access
     return code;
 }
 
-/* The corners at these places of the primitive's list. */
+/* Adds the triangle of three positions in the primitive's list of corners. */
 static int add_triangle(struct reading *r, const struct primitive *p, const size_t places[3],
                         const struct orl_gltf_place *place)
 {
@@ -209,7 +209,7 @@ static int add_mesh(struct reading *r, const struct orl_gltf_item *mesh,
 
 /* ---- Nodes ----------------------------------------------------------------------------------- */
 
-/* Has it shapes to be blended, of which some count? */
+/* Returns true if the mesh has morph targets with non-zero weights. */
 static bool is_blended(const struct orl_gltf_item *node, const struct orl_gltf_item *mesh)
 {
     const json_t *const first = json_array_get(json_object_get(mesh->object, "primitives"), 0);
@@ -250,7 +250,7 @@ static int add_mesh_of(struct reading *r, const struct orl_gltf_item *node,
     return code;
 }
 
-/* A tree: what would stand in two places, or within itself, is refused. */
+/* Visits a node once; a node with two parents, or inside itself, is refused. */
 static int enter_node(struct reading *r, const struct orl_gltf_item *by, size_t index, int depth,
                       struct orl_gltf_item *ret_node)
 {
@@ -313,7 +313,7 @@ static int mark_children(struct reading *r, size_t index, bool *within)
     return code;
 }
 
-/* Without a scene: all nodes that are within no other. */
+/* A file without a scene: adds all nodes that have no parent. */
 static int add_all(struct reading *r)
 {
     bool *const within = calloc(r->n_nodes + 1, sizeof *within);

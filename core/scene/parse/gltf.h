@@ -1,13 +1,14 @@
 /*
- * glTF 2.0 (.glb; .gltf with its buffers within or beside): the triangles of its scene, placed by
- * its nodes. Metres stay; its axes, of which y points up, are turned to Radiance's: x, y, z become
- * x, -z, y. Faces are wavefront.h's: of the material's name, the node's name or else the mesh's,
- * normals where the mesh has them; blanks in names become underscores, "line" is the triangle's
- * number. Vertices may be quantized (KHR_mesh_quantization) or given apart (sparse), meshes copied
- * (EXT_mesh_gpu_instancing). Colours, textures, cameras, lamps and movement are passed over.
- * What would change the shape unseen is refused: other extensions that a file requires, numbers of
- * what is not there, nodes in two places. Reference: Khronos Group, "glTF 2.0 Specification"
- * (2021).
+ * glTF 2.0 (.glb; .gltf with embedded or separate buffers): the triangles of its scene, placed by
+ * its nodes. Units are metres; the axes (y up) are converted to Radiance's: x, y, z become x, -z,
+ * y. Faces are wavefront.h's: the material's name; the node's name or else the mesh's; normals if
+ * the mesh has them. Blanks in names become underscores; "line" is the triangle's number.
+ *
+ * Vertices may be quantized (KHR_mesh_quantization) or sparse, meshes instanced
+ * (EXT_mesh_gpu_instancing). Colours, textures, cameras, lights and animation are ignored. Content
+ * that would change the shape unnoticed is refused: other required extensions, indices out of
+ * range, nodes with two parents.
+ * Reference: Khronos Group, "glTF 2.0 Specification" (2021).
  */
 #ifndef ORL_SCENE_PARSE_GLTF_H
 #define ORL_SCENE_PARSE_GLTF_H
@@ -16,25 +17,25 @@
 
 #include "scene/parse/wavefront.h"
 
-/* The files that hold a .gltf's buffers, by the names that it calls them. */
+/* Opens the files of a .gltf's buffers, by their names in the file. */
 struct orl_gltf_buffers {
     int (*open)(void *ctx, const char *name, struct orl_file *ret_file, struct orl_error *err);
     void *ctx;
 };
 
-/* What was passed over. */
+/* Content that was ignored. */
 struct orl_gltf_rest {
-    uint64_t lines;   /* of meshes in their places: parts that are points or lines */
-    uint64_t skinned; /* meshes that a skeleton moves, which stand as they are */
-    uint64_t blended; /* meshes whose shape is blended of several: the first stands */
-    bool empty;       /* there was no triangle */
+    uint64_t lines;   /* mesh primitives that are points or lines, per instance */
+    uint64_t skinned; /* meshes with a skeleton, read in their rest pose */
+    uint64_t blended; /* meshes with morph targets, read in their base shape */
+    bool empty;       /* there were no triangles */
 };
 
-/* By how it begins: a .glb, or the JSON of a .gltf. */
+/* Returns true if the data begin like a .glb, or like the JSON of a .gltf. */
 bool orl_gltf_is(const char *data, size_t size);
 
-/* ORL_ERR_SYNTAX, _UNSUPPORTED, _RANGE, _LIMIT, _NOMEM, with the file and what of it ("nodes[3]");
- * or what opening a buffer or the sink says. */
+/* Returns 0, ORL_ERR_SYNTAX, _UNSUPPORTED, _RANGE, _LIMIT or _NOMEM, with the file and the object
+ * ("nodes[3]"); or the error of opening a buffer or of the sink. */
 int orl_gltf_read(const char *file, const char *data, size_t size,
                   const struct orl_gltf_buffers *buffers, const struct orl_wavefront_sink *sink,
                   struct orl_gltf_rest *ret_rest, struct orl_error *err);

@@ -5,7 +5,7 @@
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
 
-/* 0: there is no such component. */
+/* Returns the size of a component type in bytes; 0: unknown type. */
 static size_t size_of(size_t component)
 {
     return component == ORL_GLTF_I8 || component == ORL_GLTF_U8     ? 1
@@ -53,17 +53,18 @@ static double normalize(size_t component, double value)
     return fmax(value / most, -1);
 }
 
-/* ---- Stretches of buffers -------------------------------------------------------------------- */
+/* ---- Buffer views
+ * ----------------------------------------------------------------------------- */
 
-/* What count values from the offset on need is within length. */
+/* Returns true if count values from the offset on fit into length. */
 static bool fits(size_t length, size_t offset, size_t stride, size_t element, size_t count)
 {
     return offset <= length && element <= length - offset &&
            count - 1 <= (length - offset - element) / stride;
 }
 
-/* A buffer view that the item at names, of which it takes count values from its own offset on. The
- * stride stays as it is where the view has none, or where it is NULL. */
+/* Finds the data of the buffer view that the item names; count values start at the item's offset.
+ * *stride is unchanged if the view has none; stride may be NULL. */
 static int find_values(struct orl_gltf_file *file, const struct orl_gltf_item *at, size_t element,
                        size_t count, size_t *stride, const unsigned char **ret_data,
                        struct orl_error *err)
@@ -101,9 +102,10 @@ static int find_values(struct orl_gltf_file *file, const struct orl_gltf_item *a
     return 0;
 }
 
-/* ---- Values given apart ---------------------------------------------------------------------- */
+/* ---- Sparse values
+ * ---------------------------------------------------------------------------- */
 
-/* Their places, which must rise, as they are searched by halves. */
+/* Checks that the sparse indices rise, because they are searched by bisection. */
 static int check_places(const struct orl_gltf_accessor *a, const struct orl_gltf_item *sparse,
                         struct orl_error *err)
 {
@@ -146,7 +148,7 @@ static int open_apart(struct orl_gltf_file *file, const struct orl_gltf_item *sp
     return code ? code : check_places(a, sparse, err);
 }
 
-/* The first component of the value of that number; NULL: 0. */
+/* Returns the first component of a value; NULL: 0. */
 static const unsigned char *find_value(const struct orl_gltf_accessor *a, size_t i)
 {
     const size_t size = size_of(a->place_component);

@@ -24,7 +24,7 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
-/* Past a mark of byte order and blanks. */
+/* Returns the offset behind a byte order mark and blanks. */
 static size_t find_text(const char *data, size_t size)
 {
     size_t at = size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
@@ -45,33 +45,33 @@ static size_t read_u32(const char *at)
     return (size_t)b[0] | (size_t)b[1] << 8 | (size_t)b[2] << 16 | (size_t)b[3] << 24;
 }
 
-static int refuse(const struct orl_gltf_file *file, int code, const char *what, const char *mend,
-                  struct orl_error *err)
+static int refuse_file(const struct orl_gltf_file *file, int code, const char *what,
+                       const char *mend, struct orl_error *err)
 {
     orl_gltf_fail(&file->root, code, err, "%s", what);
     orl_error_hint(err, "%s", mend);
     return code;
 }
 
-/* The chunks of a .glb: JSON, which is the first, and BIN. */
+/* Reads the chunks of a .glb: JSON, which is the first, and BIN. */
 static int read_chunks(struct orl_gltf_file *file, const char *data, size_t size,
                        struct orl_gltf_bytes *ret_json, struct orl_error *err)
 {
     static const char cut[] = "the file is cut short: copy or export it again";
     size_t at = GLB_HEAD;
     if (read_u32(data + 4) != 2)
-        return refuse(file, ORL_ERR_UNSUPPORTED, "this is glTF, but not of version 2",
-                      "export it again as glTF 2.0", err);
+        return refuse_file(file, ORL_ERR_UNSUPPORTED, "this is glTF, but not of version 2",
+                           "export it again as glTF 2.0", err);
     if (read_u32(data + 8) > size)
-        return refuse(file, ORL_ERR_SYNTAX, "its head says that the file is longer", cut, err);
+        return refuse_file(file, ORL_ERR_SYNTAX, "its head says that the file is longer", cut, err);
     size = read_u32(data + 8);
     while (at <= size && size - at >= CHUNK_HEAD) {
         const size_t length = read_u32(data + at);
         const char *const type = data + at + 4;
         const struct orl_gltf_bytes chunk = {(const unsigned char *)type + 4, length};
         if (length > size - at - CHUNK_HEAD)
-            return refuse(file, ORL_ERR_SYNTAX, "a chunk of it ends behind the file's end", cut,
-                          err);
+            return refuse_file(file, ORL_ERR_SYNTAX, "a chunk of it ends behind the file's end",
+                               cut, err);
         if (at == GLB_HEAD && memcmp(type, "JSON", 4) == 0)
             *ret_json = chunk;
         else if (!file->chunk.data && memcmp(type, "BIN", 4) == 0)
@@ -79,8 +79,8 @@ static int read_chunks(struct orl_gltf_file *file, const char *data, size_t size
         at += CHUNK_HEAD + length;
     }
     return ret_json->data ? 0
-                          : refuse(file, ORL_ERR_SYNTAX, "its first chunk is no JSON",
-                                   "export it again as glTF 2.0", err);
+                          : refuse_file(file, ORL_ERR_SYNTAX, "its first chunk is no JSON",
+                                        "export it again as glTF 2.0", err);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -91,10 +91,10 @@ static int read_json(struct orl_gltf_file *file, const char *text, size_t size,
     json_error_t where;
     const size_t begin = find_text(text, size);
     while (size > begin && (text[size - 1] == '\0' || is_blank(text[size - 1])))
-        size--; /* what a chunk is filled up with */
+        size--; /* strips the chunk's padding */
     if (orl_json_weight(text + begin, size - begin) > ORL_LIMIT_JSON_MEMORY)
-        return refuse(file, ORL_ERR_LIMIT, "its JSON has too many values",
-                      "export it as .glb, or in several files", err);
+        return refuse_file(file, ORL_ERR_LIMIT, "its JSON has too many values",
+                           "export it as .glb, or in several files", err);
     file->document = orl_json_read(text + begin, size - begin, JSON_REJECT_DUPLICATES, &where);
     if (!file->document && errno == ENOMEM)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a glTF file");
@@ -108,7 +108,7 @@ static int read_json(struct orl_gltf_file *file, const char *text, size_t size,
     return 0;
 }
 
-static int heed_version(const struct orl_gltf_file *file, struct orl_error *err)
+static int check_version(const struct orl_gltf_file *file, struct orl_error *err)
 {
     struct orl_gltf_item asset;
     const int code = orl_gltf_inner(&file->root, "asset", &asset, err);
@@ -117,17 +117,19 @@ static int heed_version(const struct orl_gltf_file *file, struct orl_error *err)
     if (code)
         return code;
     if (!version)
-        return refuse(file, ORL_ERR_SYNTAX,
-                      "this is no glTF 2.0 that can be read: it has no 'asset' with a 'version'",
-                      "export it again as glTF 2.0", err);
+        return refuse_file(
+            file, ORL_ERR_SYNTAX,
+            "this is no glTF 2.0 that can be read: it has no 'asset' with a 'version'",
+            "export it again as glTF 2.0", err);
     return version[0] == '2' && (version[1] == '.' || !version[1]) &&
                    (!least || strcmp(least, "2.0") == 0)
                ? 0
-               : refuse(file, ORL_ERR_UNSUPPORTED, "this is glTF, but not of version 2.0",
-                        "export it again as glTF 2.0", err);
+               : refuse_file(file, ORL_ERR_UNSUPPORTED, "this is glTF, but not of version 2.0",
+                             "export it again as glTF 2.0", err);
 }
 
-/* Colours, textures and lamps, which are passed over anyway; and those that are read. */
+/* Returns true for extensions that only concern ignored content (colours, textures, lights), or
+ * that are supported. */
 static bool is_known(const char *name)
 {
     static const char *const known[] = {"KHR_materials_",
@@ -147,7 +149,7 @@ static bool is_known(const char *name)
     return false;
 }
 
-static int heed_extensions(const struct orl_gltf_file *file, struct orl_error *err)
+static int check_extensions(const struct orl_gltf_file *file, struct orl_error *err)
 {
     static const char list[] = "extensionsRequired";
     const json_t *const names = json_object_get(file->document, list);
@@ -167,7 +169,7 @@ static int heed_extensions(const struct orl_gltf_file *file, struct orl_error *e
 
 /* ---- Buffers --------------------------------------------------------------------------------- */
 
-/* "a%20b" is "a b"; false: it is too long. */
+/* Decodes "a%20b" to "a b"; false if the name is too long. */
 static bool decode_name(const char *name, char ret_name[NAME_BYTES])
 {
     size_t n = 0;
@@ -184,7 +186,7 @@ static bool decode_name(const char *name, char ret_name[NAME_BYTES])
     return *name == '\0';
 }
 
-/* "data:...;base64,...", with or without the '=' at its end. */
+/* Decodes "data:...;base64,...", with or without '=' at its end. */
 static int decode_text(const struct orl_gltf_item *at, const char *uri,
                        struct orl_gltf_buffer *buffer, struct orl_error *err)
 {
@@ -286,9 +288,9 @@ int orl_gltf_file_open(struct orl_gltf_file *file, const char *name, const char 
     if (code == 0)
         code = read_json(file, (const char *)json.data, json.size, err);
     if (code == 0)
-        code = heed_version(file, err);
+        code = check_version(file, err);
     if (code == 0)
-        code = heed_extensions(file, err);
+        code = check_extensions(file, err);
     if (code == 0)
         code = orl_gltf_length(&file->root, "buffers", &file->n_buffers, err);
     if (code == 0 && file->n_buffers > 0)

@@ -20,7 +20,7 @@ struct orl_gltf_place orl_gltf_place_within(const struct orl_gltf_place *outer,
 
 /* ---- Reading --------------------------------------------------------------------------------- */
 
-/* By columns, the last row 0 0 0 1. */
+/* Column-major; the last row must be 0 0 0 1. */
 static int read_matrix(const struct orl_gltf_item *node, const double m[16],
                        struct orl_gltf_place *ret_place, struct orl_error *err)
 {
@@ -33,7 +33,8 @@ static int read_matrix(const struct orl_gltf_item *node, const double m[16],
     return 0;
 }
 
-/* Of a quaternion x y z w, which has a length of 1 but for rounding to bytes. */
+/* Composes scale, rotation (a quaternion x y z w of length 1 except for rounding to bytes) and
+ * translation. */
 static int compose(const struct orl_gltf_item *at, const double scale[3], const double rotation[4],
                    const double translation[3], struct orl_gltf_place *ret_place,
                    struct orl_error *err)
@@ -82,7 +83,7 @@ int orl_gltf_place_read(const struct orl_gltf_item *node, struct orl_gltf_place 
 
 /* ---- Copies ---------------------------------------------------------------------------------- */
 
-/* An attribute of the extension, as many as the others. */
+/* Opens an attribute of the extension, whose count must equal that of the others. */
 static int open_attribute(struct orl_gltf_file *file, const struct orl_gltf_item *attributes,
                           const char *name, const char *type, struct orl_gltf_accessor *ret,
                           size_t *count, bool *ret_given, struct orl_error *err)

@@ -7,7 +7,7 @@
 
 #include "scene/material/observer.h"
 
-/* Text from a place on, up to its end. */
+/* A range of text. */
 struct span {
     const char *at, *end;
 };
@@ -16,7 +16,7 @@ struct span {
 
 enum kind { LETTER, ANY, SET, NOT_IN_SET, WORD_BEGINS, WORD_ENDS, TEXT_ENDS };
 
-/* What a pattern asks for at one place. */
+/* One element of a pattern. */
 struct item {
     enum kind kind;
     char letter;
@@ -39,7 +39,7 @@ static bool same_letter(char a, char b)
     return tolower((unsigned char)a) == tolower((unsigned char)b);
 }
 
-/* "[...]", whose first character may be ']'; without an end the rest is the set. */
+/* Reads "[...]", whose first character may be ']'; without an end the rest is the set. */
 static struct item read_set(struct span *pattern)
 {
     const bool without = pattern->at < pattern->end && *pattern->at == '^';
@@ -83,8 +83,8 @@ static bool is_in_set(struct span set, char c)
     return false;
 }
 
-/* Whether the item is met by the character there. */
-static bool takes(const struct item *item, const struct search *search, const char *at)
+/* Returns true if the character matches the item. */
+static bool matches_character(const struct item *item, const struct search *search, const char *at)
 {
     if (at == search->words.end)
         return false;
@@ -93,8 +93,8 @@ static bool takes(const struct item *item, const struct search *search, const ch
     return item->kind == ANY || same_letter(item->letter, *at);
 }
 
-/* Whether it is so between two characters. */
-static bool holds(enum kind kind, const struct search *search, const char *at)
+/* Returns true if a zero-width condition holds at a position. */
+static bool matches_position(enum kind kind, const struct search *search, const char *at)
 {
     const bool before = at > search->words.at && is_of_word(at[-1]);
     const bool after = at < search->words.end && is_of_word(*at);
@@ -103,7 +103,7 @@ static bool holds(enum kind kind, const struct search *search, const char *at)
                                : at == search->words.end;
 }
 
-/* Whether the pattern is in the words from there on. Goes deeper with each '*' alone. */
+/* Returns true if the pattern matches the words at that position. It recurses only at '*'. */
 static bool matches(struct search *search, struct span pattern, const char *at)
 {
     while (pattern.at < pattern.end) {
@@ -112,16 +112,16 @@ static bool matches(struct search *search, struct span pattern, const char *at)
         if (--*search->steps < 0)
             return false;
         if (item.repeated) {
-            while (takes(&item, search, last))
+            while (matches_character(&item, search, last))
                 last++;
             *search->steps -= last - at;
             for (; last > at; last--)
                 if (matches(search, pattern, last))
                     return true;
         } else if (item.kind >= WORD_BEGINS) {
-            if (!holds(item.kind, search, at))
+            if (!matches_position(item.kind, search, at))
                 return false;
-        } else if (!takes(&item, search, at++)) {
+        } else if (!matches_character(&item, search, at++)) {
             return false;
         }
     }
@@ -142,7 +142,7 @@ static bool is_in(struct span pattern, struct span words, long *steps)
 /* ---- Lines ----------------------------------------------------------------------------------- */
 
 struct entry {
-    struct span pattern, rest; /* what follows the pattern */
+    struct span pattern, rest; /* rest: text behind the pattern */
 };
 
 static int fail(const struct orl_lamp_table *table, int line, int code, const char *what,
@@ -153,7 +153,7 @@ static int fail(const struct orl_lamp_table *table, int line, int code, const ch
     return code;
 }
 
-/* The next such character that no backslash stands before, or the end. */
+/* Returns the next such character that no backslash precedes, or the end. */
 static const char *find_end(struct span span, char c)
 {
     for (const char *at = span.at; at < span.end; at++)
@@ -162,7 +162,8 @@ static const char *find_end(struct span span, char c)
     return span.end;
 }
 
-/* 1: an entry, 0: nothing but space and comment. Patterns are short: they are tried in depth. */
+/* Returns 1 for an entry, 0 for a blank or comment line. Patterns are limited in length, because
+ * matching recurses. */
 static int read_entry(const struct orl_lamp_table *table, int number, struct orl_slice text,
                       struct entry *ret, struct orl_error *err)
 {
@@ -183,7 +184,7 @@ static int read_entry(const struct orl_lamp_table *table, int number, struct orl
     return 1;
 }
 
-/* "x y share" */
+/* Reads "x y share". */
 static int read_lamp(const struct orl_lamp_table *table, int line, struct span rest,
                      struct orl_lamp *ret, struct orl_error *err)
 {
@@ -208,7 +209,7 @@ static int read_lamp(const struct orl_lamp_table *table, int line, struct span r
     return 1;
 }
 
-/* The first entry before a line whose pattern is in the words: its line, or 0. */
+/* Finds the first entry before a line whose pattern matches the words; returns its line, or 0. */
 static int find_entry(struct orl_lamp_table *table, struct span words, int before,
                       struct entry *ret, struct orl_error *err)
 {
@@ -233,7 +234,7 @@ static int find_entry(struct orl_lamp_table *table, struct span words, int befor
 int orl_lamp_find(struct orl_lamp_table *table, const char *words, size_t length,
                   struct orl_lamp *ret_lamp, struct orl_error *err)
 {
-    enum { LONGEST = 32 }; /* each name is looked for from the first line on */
+    enum { LONGEST = 32 }; /* each name is searched from the first line on */
     struct span wanted = {words, words + length};
     struct entry entry;
     int line = find_entry(table, wanted, 1 << 30, &entry, err);

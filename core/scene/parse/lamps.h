@@ -1,11 +1,11 @@
 /*
- * Tables of lamps, as Radiance's lamp.tab(5) is one: what colour a lamp has that is named by some
- * words, and how much of its first light it has left when it is half spent. A line is a pattern
- * between two equal characters, in which . * [] ^ $ \< \> mean what they mean to grep and letters
- * (but those between []) are either case's; and then "x y share", or "(words)" that stand for an
- * entry before it, 32 times at the most. The first line counts whose pattern is in the words.
+ * Tables of lamps, as Radiance's lamp.tab(5): the colour of a lamp that some words name, and its
+ * lumen depreciation at half its life. A line is a pattern between two equal characters, in which .
+ * * [] ^ $ \< \> have grep's meaning and letters (except in []) match both cases; then "x y share",
+ * or "(words)", which refer to an earlier entry, at most 32 times. The first line whose pattern
+ * occurs in the words counts.
  *
- * Tables may be anybody's: a search gives up after so many steps.
+ * Tables are untrusted: a search gives up after a number of steps.
  */
 #ifndef ORL_SCENE_PARSE_LAMPS_H
 #define ORL_SCENE_PARSE_LAMPS_H
@@ -19,18 +19,18 @@
 struct orl_lamp_table {
     const char *name, *text; /* the text need not end in NUL */
     size_t size;
-    long steps; /* left to all searches */
+    long steps; /* left for all searches */
 };
 
 enum { ORL_LAMP_STEPS = 20000000 };
 
 struct orl_lamp {
-    double x, y, share;   /* CIE 1931; of its first light */
-    struct orl_rgb color; /* of luminance share */
+    double x, y, share;   /* CIE 1931 x, y; share of the initial light */
+    struct orl_rgb color; /* its luminance is the share */
 };
 
-/* 1: found, 0: no line's pattern is in the words; ORL_ERR_SYNTAX, _RANGE, with the table's line (of
- * those up to the one that counts), _LIMIT. */
+/* Returns 1 if found, 0 if no line matches; ORL_ERR_SYNTAX or _RANGE with the table's line (among
+ * those up to the match), or _LIMIT. */
 int orl_lamp_find(struct orl_lamp_table *table, const char *words, size_t length,
                   struct orl_lamp *ret_lamp, struct orl_error *err);
 

@@ -7,7 +7,8 @@
 void orl_lexer_init(struct orl_lexer *lexer, const char *file, const char *text, size_t size)
 {
     struct orl_slice whole = {text ? text : "", size}; /* a command may write nothing */
-    orl_text_trim(file, &whole, NULL); /* what is no text is refused where the first such byte is */
+    /* bytes that are not text are refused at the first of them */
+    orl_text_trim(file, &whole, NULL);
     lexer->at = whole.text;
     lexer->end = whole.text + whole.length;
     lexer->file = file;
@@ -57,7 +58,7 @@ enum orl_next orl_lexer_next(struct orl_lexer *lexer)
 /* Returns true if `at`, after a command's '!', is the end of a line that no backslash continues. */
 static bool ends_line(const struct orl_lexer *lexer, const char *at)
 {
-    if (*at == '\r') /* alone */
+    if (*at == '\r') /* CR without LF */
         return (at + 1 == lexer->end || at[1] != '\n') && at[-1] != '\\';
     return *at == '\n' && at[-1] != '\\' &&
            !(at[-1] == '\r' && at - lexer->at > 1 && at[-2] == '\\');
@@ -113,7 +114,7 @@ static int bad_byte(const struct orl_lexer *lexer, struct orl_error *err)
     return ORL_ERR_SYNTAX;
 }
 
-/* A word with quotes somewhere in it: they are dropped, and blanks between them kept. */
+/* Reads a word with quotes in it: drops them, and keeps blanks between them. */
 static int quoted_word(struct orl_lexer *lexer, struct orl_word *word, struct orl_error *err)
 {
     char quote = '\0';

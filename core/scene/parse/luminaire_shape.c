@@ -17,7 +17,7 @@ static struct orl_luminaire_shape disc(double width, double height)
                                         fmax(height, ORL_LUMINAIRE_LEAST_M / 2)};
 }
 
-/* An ellipse that is nearly round is, others are boxes about it. */
+/* Replaces an ellipse by a disc if it is nearly round, else by its bounding box. */
 static struct orl_luminaire_shape ellipse(double length, double width, double height,
                                           struct orl_text *text)
 {

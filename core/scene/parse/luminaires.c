@@ -14,12 +14,13 @@
 static const double tiny = 1e-6;
 
 struct luminaire {
-    const char *file; /* as scene text may name it */
+    const char *file; /* name usable in scene text */
     char name[128];
     double factor, color[3], illum_radius;
-    double unit;                          /* of the scene, in a metre */
-    const char *table, *type, *otherwise; /* of lamps; what its lamp is, whatever the file says, and
-                                             if it says nothing known; or NULL */
+    double unit; /* the scene's units in a metre */
+    /* table of lamps; the lamp to use always; the lamp to use if the file names no known one; or
+     * NULL */
+    const char *table, *type, *otherwise;
 };
 
 /* ---- Scene text ------------------------------------------------------------------------------ */
@@ -73,7 +74,8 @@ static void add_body(const struct luminaire *lamp, const struct orl_luminaire_sh
                      .5 * s->width * lamp->unit);
 }
 
-/* The angles of a direction that the file's are looked up by, and how it is turned before. */
+/* Returns the functions of angle for looking up the file's data, and the rotation applied
+ * before. */
 static void name_angles(const struct orl_ies *ies, const char **ret_angles, const char **ret_turn)
 {
     const double first = ies->horizontal[0], last = ies->horizontal[ies->n_horizontal - 1];
@@ -92,7 +94,7 @@ static void name_angles(const struct orl_ies *ies, const char **ret_angles, cons
         *ret_angles = "src_phi src_theta";
 }
 
-/* The share by the luminaire's angle: what steps from one given angle to the next come to. */
+/* Adds the tilt factor by the luminaire's angle, piecewise linear. */
 static void add_tilt(const struct luminaire *lamp, const struct orl_ies_tilt *tilt,
                      struct orl_text *text)
 {
@@ -133,7 +135,7 @@ static void add_distribution(const struct luminaire *lamp, const struct orl_ies 
         orl_text_add(text, "4 %g %g %g %g\n", factor, s->length, s->width, s->height);
 }
 
-/* LM-63 has whole quarters of a sphere alone. */
+/* Warns if the angles cover less than LM-63 requires. */
 static void warn_of_angles(const struct orl_ies *ies, struct orl_text *text)
 {
     const double first = ies->horizontal[0], last = ies->horizontal[ies->n_horizontal - 1];
@@ -150,7 +152,7 @@ static void warn_of_angles(const struct orl_ies *ies, struct orl_text *text)
                                            : "it gives what it gives at the last of them");
 }
 
-/* All of a file that was read, but its geometry: about that it is an illum. */
+/* Writes the whole luminaire except its geometry, around which it is an illum. */
 static int add_luminaire(const struct luminaire *lamp, const struct orl_ies *ies, bool geometry,
                          struct orl_text *text, struct orl_luminaire_shape *ret_shape,
                          struct orl_error *err)
@@ -177,8 +179,8 @@ static int add_luminaire(const struct luminaire *lamp, const struct orl_ies *ies
     return 0;
 }
 
-/* What it looks like, in MGF, in metres. Its lamps glow within, as far as its opening is wide: what
- * comes out is what was measured. scope: of the IES file. */
+/* Adds the luminaire's geometry from its MGF file, in metres. Its lamps glow only within the size
+ * of the opening: the emitted light is the measured one. scope: of the IES file. */
 static int add_geometry(const struct luminaire *lamp, const struct orl_ies *ies,
                         const struct orl_luminaire_shape *shape, struct orl_parser *parser,
                         const struct orl_scope *scope, struct orl_text *text, struct orl_error *err)
@@ -204,7 +206,7 @@ static void take_lamp(struct luminaire *lamp, const struct orl_lamp *known, stru
                   lamp->table, known->share, known->x, known->y);
 }
 
-/* The lamp that a command names. 1: known. */
+/* Looks up the lamp that a command names. Returns 1 if known. */
 static int find_named(struct luminaire *lamp, struct orl_lamp_table *table, const char *words,
                       struct orl_text *text, struct orl_error *err)
 {
@@ -217,7 +219,7 @@ static int find_named(struct luminaire *lamp, struct orl_lamp_table *table, cons
     return code;
 }
 
-/* The lamp that the file names. 1: known. */
+/* Looks up the lamp that the file names. Returns 1 if known. */
 static int find_in_file(struct luminaire *lamp, struct orl_lamp_table *table,
                         const struct orl_file *file, struct orl_text *text, struct orl_error *err)
 {
@@ -232,8 +234,8 @@ static int find_in_file(struct luminaire *lamp, struct orl_lamp_table *table,
     return code;
 }
 
-/* The colour of its lamp, as ies2rad takes it from the table. Without a table it is the one that is
- * given. */
+/* Sets the colour of its lamp from the table, as ies2rad does; without a table the given colour
+ * stays. */
 static int settle_lamp(struct luminaire *lamp, struct orl_parser *parser, const char *folder,
                        const struct orl_file *file, struct orl_text *text, struct orl_error *err)
 {
@@ -267,7 +269,7 @@ static int settle_lamp(struct luminaire *lamp, struct orl_parser *parser, const 
 
 /* ---- A file ---------------------------------------------------------------------------------- */
 
-/* What TILT= names, beside the file. */
+/* Reads the file that TILT= names, next to the IES file. */
 static int read_tilt_file(struct orl_parser *parser, const char *folder, struct orl_ies *ies,
                           struct orl_error *err)
 {
@@ -281,7 +283,7 @@ static int read_tilt_file(struct orl_parser *parser, const char *folder, struct 
     return orl_ies_read_tilt(source->name, source->file.data, source->file.size, ies, err);
 }
 
-/* Whether its geometry is there: without it, it shines all the same. */
+/* Tests whether its geometry file exists; without it the luminaire still emits. */
 static int find_geometry(struct orl_parser *parser, const char *folder, const struct orl_ies *ies,
                          struct orl_text *text, bool *ret_found, struct orl_error *err)
 {
@@ -299,7 +301,7 @@ static int find_geometry(struct orl_parser *parser, const char *folder, const st
     return code == ORL_ERR_NOT_FOUND ? 0 : code;
 }
 
-/* folder: of the text that names it. */
+/* folder: of the text that names the file. */
 static int write_luminaire(struct luminaire *lamp, struct orl_parser *parser, const char *folder,
                            const char *resolved, const struct orl_file *file, struct orl_text *text,
                            struct orl_error *err)
@@ -367,7 +369,7 @@ static int read_unit(const char *option, double *ret_unit, struct orl_error *err
                          option);
 }
 
-/* Options of one word: -o, -p and -l name files that are not written here. */
+/* Reads options with one word; -o, -p and -l name output files, which are not written. */
 static bool read_word(const char *option, const char *word, struct luminaire *lamp)
 {
     const char **const place = strcmp(option, "-f") == 0   ? &lamp->table

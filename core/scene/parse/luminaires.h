@@ -1,10 +1,10 @@
 /*
- * Luminaires: IES files (grid/ies.h) as what Radiance's ies2rad writes of them, a light whose
- * brightness is by direction, on the luminous opening's box, disc, cylinder or sphere about the
- * origin, down being -z. Colour and depreciation of their lamps are those of the table (lamps.h)
- * that lamp.tab is, among the scene's files or in the user's library, by the words that the file
- * has for its lamp; without one, or such words, they are white. What [LUMINOUSGEOMETRY] names, in
- * MGF beside the file, stands within an illum.
+ * Luminaires: converts IES files (grid/ies.h) as Radiance's ies2rad does. The result is a light
+ * whose radiance varies with direction, on a box, disc, cylinder or sphere of the luminous
+ * opening's size about the origin; down is -z. The lamp's colour and depreciation come from the
+ * table lamp.tab (lamps.h), among the scene's files or in the user's library. The words that the
+ * file has for its lamp select the entry; without a table or such words the lamp is white. The MGF
+ * file that [LUMINOUSGEOMETRY] names, next to the IES file, is placed within an illum.
  */
 #ifndef ORL_SCENE_PARSE_LUMINAIRES_H
 #define ORL_SCENE_PARSE_LUMINAIRES_H
@@ -18,7 +18,7 @@ int orl_parser_ies2rad(struct orl_parser *parser, const struct orl_scope *scope,
                        const char *const *words, size_t count, struct orl_text *text,
                        struct orl_error *err);
 
-/* An IES file that is a part of the scene by itself, in metres: the file of that scope. */
+/* Writes an IES file that is itself a part of the scene, in metres; scope: the file's. */
 int orl_luminaire_write(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct orl_file *file, struct orl_text *text, struct orl_error *err);
 

@@ -7,7 +7,7 @@
 #include "base/phrase.h"
 #include "scene/generate/solids.h"
 
-/* Angles and lengths below this are none, as the program has it. */
+/* Angles and lengths below this count as 0, as in replmarks. */
 static const double tiny = 1e-6;
 
 enum { CORNERS_MAX = 6 };
@@ -80,7 +80,8 @@ const struct orl_marker *orl_marker_find(const struct orl_parser *parser,
     return NULL;
 }
 
-/* ---- Where a marker puts things -------------------------------------------------------------- */
+/* ---- Placement
+ * -------------------------------------------------------------------------------- */
 
 struct edge {
     struct orl_vec3 from, to;
@@ -97,7 +98,7 @@ static struct edge reversed(struct edge edge)
     return (struct edge){edge.to, edge.from, edge.length2};
 }
 
-/* The longest first; of equal ones the earlier, the first being that which closes the outline. */
+/* Sorts edges, longest first; of equal ones the earlier, the first being the closing edge. */
 static void sort_edges(struct edge *edges, size_t n)
 {
     for (size_t i = 1; i < n; i++) {
@@ -109,7 +110,7 @@ static void sort_edges(struct edge *edges, size_t n)
     }
 }
 
-/* The axes from where they meet, not yet at right angles; false when they do not meet. */
+/* Finds the axes from their common corner, not yet orthogonal; false if they do not meet. */
 static bool find_axes(const struct orl_vec3 *corners, size_t n, struct orl_vec3 *ret_origin,
                       struct orl_vec3 *ret_x, struct orl_vec3 *ret_y)
 {
@@ -140,7 +141,7 @@ static void say_turn(struct orl_phrase *phrase, const char *axis, double angle_r
     orl_phrase_add(phrase, "%f", angle_rad * (180.0 / ORL_PI));
 }
 
-/* The turns that take the axes of the scene to these. */
+/* Adds the rotations that take the scene's axes to these. */
 static void say_axes(struct orl_phrase *phrase, struct orl_vec3 x, struct orl_vec3 y,
                      struct orl_vec3 z)
 {
@@ -164,7 +165,7 @@ static int fail(struct orl_parser *parser, const struct orl_scope *scope, struct
     return ORL_ERR_SYNTAX;
 }
 
-/* In the coordinates of the command's scope. */
+/* Reads the corners in the coordinates of the command's scope. */
 static int read_corners(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_vec3 corners[CORNERS_MAX], size_t *ret_n, struct orl_error *err)
 {

@@ -101,75 +101,77 @@ static int check_index(struct orl_parser *parser, const struct orl_scope *scope,
 
 /* ---- Materials ------------------------------------------------------------------------------- */
 
-/* What rounding and white paint may exceed 1 by, and colours made of spectra be below 0; beyond, it
- * is a mistake. */
+/* Tolerance: rounding and white paint may exceed 1, and colours from spectra may be below 0, by
+ * this much. Beyond it is an error. */
 static const double slack = 0.01;
-/* All that a surface may return: a thousand reflections, and light ends. */
+/* Upper bound of a reflectance, so that paths end after some thousand reflections. */
 static const double most_returned = 0.999;
-/* Of ashik2: a lobe of a hundredth of a degree. */
+/* Limit of ashik2's exponents: a lobe of a hundredth of a degree. */
 static const double most_power = 1e8;
 
-static bool bound(double *share, double from, double most)
+static bool clamp_share(double *share, double from, double most)
 {
     const bool over = *share >= from && *share <= 1 + slack;
     *share = over ? fmin(*share, most) : *share;
     return over;
 }
 
-static bool bound_rgb(struct orl_rgb *c, double from, double most)
+static bool clamp_rgb(struct orl_rgb *c, double from, double most)
 {
-    const bool r = bound(&c->r, from, most), g = bound(&c->g, from, most);
-    return bound(&c->b, from, most) || r || g;
+    const bool r = clamp_share(&c->r, from, most), g = clamp_share(&c->g, from, most);
+    return clamp_share(&c->b, from, most) || r || g;
 }
 
-static bool lift(double *share)
+static bool lift_negative(double *share)
 {
     const bool below = *share < 0 && *share >= -slack;
     *share = below ? 0 : *share;
     return below;
 }
 
-static void lift_rgb(struct orl_parser *parser, const struct orl_scope *scope, struct orl_rgb *c)
+static void lift_negative_rgb(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_rgb *c)
 {
-    const bool r = lift(&c->r), g = lift(&c->g);
-    if (lift(&c->b) || r || g)
+    const bool r = lift_negative(&c->r), g = lift_negative(&c->g);
+    if (lift_negative(&c->b) || r || g)
         orl_parser_count(parser, scope, &parser->below);
 }
 
-/* Light that is all passed on, straight, comes out somewhere; what is all returned may never end.
- * Of metal and trans what is mirrored has the colour, or leaves a rest. */
-static void bound_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+/* Clamps shares. Light that is transmitted straight without loss leaves the scene somewhere, but
+ * light that is reflected without loss may never end. For metal and trans, mirrored light has the
+ * colour, or a share is lost. */
+static void clamp_reflector(struct orl_parser *parser, const struct orl_scope *scope,
                             struct orl_material *m)
 {
     const double above = nextafter(1, 2);
     const bool clear = m->transmitted >= 1 && m->transmitted_specular >= 1;
-    bool white = bound_rgb(&m->color, clear ? above : 1, clear ? 1 : most_returned);
+    bool white = clamp_rgb(&m->color, clear ? above : 1, clear ? 1 : most_returned);
     if (m->kind == ORL_MATERIAL_PLASTIC)
-        white |= bound(&m->specular, 1, most_returned);
+        white |= clamp_share(&m->specular, 1, most_returned);
     else
-        white |= bound(&m->specular, above, 1);
-    white |= bound(&m->transmitted, above, 1);
-    white |= bound(&m->transmitted_specular, above, 1);
+        white |= clamp_share(&m->specular, above, 1);
+    white |= clamp_share(&m->transmitted, above, 1);
+    white |= clamp_share(&m->transmitted_specular, above, 1);
     if (white)
         orl_parser_count(parser, scope, &parser->white);
 }
 
-/* Transmissivity, or a mirror's reflectance: 1 is all of it. */
+/* Clamps a transmissivity or a mirror's reflectance to at most 1. */
 void orl_material_bound_clear(struct orl_parser *parser, const struct orl_scope *scope,
                               struct orl_rgb *share)
 {
-    lift_rgb(parser, scope, share);
-    if (bound_rgb(share, nextafter(1, 2), 1))
+    lift_negative_rgb(parser, scope, share);
+    if (clamp_rgb(share, nextafter(1, 2), 1))
         orl_parser_count(parser, scope, &parser->white);
 }
 
-/* Specularity 1 is a mirror to metal; plastic and trans, whose highlight is white, keep the rest.
- */
+/* A specularity of 1 makes metal a mirror; for plastic and trans, whose highlight is white, it is
+ * clamped. */
 int orl_material_check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
                                  struct orl_material *m, struct orl_error *err)
 {
-    lift_rgb(parser, scope, &m->color);
-    bound_reflector(parser, scope, m);
+    lift_negative_rgb(parser, scope, &m->color);
+    clamp_reflector(parser, scope, m);
     int code = orl_material_share(parser, scope, m->color, true, "reflectance", err);
     if (code == 0)
         code = orl_material_share(parser, scope, orl_gray(m->specular), true, "specularity", err);
@@ -202,7 +204,7 @@ int orl_material_read_reflector(struct orl_parser *parser, const struct orl_scop
     return orl_material_check_reflector(parser, scope, material, err);
 }
 
-/* The direction of the grain: three numbers, '.', and a transform. */
+/* Reads the direction of the grain: three numbers, '.', and a transform. */
 static int read_grain(struct orl_parser *parser, const struct orl_scope *scope,
                       struct orl_material *material, struct orl_error *err)
 {
@@ -303,7 +305,8 @@ int orl_material_read_glass(struct orl_parser *parser, const struct orl_scope *s
     return code == 0 ? check_index(parser, scope, material->ior, err) : code;
 }
 
-/* Transmissivity is of a unit of length, which a transform may change; index i of the numbers. */
+/* Reads a medium at index i of the numbers. Transmissivity is per unit of length, which a transform
+ * scales. */
 static int read_medium(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
                        struct orl_medium *medium, struct orl_error *err)
 {
@@ -342,8 +345,8 @@ int orl_material_read_interface(struct orl_parser *parser, const struct orl_scop
     return code;
 }
 
-/* Extinction, albedo and what goes forward, of all light: the sources that it may name are those
- * for which Radiance would look. Lengths may be scaled by a transform. */
+/* Reads extinction, albedo and asymmetry. The sources that mist may name are a hint for Radiance's
+ * sampling, and ignored. Transforms scale lengths. */
 int orl_material_read_mist(struct orl_parser *parser, const struct orl_scope *scope,
                            struct orl_material *material, struct orl_error *err)
 {
@@ -420,7 +423,7 @@ int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *s
     return check_radiance(parser, scope, material->color, err);
 }
 
-/* The aim's length is the distance of the focus behind the lamp. */
+/* The length of the aim vector is the distance of the focus behind the lamp. */
 int orl_material_read_spotlight(struct orl_parser *parser, const struct orl_scope *scope,
                                 struct orl_material *material, struct orl_error *err)
 {

@@ -1,6 +1,6 @@
 /*
- * What the types of material share when they are read: a reader for each, and its helpers.
- * A reader fills in the fields of material that its type's arguments give; kind is set before.
+ * Readers for the arguments of each type of material, and their helpers.
+ * A reader fills the fields of material that its type's arguments give; kind is set before.
  * Internal to the parser; errors as in parser.h.
  */
 #ifndef ORL_SCENE_PARSE_MATERIAL_READERS_H
@@ -31,10 +31,10 @@ int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *s
 int orl_material_read_spotlight(struct orl_parser *parser, const struct orl_scope *scope,
                                 struct orl_material *material, struct orl_error *err);
 
-/* mixtures.c: mixfunc, mixdata, mixpict of materials; kind as well. */
+/* mixtures.c: mixfunc, mixdata, mixpict of materials; sets kind, too. */
 int orl_parser_mix(struct orl_parser *parser, const struct orl_scope *scope,
                    struct orl_material *ret_material, struct orl_error *err);
-/* What the mixture mixes gets its texture, in copies of its own. */
+/* Gives the mixed materials, in copies, the mixture's texture. */
 int orl_parser_mix_under(struct orl_parser *parser, const struct orl_scope *scope,
                          struct orl_material *mixture, struct orl_error *err);
 
@@ -64,41 +64,42 @@ int orl_material_read_lobed(struct orl_parser *parser, const struct orl_scope *s
 int orl_material_read_antimatter(struct orl_parser *parser, const struct orl_scope *scope,
                                  struct orl_material *material, struct orl_error *err);
 
-/* bsdf_material.c; the reference in material->bsdf is the caller's to drop, also on failure. */
+/* bsdf_reader.c; the caller drops the reference in material->bsdf, also on failure. */
 int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *scope,
                            struct orl_material *material, struct orl_error *err);
 
 /* ---- Helpers, material_readers.c ------------------------------------------------------------- */
 
-/* What a pattern may lie on; and of what it may depend on the direction there. */
+/* Returns true if the kind may have a pattern; directed: one that depends on the ray's
+ * direction. */
 bool orl_material_is_patterned(enum orl_material_kind kind, bool directed);
 
-/* The material that the first string argument names, for views: that, or what that is seen as, or
- * ORL_SEEN_AS_NOTHING. */
+/* Finds the material that the first string argument names, for views: its index, or that of the
+ * material it is seen as, or ORL_SEEN_AS_NOTHING. */
 int orl_material_alternate(struct orl_parser *parser, const struct orl_scope *scope,
                            int32_t *ret_seen_as, struct orl_error *err);
 
-/* Of a transmissivity, or a mirror's reflectance: what exceeds 1 by a little is 1, with a warning.
- */
+/* Clamps a transmissivity or a mirror's reflectance that is slightly above 1, with a warning. */
 void orl_material_bound_clear(struct orl_parser *parser, const struct orl_scope *scope,
                               struct orl_rgb *c);
 
-/* Three number arguments from index i on. */
+/* Returns three number arguments from index i on. */
 struct orl_rgb orl_material_rgb(const struct orl_parser *parser, size_t i);
 
-/* Fails unless the channels are from 0 up to below 1 (or to 1 itself, if closed). */
+/* Fails unless all channels are in [0, 1), or [0, 1] if closed. */
 int orl_material_share(struct orl_parser *parser, const struct orl_scope *scope, struct orl_rgb c,
                        bool closed, const char *what, struct orl_error *err);
 
-/* Colour, specularity, transmission and roughness; what is a hair above 1 is bounded. */
+/* Checks colour, specularity, transmission and roughness; clamps values slightly above 1. */
 int orl_material_check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
                                  struct orl_material *material, struct orl_error *err);
 
-/* A string argument that must be a number: expressions of function files are not evaluated. */
+/* Reads a string argument that must be a number: expressions of function files are not
+ * evaluated. */
 int orl_material_number(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
                         double *ret_value, struct orl_error *err);
 
-/* A string argument that must be '.': where Radiance's types name a function file. */
+/* Checks that a string argument is '.', where Radiance's types name a function file. */
 int orl_material_no_function(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
                              struct orl_error *err);
 

@@ -12,7 +12,7 @@ static const char *const qualifiers[QUALIFIERS] = {"Material", "Map", "Group", "
 
 enum { MOST_RULES = 10000 };
 
-/* A name, or whole numbers from low to high. */
+/* A condition on a name, or on integers from low to high. */
 struct condition {
     bool asked, is_range;
     char name[ORL_WAVEFRONT_NAME];
@@ -36,7 +36,7 @@ static int fail(const struct orl_scanner *r, const char *what, struct orl_error 
     return orl_scanner_fail(r, ORL_ERR_SYNTAX, err, "%s", what);
 }
 
-/* The next character that is neither blank nor of a remark; NUL at the end. */
+/* Returns the next character that is not blank and not in a comment; NUL at the end. */
 static char peek(struct orl_scanner *r)
 {
     for (r->fresh = false; r->at < r->end;) {
@@ -52,7 +52,7 @@ static char peek(struct orl_scanner *r)
     return '\0';
 }
 
-/* Takes the character if it is the next one. */
+/* Consumes the character if it is the next one. */
 static bool take_character(struct orl_scanner *r, char wanted)
 {
     if (peek(r) != wanted || r->at == r->end)
@@ -61,7 +61,7 @@ static bool take_character(struct orl_scanner *r, char wanted)
     return true;
 }
 
-/* A word, or what quotes hold. */
+/* Reads a word, or a quoted string. */
 static bool take_name(struct orl_scanner *r, char ret_name[ORL_WAVEFRONT_NAME])
 {
     const bool quoted = take_character(r, '"');
@@ -188,7 +188,7 @@ static bool suits_group(const struct condition *c, const struct orl_wavefront_fa
     return false;
 }
 
-static bool holds(const struct rule *rule, const struct orl_wavefront_face *face)
+static bool rule_matches(const struct rule *rule, const struct orl_wavefront_face *face)
 {
     const struct condition *c = rule->conditions;
     return (!c[OF_MATERIAL].asked || suits(&c[OF_MATERIAL], face->material)) &&
@@ -202,7 +202,7 @@ const char *orl_material_rules_choose(const struct orl_material_rules *rules,
                                       const struct orl_wavefront_face *face)
 {
     for (size_t i = rules->count; i-- > 0;)
-        if (holds(&rules->rules[i], face))
+        if (rule_matches(&rules->rules[i], face))
             return strcmp(rules->rules[i].material, "void") == 0 ? NULL : rules->rules[i].material;
     return NULL;
 }

@@ -1,4 +1,4 @@
-/* The materials of a description in the making. */
+/* The table of materials while a scene is read. */
 #include <string.h>
 
 #include "base/grow.h"
@@ -58,7 +58,7 @@ static bool same_antimatter(const struct orl_material *a, const struct orl_mater
            (a->n_cut == 0 || memcmp(a->cut, b->cut, a->n_cut * sizeof *a->cut) == 0);
 }
 
-/* Whether two materials of one name are the same: arrays read their materials again and again. */
+/* Returns true if two materials of one name are equal: arrays read the same definitions again. */
 bool orl_material_same(const struct orl_material *a, const struct orl_material *b)
 {
     if (!a->mixed != !b->mixed)

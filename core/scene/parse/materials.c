@@ -1,7 +1,8 @@
 /*
- * Modifiers: materials, and aliases of them. A material's own modifier may be void, a sky, or, of
- * most, a pattern or texture; and that of a pattern or texture may be a material, which surfaces
- * then have with it (as obj2rad and gensurf -s write it). Anything else is not simulated.
+ * Modifiers: materials, and aliases of them. A material's own modifier may be void, a sky, or, for
+ * most types, a pattern or texture. The modifier of a pattern or texture may be a material, which
+ * surfaces then have together with it (as obj2rad and gensurf -s write it). Other combinations are
+ * not supported.
  * Reference: "The RADIANCE Synthetic Imaging System", section 2.1.2.
  */
 #include <string.h>
@@ -70,7 +71,8 @@ static int define(struct orl_parser *parser, const struct orl_scope *scope, cons
     if (old && old->kind == ORL_SYMBOL_MATERIAL &&
         orl_material_same(parser->out->materials + old->index, material)) {
         orl_bsdf_unref(material->bsdf);
-        if (orl_symbols_set(&parser->symbols, *old) < 0) /* defined again, and so later */
+        /* the same definition again, but with a later order */
+        if (orl_symbols_set(&parser->symbols, *old) < 0)
             return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
         return 0;
     }
@@ -96,7 +98,7 @@ int orl_parser_define_refused(struct orl_parser *parser, const char *name,
     return 0;
 }
 
-/* The primitive at hand goes by what it stands for, or is modified by. */
+/* Defines the current primitive's name as a copy of another symbol. */
 static int define_like(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_symbol *other, struct orl_error *err)
 {
@@ -114,7 +116,8 @@ static const struct orl_symbol *find_refused(const struct orl_parser *parser, co
     return symbol && symbol->kind == ORL_SYMBOL_REFUSED ? symbol : NULL;
 }
 
-/* What is refused and modifies the primitive at hand, or is seen in its place; or NULL. */
+/* Returns the refused symbol that modifies the current primitive or is one of its materials; or
+ * NULL. */
 static const struct orl_symbol *refused_with(const struct orl_parser *parser)
 {
     const struct orl_primitive *primitive = &parser->primitive;
@@ -128,7 +131,7 @@ static const struct orl_symbol *refused_with(const struct orl_parser *parser)
     return refused;
 }
 
-/* A modifier's own modifier: void, a sky or a pattern. */
+/* Sets the material's own modifier: void, a sky or a pattern. */
 static int find_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_material *material, struct orl_error *err)
 {
@@ -162,7 +165,8 @@ static int find_pattern(struct orl_parser *parser, const struct orl_scope *scope
     return 0;
 }
 
-/* Skies shine through light and glow only; patterns lie on what is no solid and no BSDF. */
+/* Checks that a sky is on light or glow only, and that the kind of material supports its
+ * pattern. */
 static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
                      const struct orl_material *material, struct orl_error *err)
 {
@@ -208,17 +212,17 @@ static int check_name(struct orl_parser *parser, const struct orl_scope *scope,
     return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "'%s' is a reserved name", id);
 }
 
-/* What is wrong with the primitive at hand matters when something uses it. */
-static int put_off(struct orl_parser *parser, struct orl_error *err)
+/* Defers the error of the current primitive until something uses it. */
+static int defer_error(struct orl_parser *parser, struct orl_error *err)
 {
     const struct orl_error told = *err;
     return orl_parser_define_refused(parser, parser->primitive.id, &told, err);
 }
 
-/* A pattern or texture that a material modifies: that material, with it. The material's own lie
- * under it. */
-static int lay_over(struct orl_parser *parser, const struct orl_scope *scope, uint32_t index,
-                    struct orl_error *err)
+/* Handles a pattern or texture whose modifier is a material: defines a copy of that material with
+ * it. The material's own pattern and texture go under it. */
+static int overlay_pattern(struct orl_parser *parser, const struct orl_scope *scope, uint32_t index,
+                           struct orl_error *err)
 {
     struct orl_material material = parser->out->materials[index];
     const char *const id = parser->primitive.id;
@@ -249,7 +253,7 @@ static int lay_over(struct orl_parser *parser, const struct orl_scope *scope, ui
     return define(parser, scope, id, &material, err);
 }
 
-/* The material that modifies the pattern or texture at hand, or NULL. */
+/* Returns the material that modifies the current pattern or texture, or NULL. */
 static const struct orl_symbol *find_below(const struct orl_parser *parser)
 {
     const struct orl_symbol *const symbol =
@@ -275,12 +279,12 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
             code = check_lit(parser, scope, &material, err);
         if (code == 0)
             return define(parser, scope, parser->primitive.id, &material, err);
-        return orl_is_deferrable(code) ? put_off(parser, err) : code;
+        return orl_is_deferrable(code) ? defer_error(parser, err) : code;
     }
     const struct orl_symbol *const below = code == 0 ? find_below(parser) : NULL;
     if (below) {
-        code = lay_over(parser, scope, below->index, err);
-        return orl_is_deferrable(code) ? put_off(parser, err) : code;
+        code = overlay_pattern(parser, scope, below->index, err);
+        return orl_is_deferrable(code) ? defer_error(parser, err) : code;
     }
     if (code == 0)
         code = find_pattern(parser, scope, &material, err);
@@ -294,7 +298,7 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
         if (sky)
             return orl_parser_sky(parser, scope, parser->primitive.id, err);
         code = orl_parser_pattern(parser, scope, material.pattern, material.texture, false, err);
-        return orl_is_deferrable(code) ? put_off(parser, err) : code;
+        return orl_is_deferrable(code) ? defer_error(parser, err) : code;
     }
     material.kind = type->kind;
     code = type->read(parser, scope, &material, err);
@@ -303,7 +307,7 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
     if (code < 0)
         orl_bsdf_unref(material.bsdf);
     if (orl_is_deferrable(code))
-        return put_off(parser, err);
+        return defer_error(parser, err);
     return code < 0 ? code : define(parser, scope, parser->primitive.id, &material, err);
 }
 

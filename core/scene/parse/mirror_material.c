@@ -1,12 +1,12 @@
 /*
- * mirror. Radiance reflects sources by it, and shades all else by the material that it names, if it
- * names one.
+ * mirror. Radiance reflects light sources in it, and shades all other light by the alternate
+ * material, if it names one.
  */
 #include "scene/parse/material_readers.h"
 
-/* Radiance reflects sources by the mirror, and shades all else by what it is seen as. Where that
- * mirrors by itself, or lets light pass, suns are found in it here. */
-static bool stands_alone(const struct orl_parser *parser, int32_t other)
+/* Returns true if the alternate material replaces the mirror for all light: it mirrors or transmits
+ * light itself, so suns are found through it. */
+static bool replaces_mirror(const struct orl_parser *parser, int32_t other)
 {
     const struct orl_material *const m = other < 0 ? NULL : parser->out->materials + other;
     switch (m ? m->kind : ORL_MATERIAL_VOID) {
@@ -24,8 +24,8 @@ static bool stands_alone(const struct orl_parser *parser, int32_t other)
     }
 }
 
-static void become(struct orl_parser *parser, const struct orl_scope *scope, int32_t other,
-                   struct orl_material *material)
+static void use_alternate(struct orl_parser *parser, const struct orl_scope *scope, int32_t other,
+                          struct orl_material *material)
 {
     const struct orl_primitive *const primitive = &parser->primitive;
     *material = other >= 0 ? parser->out->materials[other]
@@ -51,8 +51,8 @@ int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *
         code = orl_material_alternate(parser, scope, &instead, err);
     if (code < 0)
         return code;
-    if (instead != ORL_SEEN_AS_ITSELF && stands_alone(parser, instead)) {
-        become(parser, scope, instead, material);
+    if (instead != ORL_SEEN_AS_ITSELF && replaces_mirror(parser, instead)) {
+        use_alternate(parser, scope, instead, material);
         return 0;
     }
     material->color = orl_material_rgb(parser, 0);

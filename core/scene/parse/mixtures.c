@@ -1,6 +1,6 @@
 /*
- * Mixtures: two materials that differ in colours and patterns alone are one with a pattern; others
- * are both, each with a share (material/scatter.h).
+ * Mixtures: two materials that differ only in colours and patterns become one with a pattern;
+ * others become a mixture of both with shares (material/scatter.h).
  */
 #include <string.h>
 
@@ -9,7 +9,7 @@
 #include "scene/material/scatter.h"
 #include "scene/parse/material_readers.h"
 
-/* One of the materials that the primitive at hand mixes. */
+/* Returns one of the materials that the current primitive mixes. */
 static int find_mixed(struct orl_parser *parser, const struct orl_scope *scope, size_t which,
                       struct orl_material *ret_material, struct orl_error *err)
 {
@@ -36,7 +36,7 @@ static int find_mixed(struct orl_parser *parser, const struct orl_scope *scope, 
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* Whether it may be one of two unlike ones. */
+/* Returns true if the kind may be part of a mixture of different kinds. */
 static bool is_mixable(enum orl_material_kind kind)
 {
     switch (kind) {
@@ -61,7 +61,7 @@ static int count_leaves(const struct orl_material *m)
     return m->mixed ? count_leaves(&m->mixed[0]) + count_leaves(&m->mixed[1]) : 1;
 }
 
-/* What no texture changes: glow, and void. */
+/* Returns true for materials that textures do not affect: glow and void. */
 static bool has_no_normal(const struct orl_material *m)
 {
     const struct orl_rgb t = m->transmissivity;
@@ -90,8 +90,8 @@ static int check_unlike(struct orl_parser *parser, const struct orl_scope *scope
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* Whether more of the direction than its angle to the normal counts. */
-static bool asks_for_azimuth(const struct orl_pattern *pattern)
+/* Returns true if the pattern depends on the direction beyond its angle to the normal. */
+static bool depends_on_azimuth(const struct orl_pattern *pattern)
 {
     const uint64_t inputs = pattern->function ? orl_function_inputs(pattern->function) : 0;
     return (inputs >> ORL_RAY_DX & 7) != 0;
@@ -101,7 +101,7 @@ static int check_direction(struct orl_parser *parser, const struct orl_scope *sc
                            const struct orl_pattern *mix, const struct orl_material two[2],
                            struct orl_error *err)
 {
-    if (!mix->directed || (!asks_for_azimuth(mix) && !orl_material_is_window(&two[0]) &&
+    if (!mix->directed || (!depends_on_azimuth(mix) && !orl_material_is_window(&two[0]) &&
                            !orl_material_is_window(&two[1])))
         return 0;
     orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
@@ -132,7 +132,7 @@ static int mix_unlike(struct orl_parser *parser, const struct orl_scope *scope,
     return 0;
 }
 
-/* What has a texture. */
+/* Returns true if the kind supports textures. */
 static bool can_be_turned(enum orl_material_kind kind)
 {
     return kind != ORL_MATERIAL_LOBED && kind != ORL_MATERIAL_GLAZING;

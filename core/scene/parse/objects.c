@@ -11,18 +11,18 @@
 #include "scene/parse/material_rules.h"
 #include "scene/parse/stl.h"
 
-/* A file that is read, and how. */
+/* A file being read, with its options. */
 struct object {
     struct orl_parser *parser;
     const struct orl_scope *scope;
-    const struct orl_material_rules *rules; /* or NULL */
-    const char *name;                       /* of what has none, or NULL */
-    bool flat;                              /* without a word on normals */
-    int line;          /* what messages name instead of the face's own; 0: nothing */
-    uint64_t unturned; /* faces whose corners have normals that are passed over */
-    double *reals;     /* three a corner */
-    size_t *next;      /* of the corners that are left, the one behind each */
-    size_t room;       /* of both, corners */
+    const struct orl_material_rules *rules; /* may be NULL */
+    const char *name;                       /* for unnamed faces; may be NULL */
+    bool flat;                              /* -f: ignores normals without a warning */
+    int line;          /* line that messages name for every face; 0: the face's own */
+    uint64_t unturned; /* faces whose corner normals are ignored */
+    double *reals;     /* three per corner */
+    size_t *next;      /* index of the next remaining corner */
+    size_t room;       /* corners allocated in both */
 };
 
 enum { ID_BYTES = ORL_WAVEFRONT_GROUPS * ORL_WAVEFRONT_NAME + 32 };
@@ -64,7 +64,7 @@ static int make_room(struct object *object, size_t n, struct orl_error *err)
     return 0;
 }
 
-/* Newell's, unit; 0 without an area. */
+/* Returns the unit normal by Newell's method; 0 if there is no area. */
 static struct orl_vec3 normal_of(const struct orl_wavefront_face *face)
 {
     const struct orl_vec3 *v = face->corners;
@@ -75,7 +75,7 @@ static struct orl_vec3 normal_of(const struct orl_wavefront_face *face)
     return length > 0 ? orl_scale(sum, 1 / length) : sum;
 }
 
-/* Within a thousandth of its size of the mean plane. */
+/* Returns true if the face deviates from its mean plane by at most a thousandth of its size. */
 static bool is_planar(const struct orl_wavefront_face *face, struct orl_vec3 normal)
 {
     double low = 0, high = 0, size = 0;
@@ -101,14 +101,14 @@ static bool is_convex(const struct orl_wavefront_face *face, struct orl_vec3 nor
     return true;
 }
 
-/* Do its corners' normals differ from its own, and look to the same side? */
+/* Compares corner normals with the face's: equal, different, or on the wrong side. */
 enum turning { FLAT, TURNED, ODD };
 static enum turning turning_of(const struct orl_wavefront_face *face, struct orl_vec3 normal)
 {
     enum turning turning = FLAT;
     for (size_t i = 0; face->normals && i < face->n_corners; i++) {
         const double cosine = orl_dot(face->normals[i], normal) / orl_length(face->normals[i]);
-        if (!(cosine > 0)) /* no length, too */
+        if (!(cosine > 0)) /* also for normals of length 0 */
             return ODD;
         if (cosine < 1 - 1e-6)
             turning = TURNED;
@@ -116,7 +116,7 @@ static enum turning turning_of(const struct orl_wavefront_face *face, struct orl
     return turning;
 }
 
-/* Every other corner is cut off, around and around, until a triangle is left. */
+/* Cuts off every other corner, round by round, until one triangle remains. */
 static int add_triangles(struct object *object, const struct orl_wavefront_face *face, bool turned,
                          const char *modifier, const char *id, struct orl_error *err)
 {
@@ -221,7 +221,7 @@ static int add_facet(void *ctx, const struct orl_vec3 corners[3], int line, stru
     return add_polygon(object, object->name, object->name, line, 3, err);
 }
 
-/* The file's name without folder and ending, blanks in it as underscores. */
+/* Makes a name from the file's, without folder and extension; blanks become underscores. */
 static void name_of_file(const char *file, char ret_name[ORL_WAVEFRONT_NAME])
 {
     const char *slash = strrchr(file, '/'), *start = slash ? slash + 1 : file;
@@ -246,7 +246,7 @@ static int read_stl(struct orl_parser *parser, const struct orl_scope *scope,
 
 /* ---- glTF ------------------------------------------------------------------------------------ */
 
-/* A file with a .gltf's buffer, beside it. */
+/* Opens a .gltf's buffer file next to it. */
 static int open_buffer(void *ctx, const char *name, struct orl_file *ret_file,
                        struct orl_error *err)
 {

@@ -1,12 +1,13 @@
 /*
- * Files of other programs as parts of a scene: luminaires (luminaires.h); and meshes, Wavefront OBJ
- * files, alone or by obj2rad, glTF and STL files. A face is a polygon whose modifier is named, and
- * must be defined, as any other's is: of OBJ the name of usemtl, else of the first group, else
- * "white", or what obj2rad's rules say; of glTF the material's name, else "white"; of STL the
- * file's own name without folder and ending. A face that is
- * not planar to a thousandth of its size comes in triangles, as obj2rad cuts it; so does one whose
- * corners have normals of their own, between which light is shaded (material/texture.h), but for
- * obj2rad -f.
+ * Files of other programs as parts of a scene: luminaires (luminaires.h); and meshes in Wavefront
+ * OBJ (directly or by obj2rad), glTF and STL. A face becomes a polygon, whose modifier must be
+ * defined like any other's. Its name is: for OBJ that of usemtl, else the first group's, else
+ * "white", or what obj2rad's rules give; for glTF the material's name, else "white"; for STL the
+ * file's name without folder and extension.
+ *
+ * A face that is not planar to a thousandth of its size is split into triangles, as by obj2rad; so
+ * is one whose corners have different normals, between which shading is interpolated
+ * (material/texture.h), except with obj2rad -f.
  */
 #ifndef ORL_SCENE_PARSE_OBJECTS_H
 #define ORL_SCENE_PARSE_OBJECTS_H
@@ -21,16 +22,16 @@ enum orl_object_kind {
     ORL_OBJECT_IES
 };
 
-/* By the ending of its name and by how it begins: scene text may end in .obj, too. */
+/* Decides by the name's extension and by the first bytes: scene text may end in .obj, too. */
 enum orl_object_kind orl_object_kind_of(const char *name, const struct orl_file *file);
 
-/* Reads a mesh of that kind, whose scope has been made. */
+/* Reads a mesh of that kind, in the scope made for it. */
 int orl_parser_object(struct orl_parser *parser, const struct orl_scope *scope,
                       const struct orl_file *file, enum orl_object_kind kind,
                       struct orl_error *err);
 
-/* The command obj2rad [-f] [-m RULES] [-o NAME] FILE; without FILE when that is piped into it by a
- * command in that line, which is what messages name. */
+/* The command obj2rad [-f] [-m RULES] [-o NAME] FILE. Without FILE it reads the output piped into
+ * it by a command in that line, which messages name. */
 int orl_parser_obj2rad(struct orl_parser *parser, const struct orl_scope *scope,
                        const char *const *words, size_t count, const struct orl_file *piped,
                        int line, struct orl_error *err);

@@ -1,5 +1,5 @@
-/* Materials whose doing functions say (material/own.h): prism1 and prism2; plasfunc, metfunc,
- * transfunc, plasdata, metdata and transdata. */
+/* Materials defined by functions (material/own.h): prism1 and prism2; plasfunc, metfunc, transfunc,
+ * plasdata, metdata and transdata. */
 #include <string.h>
 
 #include "scene/parse/material_readers.h"

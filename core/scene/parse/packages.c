@@ -6,19 +6,19 @@
 #include "bsdf/piece.h"
 #include "scene/generate/mgf.h"
 
-/* A BSDF file, and what is known of it. */
+/* A BSDF file and its geometry. */
 struct package {
-    const char *file; /* as the command names it */
+    const char *file; /* name in the command */
     const char *resolved;
-    char name[256]; /* without folder and ending */
+    char name[256]; /* without folder and extension */
     struct orl_bsdf *bsdf;
     struct orl_bsdf_piece piece;
 };
 
 /* ---- Faces ----------------------------------------------------------------------------------- */
 
-/* The panel's rectangle as a proxy before (offset positive) or behind its geometry; 0: there is
- * none. The face stands a little clear of it, as pkgBSDF has it. */
+/* Adds the panel's rectangle as a proxy in front of (offset positive) or behind its geometry; 0:
+ * there is no geometry. Like pkgBSDF it leaves a small clearance. */
 static void add_face(struct orl_text *text, const struct package *package, double offset)
 {
     static const double clearance = 2e-5, reach = 1.00004;
@@ -33,7 +33,7 @@ static void add_face(struct orl_text *text, const struct package *package, doubl
     orl_text_add(text, "\n %.6e %.6e %.6e\n %.6e %.6e %.6e\n", x, y, z, -x, y, z);
 }
 
-/* Does anything return light that comes from behind? Less than a thousandth is nothing. */
+/* Returns true if the BSDF reflects light from behind; less than a thousandth is ignored. */
 static bool reflects_behind(const struct orl_bsdf *bsdf)
 {
     for (int i = 0; i < 90; i += 15) {

@@ -66,24 +66,23 @@ static int read_command(struct orl_parser *parser, const struct orl_scope *scope
     return code;
 }
 
-/* Arrays read files again and again: the sum is bounded, and a short read is not free. */
-/* Of the types that are not simulated these are no modifiers. */
+/* Returns true for types that are surfaces, not modifiers. */
 static bool is_surface(const char *type)
 {
     return orl_parser_is_surface(type) || orl_parser_is_compiled(type);
 }
 
-/* Counts what is not simulated, and reads on behind it where that can be; modifiers wait until they
- * are used. */
-static int note_refusal(struct orl_parser *parser, struct orl_lexer *lexer, bool command,
-                        struct orl_error *err)
+/* Counts an unsupported primitive or command, and continues behind it if possible; modifiers are
+ * deferred until they are used. */
+static int record_refusal(struct orl_parser *parser, struct orl_lexer *lexer, bool command,
+                          struct orl_error *err)
 {
     struct orl_error ignored;
     const struct orl_error refused = *err;
     const struct orl_primitive *primitive = &parser->primitive;
-    /* The arguments of types that are known have been read. */
+    /* For known types the arguments have been read already. */
     const bool read = command || is_known(primitive->type) || strcmp(primitive->type, "alias") == 0;
-    /* Reading them moves the words of the head. */
+    /* Reading arguments moves the words of the head. */
     if (!read && orl_primitive_read_arguments(&parser->primitive, lexer, &ignored) < 0) {
         orl_refusals_add(&parser->refusals, &refused);
         parser->cut_short = true;
@@ -111,14 +110,14 @@ int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, co
         code = command ? read_command(parser, scope, &lexer, err)
                        : read_primitive(parser, scope, &lexer, err);
         if (code == ORL_ERR_UNSUPPORTED && !parser->cut_short)
-            code = note_refusal(parser, &lexer, command, err);
+            code = record_refusal(parser, &lexer, command, err);
         if (code == 0)
             code = orl_parser_heed_cancel(parser, err);
     }
     return code;
 }
 
-/* As the text that ies2rad writes of it. */
+/* Reads an IES file through the text that ies2rad would write. */
 static int read_luminaire(struct orl_parser *parser, const struct orl_scope *scope,
                           const struct orl_file *file, struct orl_error *err)
 {
@@ -142,8 +141,8 @@ int orl_parser_file(struct orl_parser *parser, const struct orl_scope *scope,
                                    : orl_parser_read(parser, scope, file->data, file->size, 0, err);
 }
 
-/* Opens the main files first, so that they lead in files and digest; ret_index tells which is
- * which. */
+/* Opens the main files first, so that they come first in files and digest; ret_index: their
+ * indices. */
 static int open_main(struct orl_parser *parser, const char *const *names, size_t count,
                      size_t *ret_index, struct orl_error *err)
 {
@@ -195,7 +194,7 @@ static int read_main(struct orl_parser *parser, const char *const *names, size_t
     return code;
 }
 
-/* All that were read, and what was not there. */
+/* Lists the files that were read, and the names that were not found. */
 static bool list_files(const struct orl_sources *sources, struct orl_description *out)
 {
     const size_t n_missed = sources->n_missed > ORL_SOURCES_MISSED ? 0 : sources->n_missed;
@@ -216,8 +215,8 @@ static bool list_files(const struct orl_sources *sources, struct orl_description
     return true;
 }
 
-/* What is left to fill in when all has been read. */
-static int finish(struct orl_parser *parser, struct orl_error *err)
+/* Fills the remaining fields after all files have been read. */
+static int fill_description(struct orl_parser *parser, struct orl_error *err)
 {
     struct orl_description *out = parser->out;
     const struct orl_sources *sources = &parser->sources;
@@ -231,9 +230,9 @@ static int finish(struct orl_parser *parser, struct orl_error *err)
     return orl_repeats_settle(&parser->repeats, out, err);
 }
 
-/* Main files that are open count from where they are named on. */
-static int parse(struct orl_parser *parser, const char *const *names, size_t count, size_t *index,
-                 struct orl_error *err)
+/* Main files that are already open count from the place where they are named. */
+static int parse_files(struct orl_parser *parser, const char *const *names, size_t count,
+                       size_t *index, struct orl_error *err)
 {
     struct orl_description *const out = parser->out;
     out->outlines = orl_arena_new();
@@ -247,15 +246,15 @@ static int parse(struct orl_parser *parser, const char *const *names, size_t cou
         return code;
     out->n_main = parser->sources.count;
     code = read_main(parser, names, count, index, err);
-    /* Later mistakes may come of what was left out: first things first. */
+    /* Later errors may be caused by content that was left out, so refusals are reported first. */
     if (parser->refusals.n > 0 && code != ORL_ERR_NOMEM && code != ORL_ERR_CANCELLED &&
         code != ORL_ERR_LIMIT)
         code = orl_refusals_tell(&parser->refusals, err);
-    return code == 0 ? finish(parser, err) : code;
+    return code == 0 ? fill_description(parser, err) : code;
 }
 
-/* Whether it keeps patterns once where each place has to have its own. */
-static bool is_to_part(const struct orl_description *d)
+/* Returns true if instances with patterns must be expanded. */
+static bool must_expand(const struct orl_description *d)
 {
     bool varied = false;
     for (size_t i = 0; i < d->n_prototypes; i++)
@@ -273,7 +272,7 @@ static int parse_whole(const char *const *names, size_t count, struct orl_source
     size_t *index = calloc(count ? count : 1, sizeof *index);
     err = err ? err : &local;
     memset(sources, 0, sizeof *sources);
-    const int code = index ? parse(&parser, names, count, index, err)
+    const int code = index ? parse_files(&parser, names, count, index, err)
                            : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (code == 0) {
         *ret_description = out;
@@ -298,7 +297,7 @@ int orl_scene_parse_begun(const char *const *names, size_t count, struct orl_sou
     const struct orl_files *const files = sources->files;
     const struct orl_bsdf_loader *const loader = sources->loader;
     int code = parse_whole(names, count, sources, apart, ret_description, err);
-    if (code == 0 && is_to_part(ret_description)) {
+    if (code == 0 && must_expand(ret_description)) {
         orl_description_done(ret_description);
         orl_sources_init(sources, files, loader, orl_arena_new());
         code = parse_whole(names, count, sources, true, ret_description, err);

@@ -68,8 +68,8 @@ void orl_parser_count(struct orl_parser *parser, const struct orl_scope *scope,
                  parser->primitive.type, parser->primitive.id, scope->file, parser->primitive.line);
 }
 
-static void report(struct orl_parser *parser, const struct orl_warning_tally *tally,
-                   const char *what)
+static void report_tally(struct orl_parser *parser, const struct orl_warning_tally *tally,
+                         const char *what)
 {
     if (tally->count == 1)
         orl_parser_warn(parser, "%s: %s", tally->first, what);
@@ -95,19 +95,20 @@ void orl_parser_report(struct orl_parser *parser)
 {
     char bent[192];
     report_unused(parser);
-    report(parser, &parser->degenerate, "has no area and was dropped");
+    report_tally(parser, &parser->degenerate, "has no area and was dropped");
     snprintf(
         bent, sizeof bent,
         "its corners do not lie in one plane, by up to %.3g: light meets the triangles that it "
         "is cut into, and all of these have its mean normal",
         parser->largest_bend);
-    report(parser, &parser->bent, bent);
-    report(parser, &parser->unmodified,
-           "has no material (its modifier is void): light passes as if it were not there");
-    report(parser, &parser->white,
-           "returns all light that it gets, or more: 0.999 of it are taken, so that light ends "
-           "(of what only mirrors or lets pass, all)");
-    report(parser, &parser->below, "a share of light is a little below 0: 0 is taken");
+    report_tally(parser, &parser->bent, bent);
+    report_tally(parser, &parser->unmodified,
+                 "has no material (its modifier is void): light passes as if it were not there");
+    report_tally(
+        parser, &parser->white,
+        "returns all light that it gets, or more: 0.999 of it are taken, so that light ends "
+        "(of what only mirrors or lets pass, all)");
+    report_tally(parser, &parser->below, "a share of light is a little below 0: 0 is taken");
 }
 
 int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *scope, size_t first,

@@ -1,8 +1,8 @@
 /*
- * What the parts of the scene parser share: the description in the making, the modifiers defined so
- * far, and the scope in which the text being read stands. Internal to this folder.
+ * Shared state of the scene parser: the description being built, the modifiers defined so far, and
+ * the scope of the text being read. Internal to this folder.
  *
- * Errors from here on carry file, line and primitive. Threads: one at a time.
+ * Errors have file, line and primitive set. Threads: one at a time.
  */
 #ifndef ORL_SCENE_PARSE_PARSER_H
 #define ORL_SCENE_PARSE_PARSER_H
@@ -18,7 +18,7 @@
 #include "scene/parse/sources.h"
 #include "scene/parse/symbols.h"
 
-/* Something that is warned about once, with a count, however often it happens. */
+/* A warning that is issued once with a count. */
 struct orl_warning_tally {
     uint64_t count;
     char first[ORL_ERROR_NAME_MAX]; /* "polygon w at a.rad:12" */
@@ -31,41 +31,43 @@ struct orl_parser {
     struct orl_primitive primitive;
     size_t surfaces_room, materials_room, distants_room, skies_room, patterns_room, grids_room,
         warnings_room;
-    struct orl_functions *functions; /* of all patterns; made when there is one */
-    size_t text_bytes;               /* read so far, repeats included */
-    size_t name_bytes;               /* of surfaces, kept so far */
-    uint64_t vertices;               /* kept so far */
-    const double *places; /* of a mesh's triangle at hand: (u, v) of its corners; or NULL */
-    const struct orl_vec3 *normals; /* the same: unit normals of its corners, or NULL */
-    uint32_t *smooth;               /* by material: that with such normals, or UINT32_MAX */
+    struct orl_functions *functions; /* for all patterns; created with the first one */
+    size_t text_bytes;               /* bytes of text read so far, repeats included */
+    size_t name_bytes;               /* bytes of surface names stored so far */
+    uint64_t vertices;               /* number stored so far */
+    const double *places;            /* current mesh triangle: (u, v) of its corners; or NULL */
+    /* current mesh triangle: unit normals of its corners; or NULL */
+    const struct orl_vec3 *normals;
+    uint32_t *smooth; /* by material: its copy with corner normals, or UINT32_MAX */
     size_t n_smooth;
     int32_t void_material; /* index, or -1 */
     struct orl_refusals refusals;
     struct orl_deferred deferred;
     struct orl_repeats repeats;
-    bool cut_short; /* what was refused could not be read past */
+    bool cut_short; /* parsing stopped behind an unsupported primitive */
     struct orl_warning_tally degenerate, bent, unmodified, white, below;
-    double largest_bend; /* of bent: how far corners are apart along the normal */
+    double largest_bend; /* for `bent`: largest distance of corners along the normal */
 };
 
-/* Where text stands: what is applied to its surfaces, and where file names are looked up. */
+/* Context of text: transform and overrides for its surfaces, and the folder for file names. */
 struct orl_scope {
     const char *file; /* for messages and surfaces; lives as long as the description */
     const char *folder;
     struct orl_xform xform;
-    const char *modifier; /* replaces that of surfaces, or NULL */
-    const char *prefix;   /* goes before their names, or NULL */
+    const char *modifier; /* replaces that of surfaces; or NULL */
+    const char *prefix;   /* prefix of surface names; or NULL */
     const struct orl_scope *outer;
     unsigned depth;
-    const struct orl_markers *markers; /* markers.h: polygons that stand for objects; or NULL */
-    struct orl_xform since;            /* with markers: from here to where these were named */
+    const struct orl_markers *markers; /* markers.h: polygons to replace by objects; or NULL */
+    /* with markers: transform from here to the scope of replmarks */
+    struct orl_xform since;
 };
 
-/* parse.c: reads text in a scope; line > 0 when a command wrote it, and then is the command's. */
+/* parse.c: reads text in a scope; line > 0: a command at this line wrote the text. */
 int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
                     size_t size, int line, struct orl_error *err);
 
-/* parse.c: a file whose scope has been made: scene text, or an object (objects.h). */
+/* parse.c: reads a file in the scope made for it: scene text, or an object (objects.h). */
 int orl_parser_file(struct orl_parser *parser, const struct orl_scope *scope,
                     const struct orl_file *file, struct orl_error *err);
 
@@ -73,7 +75,7 @@ int orl_parser_file(struct orl_parser *parser, const struct orl_scope *scope,
 int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope, const char *line,
                        int number, struct orl_error *err);
 
-/* commands.c: reads a file within the scope already made for it. */
+/* commands.c: reads a file in the scope made for it. */
 int orl_parser_include(struct orl_parser *parser, const struct orl_scope *inner, const char *name,
                        struct orl_error *err);
 
@@ -89,66 +91,67 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
                      struct orl_error *err);
 bool orl_parser_is_modifier(const char *type);
 
-/* patterns.c: a brightfunc that is no sky, a colorpict, a texfunc and the like; color, texture:
- * what of either sort modifies it, or NULL. of_material: a material with these does, and the name
- * may stand for one that has it already, which it then stays. */
+/* patterns.c: a brightfunc that is not a sky, a colorpict, a texfunc and the like. color, texture:
+ * patterns of either sort that modify it, or NULL. of_material: it is modified by a material with
+ * these; the name may stand for a material that already has this pattern, which is then kept. */
 bool orl_parser_is_pattern(const char *type);
 int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_pattern *color, const struct orl_pattern *texture,
                        bool of_material, struct orl_error *err);
-/* Takes it into the description, whatever happens. 0 or ORL_ERR_NOMEM. */
+/* Adds the pattern to the description; takes it also on failure. Returns 0 or
+ * ORL_ERR_NOMEM. */
 int orl_parser_keep_pattern(struct orl_parser *parser, struct orl_pattern *pattern);
 
-/* patterns.c: a mixture of two materials that differ in colour and pattern alone: the pattern that
- * has what they are together, as a factor of 1. Of others (mixed NULL): that of the first's share.
- */
+/* patterns.c: reads a mixture. mixed: two materials that differ only in colour and pattern; the
+ * result is the pattern of both together, as a factor of 1. NULL: the result is the first's
+ * share. */
 bool orl_parser_is_mixture(const char *type);
 int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_material *mixed, struct orl_pattern **ret_pattern,
                        struct orl_error *err);
 
-/* patterns.c: what a material's own functions say. */
+/* patterns.c: reads the functions of a material. */
 int orl_parser_own(struct orl_parser *parser, const struct orl_scope *scope, enum orl_own_kind own,
                    struct orl_pattern **ret_pattern, struct orl_error *err);
 
-/* skies.c: a brightfunc of a sky's file. */
+/* skies.c: a brightfunc of a sky's function file. */
 bool orl_parser_is_sky(const struct orl_primitive *primitive);
 int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
                    struct orl_error *err);
 
-/* Defines a name as of something refused, of which err tells and which can wait until it is used.
- */
+/* Defines a name as refused, with an error that is deferred until the name is used. */
 int orl_parser_define_refused(struct orl_parser *parser, const char *name,
                               const struct orl_error *refused, struct orl_error *err);
 
-/* material_table.c: are they one but for their names? */
+/* material_table.c: returns true if they are equal except for their names. */
 bool orl_material_same(const struct orl_material *a, const struct orl_material *b);
 
-/* material_table.c: adds a material; takes its BSDF reference, whatever happens. 0 or
+/* material_table.c: adds a material; takes its BSDF reference, also on failure. Returns 0 or
  * ORL_ERR_NOMEM. */
 int orl_parser_add_material(struct orl_parser *parser, const char *name,
                             struct orl_material *material, uint32_t *ret_index);
 
-/* smoothing.c: the material with the normals of a mesh's corners as its texture. */
+/* smoothing.c: returns a copy of the material with a mesh's corner normals as its texture. */
 int orl_parser_smooth(struct orl_parser *parser, uint32_t material, uint32_t *ret_index);
 
-/* material_table.c: the index of the material that stands for "void". */
+/* material_table.c: returns the index of the material for "void". */
 int orl_parser_void(struct orl_parser *parser, uint32_t *ret_index);
 
 /* ---- Helpers, parser.c ----------------------------------------------------------------------- */
 
-/* Finds a file that text in the scope names, and makes the scope that of what is in it. */
+/* Finds a file that text in the scope names, and updates the scope for its content. */
 int orl_parser_enter(struct orl_parser *parser, struct orl_scope *inner, const char *name,
                      struct orl_file *ret_file, struct orl_error *err);
 
-/* So much is read, again perhaps; ORL_ERR_LIMIT where that is too much together. */
+/* Counts text that is read, repeats included; ORL_ERR_LIMIT if the total is too large. Arrays read
+ * files again and again, so a read of a short file has a minimum cost. */
 int orl_parser_count_text(struct orl_parser *parser, const struct orl_scope *scope, size_t size,
                           struct orl_error *err);
 
-/* ORL_ERR_CANCELLED once nobody wants the scene any more. */
+/* Returns ORL_ERR_CANCELLED if cancellation was requested. */
 int orl_parser_heed_cancel(const struct orl_parser *parser, struct orl_error *err);
 
-/* Reports on the primitive at hand. Returns code. */
+/* Reports an error of the current primitive. Returns code. */
 int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err,
                     int code, const char *format, ...) __attribute__((format(printf, 5, 6)));
 
@@ -156,16 +159,16 @@ int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, st
 int orl_parser_expect(struct orl_parser *parser, const struct orl_scope *scope, size_t n_strings,
                       size_t n_reals, struct orl_error *err);
 
-/* The transform among its string arguments from index first on, within the scope's. */
+/* Reads the transform in the string arguments from index first on, composed with the scope's. */
 int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *scope, size_t first,
                             struct orl_xform *ret_xform, struct orl_error *err);
 
-/* A warning in the description, at most a hundred of them. */
+/* Adds a warning to the description, at most a hundred of them. */
 void orl_parser_warn(struct orl_parser *parser, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 void orl_parser_count(struct orl_parser *parser, const struct orl_scope *scope,
                       struct orl_warning_tally *tally);
-/* Turns the tallies into warnings. */
+/* Adds warnings for the tallies. */
 void orl_parser_report(struct orl_parser *parser);
 
 #endif

@@ -8,12 +8,12 @@
 
 #include "base/grow.h"
 
-/* Flags of a patch's vertices. */
+/* Flags of the vertex data in a patch. */
 enum { HAS_POINTS = 1, HAS_NORMALS = 2, HAS_PLACES = 4, ALL_FLAGS = 7 };
 enum { VERTICES_MAX = 256, LOCAL_MAX = 512, JOINERS_MAX = 256, PATCH_BYTES_MIN = 14 };
 
-/* One of 2^32 cells from low on; its middle is meant. */
-static double cell(int64_t number, double low, double size)
+/* Returns the centre of one of 2^32 cells from low on. */
+static double cell_center(int64_t number, double low, double size)
 {
     return low + ((uint32_t)number + 0.5) * (1.0 / 4294967296.0) * size;
 }
@@ -21,9 +21,9 @@ static double cell(int64_t number, double low, double size)
 static struct orl_vec3 read_vertex(struct orl_binary *binary, const struct orl_patch_frame *frame)
 {
     struct orl_vec3 v;
-    v.x = cell(orl_binary_int(binary, 4), frame->corner.x, frame->size);
-    v.y = cell(orl_binary_int(binary, 4), frame->corner.y, frame->size);
-    v.z = cell(orl_binary_int(binary, 4), frame->corner.z, frame->size);
+    v.x = cell_center(orl_binary_int(binary, 4), frame->corner.x, frame->size);
+    v.y = cell_center(orl_binary_int(binary, 4), frame->corner.y, frame->size);
+    v.z = cell_center(orl_binary_int(binary, 4), frame->corner.z, frame->size);
     return v;
 }
 
@@ -43,8 +43,9 @@ static int add_vertex(struct orl_patches *patches, struct orl_vec3 v, struct orl
 }
 
 /*
- * A direction in 32 bits: three signs, which of x and y is the smaller in size, whether z is
- * smaller than the other; then both smaller ones, the third following from the length. 0: none.
+ * Decodes a direction in 32 bits: three signs, a flag for the smaller of x and y, a flag for
+ * whether z is smaller than the other; then both smaller components. The third follows from the
+ * length. 0: no normal.
  */
 static struct orl_vec3 read_normal(struct orl_binary *binary)
 {
@@ -59,13 +60,13 @@ static struct orl_vec3 read_normal(struct orl_binary *binary)
     return orl_normalize(orl_v3(code & 1 ? -x : x, code & 2 ? -y : y, code & 4 ? -z : z));
 }
 
-/* A first number of 0 stands for none. */
+/* A first number of 0 means no (u, v). */
 static void read_place(struct orl_binary *binary, const struct orl_patch_frame *frame,
                        double ret_place[2])
 {
     const int64_t number[2] = {orl_binary_int(binary, 4), orl_binary_int(binary, 4)};
     for (int k = 0; k < 2 && number[0] != 0; k++)
-        ret_place[k] = cell(number[k], frame->low[k], frame->high[k] - frame->low[k]);
+        ret_place[k] = cell_center(number[k], frame->low[k], frame->high[k] - frame->low[k]);
 }
 
 static int read_vertices(struct orl_binary *binary, const struct orl_patch_frame *frame,
@@ -87,8 +88,8 @@ static int read_vertices(struct orl_binary *binary, const struct orl_patch_frame
     return 0;
 }
 
-static int add(struct orl_patches *patches, const struct orl_patch_triangle *triangle,
-               struct orl_error *err)
+static int add_triangle(struct orl_patches *patches, const struct orl_patch_triangle *triangle,
+                        struct orl_error *err)
 {
     if (patches->n_triangles >= ORL_LIMIT_SURFACES)
         return orl_error_set(err, ORL_ERR_LIMIT, "the mesh has more than %lu triangles",
@@ -105,8 +106,7 @@ static uint32_t read_local(struct orl_binary *binary, uint32_t patch)
     return patch << 8 | ((uint32_t)orl_binary_int(binary, 1) & 0xff);
 }
 
-/* Triangles whose corners all lie in the patch, then their materials: one for all, or each its own.
- */
+/* Reads triangles with all corners in the patch, then their materials: one for all, or one each. */
 static int read_local_triangles(struct orl_binary *binary, uint32_t patch,
                                 struct orl_patches *patches, struct orl_error *err)
 {
@@ -119,7 +119,7 @@ static int read_local_triangles(struct orl_binary *binary, uint32_t patch,
         struct orl_patch_triangle triangle = {.material = -1};
         for (int k = 0; k < 3; k++)
             triangle.corner[k] = read_local(binary, patch);
-        code = add(patches, &triangle, err);
+        code = add_triangle(patches, &triangle, err);
     }
     if (code < 0)
         return code;
@@ -132,7 +132,7 @@ static int read_local_triangles(struct orl_binary *binary, uint32_t patch,
     return 0;
 }
 
-/* Triangles with so many corners in other patches, which come first. */
+/* Reads triangles whose first `others` corners are in other patches. */
 static int read_joiners(struct orl_binary *binary, uint32_t patch, int others,
                         struct orl_patches *patches, struct orl_error *err)
 {
@@ -146,7 +146,7 @@ static int read_joiners(struct orl_binary *binary, uint32_t patch, int others,
             triangle.corner[k] =
                 k < others ? (uint32_t)orl_binary_int(binary, 4) : read_local(binary, patch);
         triangle.material = (int32_t)orl_binary_int(binary, 2);
-        code = add(patches, &triangle, err);
+        code = add_triangle(patches, &triangle, err);
     }
     return code;
 }

@@ -1,6 +1,6 @@
 /*
- * What patterns compute: their function files, the programs compiled over them, and the grids that
- * they interpolate.
+ * Programs of patterns: their function files, the compiled expressions, and the grids that they
+ * interpolate.
  */
 #include "scene/parse/pattern_programs.h"
 
@@ -13,13 +13,14 @@
 #include "function/ray_names.h"
 #include "function/standard.h"
 
-enum { MOST_EXPRESSIONS = 8 }; /* of any type: prism2 */
+enum { MOST_EXPRESSIONS = 8 }; /* largest number of any type: prism2's */
 
 /* ---- Function files ---------------------------------------------------------------------------
  */
 
-/* A function file of the scene or of the user's library, but that this program has its own of those
- * that nearly all scenes count on: these are the same wherever a scene is rendered. */
+/* Finds a function file. The standard ones that nearly all scenes use are built in, but the scene's
+ * own files come first; the user's library is not searched for them, so that scenes render the same
+ * everywhere. */
 static int find_functions(struct orl_parser *parser, const char *folder, const char *name,
                           size_t *ret_index, struct orl_error *err)
 {
@@ -28,7 +29,7 @@ static int find_functions(struct orl_parser *parser, const char *folder, const c
                : orl_sources_find(&parser->sources, folder, name, ret_index, err);
 }
 
-/* The scene's files as a provider of function files: names are resolved, the source is known. */
+/* Provider of function files from the scene's sources, for names that are already resolved. */
 static int open_source(void *ctx, const char *name, struct orl_file *ret_file,
                        struct orl_error *err)
 {
@@ -40,9 +41,9 @@ static int open_source(void *ctx, const char *name, struct orl_file *ret_file,
     return code;
 }
 
-/* The context of the file that the primitive names. */
-static int load(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
-                int *ret_context, struct orl_error *err)
+/* Loads the function file that the primitive names; *ret_context: its context. */
+static int load_context(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
+                        int *ret_context, struct orl_error *err)
 {
     const struct orl_files files = {.ctx = parser, .open = open_source};
     struct orl_error missing = {0};
@@ -63,7 +64,7 @@ static int load(struct orl_parser *parser, const struct orl_scope *scope, const 
 /* ---- Programs ---------------------------------------------------------------------------------
  */
 
-/* The place of a pattern, from the transform to the world. */
+/* Sets the pattern's frame by inverting its transform to the world. */
 static void place_pattern(struct orl_pattern *pattern, const struct orl_xform *to_world)
 {
     const struct orl_vec3 *const r = to_world->row;
@@ -76,7 +77,7 @@ static void place_pattern(struct orl_pattern *pattern, const struct orl_xform *t
     pattern->scale = to_world->scale;
 }
 
-/* The world as the function sees it: the same everywhere. */
+/* Sets the inputs that depend only on the pattern's frame, which are constant; others are NaN. */
 static void fix_inputs(const struct orl_pattern *pattern, double ret_fixed[ORL_RAY_INPUTS])
 {
     for (int i = 0; i < ORL_RAY_INPUTS; i++)
@@ -92,7 +93,8 @@ static void fix_inputs(const struct orl_pattern *pattern, double ret_fixed[ORL_R
     }
 }
 
-/* Of materials' own functions: what is oriented as if the front was met, the colour, the light. */
+/* Returns true for inputs that only functions of materials have: those oriented to the front, the
+ * colour, the light. */
 static bool is_own_input(enum orl_own_kind own, int i)
 {
     if (own == ORL_OWN_LOBES)
@@ -101,7 +103,7 @@ static bool is_own_input(enum orl_own_kind own, int i)
     return own == ORL_OWN_ANGLES && i == ORL_RAY_RDOTP;
 }
 
-/* Patterns of the place, the normal and the direction are simulated; of what else there is none. */
+/* Refuses inputs other than the place, the normal and the direction. */
 static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_pattern *pattern, const struct orl_function *function,
                         struct orl_error *err)
@@ -130,7 +132,7 @@ static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope
     return 0;
 }
 
-/* Of glazing only the angle counts. */
+/* Glazing may depend on the angle only. */
 static int check_angles(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct orl_pattern *pattern, struct orl_error *err)
 {
@@ -148,10 +150,10 @@ static int check_angles(struct orl_parser *parser, const struct orl_scope *scope
     return 0;
 }
 
-/* One program of n expressions. */
-static int compile(struct orl_parser *parser, const struct orl_scope *scope,
-                   struct orl_pattern *pattern, int context, const char *const *expressions,
-                   size_t n, struct orl_function **ret_function, struct orl_error *err)
+/* Compiles a program of n expressions. */
+static int compile_program(struct orl_parser *parser, const struct orl_scope *scope,
+                           struct orl_pattern *pattern, int context, const char *const *expressions,
+                           size_t n, struct orl_function **ret_function, struct orl_error *err)
 {
     const struct orl_primitive *const primitive = &parser->primitive;
     double fixed[ORL_RAY_INPUTS];
@@ -169,8 +171,8 @@ static int compile(struct orl_parser *parser, const struct orl_scope *scope,
 }
 
 /*
- * The functions that make factors of what the grids hold: the first, and those that take three
- * arguments, of all channels, the others of their own.
+ * Compiles the functions that map grid values to factors. The first function, and those of three
+ * arguments, take all channels; the others take their own.
  */
 static int compile_values(struct orl_parser *parser, const struct orl_scope *scope,
                           struct orl_pattern *pattern, int context, size_t first,
@@ -194,14 +196,14 @@ static int compile_values(struct orl_parser *parser, const struct orl_scope *sco
             snprintf(texts[i], room, "%s(%s,%s,%s)", name, data[0], data[1], data[2]);
     }
     if (code == 0)
-        code = compile(parser, scope, pattern, context, (const char *const *)texts, n,
-                       &pattern->values, err);
+        code = compile_program(parser, scope, pattern, context, (const char *const *)texts, n,
+                               &pattern->values, err);
     for (size_t i = 0; i < n; i++)
         free(texts[i]);
     return code;
 }
 
-/* A function of the wavelength, or of what the grid holds there and of that. */
+/* Compiles a function of the wavelength; with a grid, of the grid's value and the wavelength. */
 static int compile_spectral(struct orl_parser *parser, const struct orl_scope *scope,
                             struct orl_pattern *pattern, int context, const char *name,
                             struct orl_error *err)
@@ -217,12 +219,13 @@ static int compile_spectral(struct orl_parser *parser, const struct orl_scope *s
         snprintf(text, room, "%s(%s)", name, data[0]);
     const char *const expression = text;
     const int code =
-        compile(parser, scope, pattern, context, &expression, 1, &pattern->values, err);
+        compile_program(parser, scope, pattern, context, &expression, 1, &pattern->values, err);
     free(text);
     return code;
 }
 
-/* A call of that function, or variable, with the first of these that it takes; free() it. */
+/* Returns a call of a function or variable with as many of the arguments as it takes; the caller
+ * frees it. */
 static char *call_text(const struct orl_parser *parser, int context, const char *name,
                        const char *const *arguments, size_t n)
 {
@@ -242,8 +245,8 @@ static char *call_text(const struct orl_parser *parser, int context, const char 
 }
 
 /*
- * Functions of the light's direction and of the solid angle that it fills, which is as good as none
- * here; of data the coordinates are such, and the function takes what the data hold before them.
+ * Compiles functions of the light's direction and of its solid angle, which is passed as 0. With
+ * data these are the coordinates, and the function takes the data's value as first argument.
  */
 static int compile_lobes(struct orl_parser *parser, const struct orl_scope *scope,
                          struct orl_pattern *pattern, int context,
@@ -267,11 +270,11 @@ static int compile_lobes(struct orl_parser *parser, const struct orl_scope *scop
         if (!texts[i])
             code = ORL_ERR_NOMEM;
     if (code == 0)
-        code = compile(parser, scope, pattern, context, (const char *const *)texts, strings->n,
-                       &pattern->function, err);
+        code = compile_program(parser, scope, pattern, context, (const char *const *)texts,
+                               strings->n, &pattern->function, err);
     if (code == 0 && data)
-        code = compile(parser, scope, pattern, context, (const char *const *)texts + strings->n, 1,
-                       &pattern->values, err);
+        code = compile_program(parser, scope, pattern, context,
+                               (const char *const *)texts + strings->n, 1, &pattern->values, err);
     for (size_t i = 0; i < strings->n + data; i++)
         free(texts[i]);
     return code;
@@ -287,15 +290,17 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
     const char *expressions[MOST_EXPRESSIONS];
     int context = ORL_FUNCTION_GLOBAL;
     place_pattern(pattern, to_world);
-    /* Of a picture the first coordinate is to the right, which is the grid's second axis. */
+    /* A picture's first coordinate points right, which is the grid's second axis. */
     const bool picture = pattern->n_grids > 0 && pattern->grids[0]->channels > 1;
     for (size_t i = 0; i < n; i++)
         expressions[i] = orl_primitive_string(primitive, first + (picture ? n - 1 - i : i));
-    int code = load(parser, scope, orl_primitive_string(primitive, strings->file), &context, err);
+    int code =
+        load_context(parser, scope, orl_primitive_string(primitive, strings->file), &context, err);
     if (code == 0 && pattern->own == ORL_OWN_LOBES)
         code = compile_lobes(parser, scope, pattern, context, strings, err);
     else if (code == 0 && (!strings->spectral || pattern->n_grids > 0))
-        code = compile(parser, scope, pattern, context, expressions, n, &pattern->function, err);
+        code = compile_program(parser, scope, pattern, context, expressions, n, &pattern->function,
+                               err);
     if (code == 0 && pattern->own == ORL_OWN_ANGLES)
         code = check_angles(parser, scope, pattern, err);
     if (code == 0 && strings->spectral)
@@ -314,7 +319,7 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
 /* ---- Grids ------------------------------------------------------------------------------------
  */
 
-/* Each file is read once, as what it is asked for first. */
+/* Returns a grid that was read before; each file is read once per kind (picture or data). */
 static struct orl_grid *find_grid(const struct orl_description *out, size_t source, bool picture)
 {
     for (size_t i = 0; i < out->n_grids; i++)

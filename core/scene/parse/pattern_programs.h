@@ -1,5 +1,5 @@
 /*
- * What patterns compute, compiled from the primitive at hand. Internal to this folder.
+ * Compiles the functions of patterns from the current primitive. Internal to this folder.
  */
 #ifndef ORL_SCENE_PARSE_PATTERN_PROGRAMS_H
 #define ORL_SCENE_PARSE_PATTERN_PROGRAMS_H
@@ -7,22 +7,22 @@
 #include "scene/material/pattern.h"
 #include "scene/parse/parser.h"
 
-#define ORL_SCENE_GRID_VALUES (64UL << 20) /* of all pictures and data files of a scene */
+#define ORL_SCENE_GRID_VALUES (64UL << 20) /* limit of all pictures and data files of a scene */
 
-/* Which of the primitive's strings are what. */
+/* Positions of the primitive's strings. */
 struct orl_pattern_strings {
-    size_t functions; /* the first of its functions, or, without grids, its expressions */
-    size_t file;      /* the function file; of grids the coordinates follow */
-    size_t n;         /* expressions or coordinates */
-    bool spectral;    /* its function is one of the wavelength: orl_pattern.bands */
+    size_t functions; /* index of the first function, or without grids of the first expression */
+    size_t file;      /* index of the function file; with grids the coordinates follow it */
+    size_t n;         /* number of expressions or coordinates */
+    bool spectral;    /* the function takes the wavelength: orl_pattern.bands */
 };
 
-/* Fills in place, functions and what they ask for. */
+/* Sets the pattern's frame, functions and inputs. */
 int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_pattern *pattern, const struct orl_xform *to_world,
                         const struct orl_pattern_strings *strings, struct orl_error *err);
 
-/* The grid that a file holds, read when it is asked for first. The description's. */
+/* Returns the grid of a file, which is read at first use. The description owns it. */
 int orl_pattern_grid(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
                      bool picture, const struct orl_grid **ret_grid, struct orl_error *err);
 

@@ -2,8 +2,8 @@
  * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict; spectra (spectra.h):
  * spectrum, specfile, specfunc, specdata, specpict; texts (texts.h): brighttext, colortext;
  * textures: texfunc, texdata; and mixtures of materials: mixfunc, mixdata, mixpict, mixtext.
- * Strings: of mixtures, two materials; one function, or three; of grids, their files; the function
- * file or '.'; of grids, an expression for each coordinate; and the transform from the function's
+ * Strings: two materials (mixtures); one function, or three; files (grids); the function file or
+ * '.'; an expression for each coordinate (grids); and the transform from the function's
  * coordinates. Numbers are arg(1) and on. Reference: "The RADIANCE Synthetic Imaging System",
  * section 2.1.4.
  */
@@ -19,15 +19,15 @@
 
 struct pattern_type {
     const char *name;
-    size_t n_functions, n_files; /* of factors; of grids */
+    size_t n_functions, n_files; /* number of functions of factors; of grid files */
     bool picture;
-    size_t n_materials; /* that it mixes, before all else */
+    size_t n_materials; /* number of mixed materials, which come first */
     bool texture;
     bool spectral;
     bool text;
-    enum orl_own_kind own;      /* a material's own functions */
-    size_t n_before, n_between; /* strings before these, and between them and the function file,
-                                   that are others */
+    enum orl_own_kind own; /* the functions of a material */
+    /* other strings before the functions, and between them and the function file */
+    size_t n_before, n_between;
 };
 
 static const struct pattern_type pattern_types[] = {
@@ -83,7 +83,7 @@ bool orl_parser_is_mixture(const char *type)
 /* ---- Definitions ------------------------------------------------------------------------------
  */
 
-/* All that makes the pattern what it is: two definitions of the same are one. */
+/* Makes the key of all properties of the pattern; definitions with equal keys share one pattern. */
 static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
                     const struct pattern_type *type, const struct orl_xform *to_world,
                     struct orl_pattern *pattern)
@@ -156,8 +156,8 @@ int orl_parser_keep_pattern(struct orl_parser *parser, struct orl_pattern *patte
     return 0;
 }
 
-/* The same, by a name. */
-static int define(struct orl_parser *parser, struct orl_pattern *pattern, const char *id)
+/* Adds the pattern to the description, and defines a name for it. */
+static int define_pattern(struct orl_parser *parser, struct orl_pattern *pattern, const char *id)
 {
     struct orl_symbol symbol = {.kind = ORL_SYMBOL_PATTERN};
     const int code = orl_parser_keep_pattern(parser, pattern);
@@ -168,8 +168,8 @@ static int define(struct orl_parser *parser, struct orl_pattern *pattern, const 
     return symbol.name ? orl_symbols_set(&parser->symbols, symbol) : ORL_ERR_NOMEM;
 }
 
-static int begin(struct orl_parser *parser, const struct orl_scope *scope,
-                 struct orl_pattern *pattern)
+static int begin_pattern(struct orl_parser *parser, const struct orl_scope *scope,
+                         struct orl_pattern *pattern)
 {
     char name[ORL_ERROR_NAME_MAX];
     snprintf(name, sizeof name, "%.40s %.200s", parser->primitive.type, parser->primitive.id);
@@ -181,7 +181,7 @@ static int begin(struct orl_parser *parser, const struct orl_scope *scope,
     return parser->functions && pattern->name ? 0 : ORL_ERR_NOMEM;
 }
 
-/* The grids of the primitive's files; ret_axes: how many coordinates they take. */
+/* Finds the grids of the primitive's files; *ret_axes: their number of coordinates. */
 static int find_grids(struct orl_parser *parser, const struct orl_scope *scope,
                       const struct pattern_type *type, struct orl_pattern *pattern,
                       size_t *ret_axes, struct orl_error *err)
@@ -203,7 +203,7 @@ static int find_grids(struct orl_parser *parser, const struct orl_scope *scope,
     return code;
 }
 
-/* The functions of that kind that a material, or the first of its parts that has any, has. */
+/* Returns a material's functions of that kind, or those of the first of its parts that has any. */
 static struct orl_pattern *own_of(const struct orl_material *material, enum orl_own_kind own)
 {
     struct orl_pattern *found = own == ORL_OWN_ANGLES ? material->angles
@@ -214,7 +214,7 @@ static struct orl_pattern *own_of(const struct orl_material *material, enum orl_
     return found;
 }
 
-/* One that was defined before and is the same, or NULL. */
+/* Returns an equal one that was defined before, or NULL. */
 static const struct orl_symbol *find_same(const struct orl_parser *parser,
                                           const struct pattern_type *type,
                                           const struct orl_pattern *pattern, bool of_material)
@@ -234,34 +234,35 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
     return other && same_pattern(other, pattern) ? old : NULL;
 }
 
-/* Whether it is the same everywhere: no function. */
+/* Returns true if the pattern is constant: it has no function. */
 static bool is_fixed(const struct pattern_type *type)
 {
     return type->n_functions == 0 && !type->text;
 }
 
-static void depend(struct orl_pattern *pattern, const struct orl_pattern *other)
+static void inherit_properties(struct orl_pattern *pattern, const struct orl_pattern *other)
 {
     pattern->steps += other ? other->steps : 0;
     pattern->coloured = pattern->coloured || (other && other->coloured);
     pattern->directed = pattern->directed || (other && other->directed);
 }
 
-/* What it is for all that it depends on. */
-static int sum_up(struct orl_parser *parser, const struct orl_scope *scope,
-                  struct orl_pattern *pattern, struct orl_error *err)
+/* Sets the fields that depend on the patterns under it; checks the limit of steps. */
+static int combine_properties(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_pattern *pattern, struct orl_error *err)
 {
     pattern->steps = 1 + (pattern->fixed ? 0 : pattern->n_bands / ORL_FUNCTION_LANES);
     pattern->coloured = pattern->three || pattern->bands ||
                         pattern->factor.r != pattern->factor.g ||
                         pattern->factor.g != pattern->factor.b;
-    depend(pattern, pattern->under);
+    inherit_properties(pattern, pattern->under);
     for (int i = 0; pattern->mixture && i < 2; i++) {
         const struct orl_rgb c = pattern->mixed[i].color;
-        depend(pattern, pattern->mixed[i].pattern);
+        inherit_properties(pattern, pattern->mixed[i].pattern);
         pattern->coloured = pattern->coloured || c.r != c.g || c.g != c.b;
     }
-    /* Textures are met by who asks alone, and have no colour. */
+    /* Textures have no colour, and their dependence on direction needs no support by the
+     * material. */
     pattern->directed = pattern->directed && !pattern->texture;
     pattern->coloured = pattern->coloured && !pattern->texture;
     if (pattern->steps <= ORL_PATTERN_STEPS)
@@ -271,22 +272,22 @@ static int sum_up(struct orl_parser *parser, const struct orl_scope *scope,
                            ORL_PATTERN_STEPS);
 }
 
-/* The same of a text. */
+/* read_pattern for texts. */
 static int read_text(struct orl_parser *parser, const struct orl_scope *scope,
                      const struct pattern_type *type, struct orl_pattern *pattern, bool of_material,
                      const struct orl_symbol **ret_same, struct orl_error *err)
 {
-    int code = begin(parser, scope, pattern);
+    int code = begin_pattern(parser, scope, pattern);
     if (code == 0)
         code = make_key(parser, scope, type, &scope->xform, pattern);
     *ret_same = code == 0 ? find_same(parser, type, pattern, of_material) : NULL;
     if (code < 0 || *ret_same)
         return code;
     code = orl_text_read(parser, scope, pattern, type->n_materials, err);
-    return code < 0 ? code : sum_up(parser, scope, pattern, err);
+    return code < 0 ? code : combine_properties(parser, scope, pattern, err);
 }
 
-/* Fills in the pattern; ret_same: there is no need of it. */
+/* Fills in the pattern; *ret_same: an equal one that exists already. */
 static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct pattern_type *type, struct orl_pattern *pattern,
                         bool of_material, const struct orl_symbol **ret_same, struct orl_error *err)
@@ -311,7 +312,7 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
     if (!is_fixed(type))
         code = orl_parser_string_xform(parser, scope, file + 1 + axes, &to_world, err);
     if (code == 0)
-        code = begin(parser, scope, pattern);
+        code = begin_pattern(parser, scope, pattern);
     if (code == 0)
         code = make_key(parser, scope, type, &to_world, pattern);
     *ret_same = code == 0 ? find_same(parser, type, pattern, of_material) : NULL;
@@ -323,10 +324,10 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
                           : orl_pattern_compile(parser, scope, pattern, &to_world, &strings, err);
     if (code == 0 && type->spectral && !is_fixed(type))
         code = orl_spectrum_bands(parser, scope, pattern, err);
-    return code < 0 ? code : sum_up(parser, scope, pattern, err);
+    return code < 0 ? code : combine_properties(parser, scope, pattern, err);
 }
 
-/* What both entry points check, and begin with; NULL: err says why not. */
+/* Checks the strings and allocates a pattern; NULL with err filled on failure. */
 static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                                        const struct pattern_type *type, struct orl_error *err)
 {
@@ -379,11 +380,11 @@ int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
         orl_pattern_free(pattern);
     if (code == 0)
         code = same ? orl_symbols_set(&parser->symbols, *same)
-                    : define(parser, pattern, parser->primitive.id);
+                    : define_pattern(parser, pattern, parser->primitive.id);
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
 }
 
-/* A pattern without a name of its own: a mixture's, or of a material's own functions. */
+/* Reads a pattern without its own name: a mixture's, or the functions of a material. */
 static int read_unnamed(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct pattern_type *type, const struct orl_material *mixed,
                         struct orl_pattern **ret_pattern, struct orl_error *err)

@@ -22,7 +22,7 @@ const char *orl_primitive_string(const struct orl_primitive *primitive, size_t i
     return primitive->text + primitive->at[HEAD_WORDS + i];
 }
 
-/* Fills err with place and primitive; the head may be half read. */
+/* Sets err with place and primitive; the head may be incomplete. */
 static int fail(const struct orl_primitive *primitive, const struct orl_lexer *lexer, int line,
                 struct orl_error *err, int code, const char *message, const char *word)
 {
@@ -38,8 +38,8 @@ static int fail(const struct orl_primitive *primitive, const struct orl_lexer *l
     return code;
 }
 
-/* Makes room for count items of item bytes. */
-static int reserve(void *buffer, size_t *room, size_t count, size_t item)
+/* Grows a buffer to at least count items of item bytes. */
+static int reserve_items(void *buffer, size_t *room, size_t count, size_t item)
 {
     void **pointer = buffer;
     size_t wanted = *room ? *room : 64;
@@ -57,11 +57,11 @@ static int reserve(void *buffer, size_t *room, size_t count, size_t item)
 }
 
 /* Appends the word to the primitive's text as string number index. */
-static int keep(struct orl_primitive *primitive, size_t index, const struct orl_word *word)
+static int keep_string(struct orl_primitive *primitive, size_t index, const struct orl_word *word)
 {
-    if (reserve(&primitive->at, &primitive->at_room, index + 1, sizeof *primitive->at) < 0 ||
-        reserve(&primitive->text, &primitive->text_room, primitive->text_size + word->length + 1,
-                1) < 0)
+    if (reserve_items(&primitive->at, &primitive->at_room, index + 1, sizeof *primitive->at) < 0 ||
+        reserve_items(&primitive->text, &primitive->text_room,
+                      primitive->text_size + word->length + 1, 1) < 0)
         return ORL_ERR_NOMEM;
     primitive->at[index] = primitive->text_size;
     memcpy(primitive->text + primitive->text_size, word->text, word->length);
@@ -88,7 +88,7 @@ int orl_primitive_read_head(struct orl_primitive *primitive, struct orl_lexer *l
             return fail(primitive, lexer, lexer->line, err, ORL_ERR_SYNTAX, missing[i], NULL);
         if (i == 0)
             primitive->line = word.line;
-        if (keep(primitive, i, &word) < 0)
+        if (keep_string(primitive, i, &word) < 0)
             return fail(primitive, lexer, word.line, err, ORL_ERR_NOMEM, "out of memory", NULL);
     }
     primitive->modifier = primitive->text + primitive->at[0];
@@ -97,16 +97,16 @@ int orl_primitive_read_head(struct orl_primitive *primitive, struct orl_lexer *l
     return 0;
 }
 
-/* text may move while strings are added: the head's pointers follow. */
-static void settle(struct orl_primitive *primitive)
+/* Updates the head's pointers, because text may have moved. */
+static void update_head(struct orl_primitive *primitive)
 {
     primitive->modifier = primitive->text + primitive->at[0];
     primitive->type = primitive->text + primitive->at[1];
     primitive->id = primitive->text + primitive->at[2];
 }
 
-static int next(struct orl_primitive *primitive, struct orl_lexer *lexer, const char *what,
-                struct orl_word *ret_word, struct orl_error *err)
+static int next_word(struct orl_primitive *primitive, struct orl_lexer *lexer, const char *what,
+                     struct orl_word *ret_word, struct orl_error *err)
 {
     const int result = orl_lexer_word(lexer, ret_word, err);
     if (result == 1)
@@ -133,7 +133,7 @@ static int read_count(struct orl_primitive *primitive, struct orl_lexer *lexer, 
     struct orl_word word;
     char text[81];
     int value = 0;
-    int code = next(primitive, lexer, what, &word, err);
+    int code = next_word(primitive, lexer, what, &word, err);
     enum orl_number_fault fault;
     if (code < 0)
         return code;
@@ -158,13 +158,14 @@ static int read_strings(struct orl_primitive *primitive, struct orl_lexer *lexer
 {
     struct orl_word word;
     for (size_t i = 0; i < primitive->n_strings; i++) {
-        int code = next(primitive, lexer, "the text ends among the string arguments", &word, err);
+        int code =
+            next_word(primitive, lexer, "the text ends among the string arguments", &word, err);
         if (code < 0)
             return code;
-        code = keep(primitive, HEAD_WORDS + i, &word);
+        code = keep_string(primitive, HEAD_WORDS + i, &word);
         if (code < 0)
             return fail(primitive, lexer, word.line, err, code, "out of memory", NULL);
-        settle(primitive);
+        update_head(primitive);
     }
     return 0;
 }
@@ -174,13 +175,13 @@ static int read_reals(struct orl_primitive *primitive, struct orl_lexer *lexer,
 {
     struct orl_word word;
     char text[81];
-    if (reserve(&primitive->reals, &primitive->reals_room, primitive->n_reals,
-                sizeof *primitive->reals) < 0)
+    if (reserve_items(&primitive->reals, &primitive->reals_room, primitive->n_reals,
+                      sizeof *primitive->reals) < 0)
         return fail(primitive, lexer, lexer->line, err, ORL_ERR_NOMEM, "out of memory", NULL);
     for (size_t i = 0; i < primitive->n_reals; i++) {
         enum orl_number_fault fault;
         const int code =
-            next(primitive, lexer, "the text ends among the number arguments", &word, err);
+            next_word(primitive, lexer, "the text ends among the number arguments", &word, err);
         if (code < 0)
             return code;
         fault = orl_number_read(word.text, word.length, primitive->reals + i);
@@ -234,7 +235,8 @@ int orl_primitive_read_reference(struct orl_primitive *primitive, struct orl_lex
 bool orl_primitive_set(struct orl_primitive *primitive, const char *const head[3],
                        const double *reals, size_t n_reals)
 {
-    if (reserve(&primitive->reals, &primitive->reals_room, n_reals, sizeof *primitive->reals) < 0)
+    if (reserve_items(&primitive->reals, &primitive->reals_room, n_reals,
+                      sizeof *primitive->reals) < 0)
         return false;
     primitive->modifier = head[0];
     primitive->type = head[1];

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Of one kind are those of one type, or one command, that are refused for one reason. */
+/* Refusals are of one kind if they have the same type or command, and the same reason. */
 void orl_refusals_add(struct orl_refusals *refusals, const struct orl_error *err)
 {
     struct orl_refusal refusal = {.count = 1, .first = *err};
@@ -27,13 +27,13 @@ void orl_refusals_add(struct orl_refusals *refusals, const struct orl_error *err
         refusals->others++;
 }
 
-/* A text that is filled up to its room, and ends in dots when that was too little. */
+/* A text of bounded length that ends in dots if it was cut. */
 struct list {
-    char text[ORL_ERROR_TEXT_MAX - 16]; /* less a few words before it */
+    char text[ORL_ERROR_TEXT_MAX - 16]; /* leaves room for a few words before it */
     size_t length;
 };
 
-static void append(struct list *list, const char *separator, const char *item)
+static void append_item(struct list *list, const char *separator, const char *item)
 {
     const size_t room = sizeof list->text - list->length;
     const int n =
@@ -43,7 +43,7 @@ static void append(struct list *list, const char *separator, const char *item)
         return;
     }
     snprintf(list->text + list->length, 4, "...");
-    list->length = sizeof list->text; /* room is 0 from here on */
+    list->length = sizeof list->text; /* marks the list as full */
 }
 
 static void list_kind(struct list *list, const struct orl_refusal *refusal)
@@ -53,7 +53,7 @@ static void list_kind(struct list *list, const struct orl_refusal *refusal)
         return;
     snprintf(item, sizeof item, "%llu x %s (first at %.80s:%d)", (unsigned long long)refusal->count,
              refusal->kind, refusal->first.file, refusal->first.line);
-    append(list, ", ", item);
+    append_item(list, ", ", item);
 }
 
 static void list_hint(struct list *list, const struct orl_refusals *refusals, size_t i)
@@ -66,7 +66,7 @@ static void list_hint(struct list *list, const struct orl_refusals *refusals, si
     if (said)
         return;
     snprintf(item, sizeof item, "%s: %.400s", refusals->kinds[i].kind, first->hint);
-    append(list, "; ", item);
+    append_item(list, "; ", item);
 }
 
 int orl_refusals_tell(const struct orl_refusals *refusals, struct orl_error *err)
@@ -82,7 +82,7 @@ int orl_refusals_tell(const struct orl_refusals *refusals, struct orl_error *err
         list_hint(&hints, refusals, i);
     }
     if (refusals->others > 0 && kinds.length < sizeof kinds.text)
-        append(&kinds, ", ", "and others");
+        append_item(&kinds, ", ", "and others");
     if (refusals->n == 1)
         orl_error_set(err, ORL_ERR_UNSUPPORTED, "%.400s; there are %llu of them",
                       first->first.message, (unsigned long long)first->count);

@@ -1,6 +1,6 @@
 /*
- * What a scene holds that is not simulated: counted by kind while the rest is read on, and told all
- * at once. A scene with any of it is refused in the end.
+ * Unsupported content of a scene: counted by kind while the rest is read, and reported all at once.
+ * A scene with any of it is refused in the end.
  */
 #ifndef ORL_SCENE_PARSE_REFUSALS_H
 #define ORL_SCENE_PARSE_REFUSALS_H
@@ -11,7 +11,7 @@
 
 #include <oriel/error.h>
 
-enum { ORL_MOST_REFUSALS = 24 }; /* kinds; more are counted together */
+enum { ORL_MOST_REFUSALS = 24 }; /* limit of kinds; further ones are counted together */
 
 struct orl_refusals {
     struct orl_refusal {
@@ -23,9 +23,9 @@ struct orl_refusals {
     uint64_t others;
 };
 
-/* Counts one; err says where it is, why, and what to do. */
+/* Counts one refusal; err has its place, reason and hint. */
 void orl_refusals_add(struct orl_refusals *refusals, const struct orl_error *err);
-/* Fills err with all of them, at the place of the first. Returns ORL_ERR_UNSUPPORTED. */
+/* Fills err with all refusals, at the place of the first. Returns ORL_ERR_UNSUPPORTED. */
 int orl_refusals_tell(const struct orl_refusals *refusals, struct orl_error *err);
 
 #endif

@@ -22,8 +22,8 @@ static bool same_key(const struct orl_repeat_key *a, const struct orl_repeat_key
            a->kind == b->kind && a->index == b->index;
 }
 
-/* Whether a file is what the key names in that scope. Normals that functions ask for are the other
- * way round in what is inverted. */
+/* Returns true if a file that was read matches the key in that scope. Patterns that depend on
+ * normals differ between inverted and other places. */
 static bool stands_for(const struct orl_repeat *item, const struct orl_repeat_key *key,
                        const struct orl_scope *scope)
 {
@@ -31,7 +31,7 @@ static bool stands_for(const struct orl_repeat *item, const struct orl_repeat_ke
            !(item->varied && item->back.inverted != scope->xform.inverted);
 }
 
-/* The scope's prefix and its full stop, and behind them a name, or nothing; NULL: no memory. */
+/* Returns the scope's prefix with its full stop, followed by the name; NULL if out of memory. */
 static const char *prefixed(struct orl_parser *parser, const struct orl_scope *scope,
                             const char *name)
 {
@@ -86,7 +86,8 @@ int orl_repeats_place(struct orl_parser *parser, const struct orl_repeat_key *ke
     return 1;
 }
 
-/* Plastic or metal, of no grain, or as a leaf is: what gets through is spread evenly. */
+/* Returns true for plastic or metal without grain, and for trans like a leaf, whose transmission is
+ * diffuse. */
 static bool is_simple(const struct orl_material *m)
 {
     const bool leaf = m->kind == ORL_MATERIAL_TRANS && m->transmitted_specular == 0;
@@ -112,8 +113,8 @@ static uint64_t fixed_inputs_of(const struct orl_pattern *p)
            (p->values ? orl_function_fixed_inputs(p->values) : 0);
 }
 
-/* Whether a pattern, with those under it and those that it mixes, means in each place what it
- * means in the first, taken there. */
+/* Returns true if a pattern, with those under it and those it mixes, gives in each place the values
+ * of the first place. */
 static bool moves_along(const struct orl_pattern *pattern, size_t first_within)
 {
     const uint64_t mesh = UINT64_C(1) << ORL_RAY_LU | UINT64_C(1) << ORL_RAY_LV;
@@ -165,7 +166,7 @@ int orl_repeats_note(struct orl_parser *parser, const struct orl_repeat_key *key
     if (!is_fit(parser, before, &varied))
         return 0;
     const char *const prefix = prefixed(parser, scope, "");
-    /* What was read within is a part of this, and in no other place yet. */
+    /* Files read within this one become part of it, and are not placed elsewhere yet. */
     while (r->n > 0 && r->items[r->n - 1].first >= before->surfaces)
         r->n--;
     if (!prefix || !orl_grow(&r->items, &r->room, r->n, sizeof *r->items))
@@ -180,10 +181,11 @@ int orl_repeats_note(struct orl_parser *parser, const struct orl_repeat_key *key
     return 0;
 }
 
-/* ---- Once all have been ---------------------------------------------------------------------- */
+/* ---- After reading
+ * ---------------------------------------------------------------------------- */
 
-/* The places of all in the order of the files: where each was read comes behind those that were
- * named there before. */
+/* Orders all placements as in the files; the place where a file was read comes behind those named
+ * there before. */
 static void order_places(const struct orl_repeats *r, struct orl_description *d)
 {
     size_t next = 0;
@@ -203,8 +205,8 @@ static void order_places(const struct orl_repeats *r, struct orl_description *d)
         d->placements[d->n_placements++] = r->places[next++];
 }
 
-/* A prototype of its surfaces. */
-static bool take_out(const struct orl_repeat *item, struct orl_description *d)
+/* Makes a prototype of the repeat's surfaces. */
+static bool make_prototype(const struct orl_repeat *item, struct orl_description *d)
 {
     struct orl_prototype *const prototype = &d->prototypes[d->n_prototypes];
     const size_t n = item->end - item->first;
@@ -219,8 +221,7 @@ static bool take_out(const struct orl_repeat *item, struct orl_description *d)
     return true;
 }
 
-/* How many surfaces have been taken out that came before one; *next: the first of the repeats that
- * does not, so far. */
+/* Returns the number of surfaces taken out before index; *next: the first repeat not yet passed. */
 static size_t count_before(const struct orl_repeats *r, size_t index, size_t *next, size_t *gone)
 {
     for (; *next < r->n && r->items[*next].end <= index; ++*next)
@@ -229,8 +230,8 @@ static size_t count_before(const struct orl_repeats *r, size_t index, size_t *ne
     return *gone;
 }
 
-/* Closes the gaps, and moves what counts surfaces. */
-static void close_up(const struct orl_repeats *r, struct orl_description *d)
+/* Closes the gaps in the surfaces, and adjusts indices of surfaces. */
+static void close_gaps(const struct orl_repeats *r, struct orl_description *d)
 {
     size_t kept = 0, from = 0, next = 0, gone = 0;
     for (size_t i = 0; i < d->n_placements; i++)
@@ -263,11 +264,11 @@ int orl_repeats_settle(struct orl_repeats *r, struct orl_description *d, struct 
         goto done;
     for (size_t i = 0; i < r->n; i++) {
         numbers[i] = (uint32_t)d->n_prototypes;
-        if (r->items[i].n_places > 0 && !take_out(&r->items[i], d))
+        if (r->items[i].n_places > 0 && !make_prototype(&r->items[i], d))
             goto done;
     }
     order_places(r, d);
-    close_up(r, d);
+    close_gaps(r, d);
     for (size_t i = 0; i < d->n_placements; i++)
         d->placements[i].prototype = numbers[d->placements[i].prototype];
     code = orl_placements_expand(d, LEAST_PLACES, err);

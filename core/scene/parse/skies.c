@@ -1,5 +1,5 @@
 /*
- * Sky patterns: brightfunc as gendaylit and gensky write it. Other patterns are not simulated.
+ * Sky patterns: brightfunc as gendaylit and gensky write it. Other patterns are read by patterns.c.
  * References: gendaylit(1), gensky(1), perezlum.cal and skybright.cal of Radiance.
  */
 #include <math.h>
@@ -14,7 +14,7 @@ static bool ends_with(const char *path, const char *name)
     return strcmp(slash ? slash + 1 : path, name) == 0;
 }
 
-/* The sun's place among the arguments, or -1 for skies that have none. */
+/* Returns the index of the sun's direction in the arguments, or -1 for skies without one. */
 static int sun_argument(const struct orl_sky *sky)
 {
     if (sky->kind == ORL_SKY_PEREZ)
@@ -23,9 +23,9 @@ static int sun_argument(const struct orl_sky *sky)
 }
 
 /*
- * Radiance of such a sky would overflow, or be no number: exp(A4 / 0.01) at the horizon, exp(A6 pi)
- * opposite the sun. The Perez model itself never gets beyond A4 = 0.32 and A6 = 1.9; far below zero
- * both are harmless, and common.
+ * Refuses arguments for which the radiance overflows or is NaN: exp(A4 / 0.01) at the horizon,
+ * exp(A6 pi) opposite the sun. The Perez model itself stays below A4 = 0.32 and A6 = 1.9; large
+ * negative values of both are harmless, and common.
  */
 static int check_size(struct orl_parser *parser, const struct orl_scope *scope,
                       const struct orl_sky *sky, struct orl_error *err)
@@ -70,7 +70,7 @@ bool orl_parser_is_sky(const struct orl_primitive *primitive)
            (ends_with(file, "perezlum.cal") || ends_with(file, "skybright.cal"));
 }
 
-/* Which pattern it is, and its arguments as written. */
+/* Reads the kind of pattern, and its arguments as written. */
 static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_sky *sky, struct orl_error *err)
 {
@@ -98,7 +98,8 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
     return cie ? read_cie_type(parser, scope, sky, err) : 0;
 }
 
-/* Turns the sky with its scene: only about the vertical, since its formula knows up. */
+/* Rotates the sky with its scene; only about the vertical, because its formula depends on the
+ * zenith. */
 static int turn_sky(struct orl_parser *parser, const struct orl_scope *scope, struct orl_sky *sky,
                     struct orl_error *err)
 {

@@ -1,9 +1,9 @@
 /*
- * Skies as scene text: to the printed digit what Radiance's gendaylit and gensky write.
+ * Skies as scene text, digit by digit as Radiance's gendaylit and gensky print it.
  */
 #include "scene/generate/generate.h"
 
-/* A sun as both programs write it; the angle is text since they differ in its digits. */
+/* Writes a sun as both programs do; the angle is text because they print different digits. */
 static void write_sun(const struct orl_sky_numbers *sky, const char *angle, struct orl_text *text)
 {
     const double r = sky->sun_radiance;

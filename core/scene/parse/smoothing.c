@@ -1,13 +1,13 @@
 /*
- * Materials of meshes with normals of their corners: each has a twin by the same name whose texture
- * these are, over its own.
+ * Materials of meshes with corner normals: each gets a copy with the same name, whose texture these
+ * normals are, over its own textures.
  */
 #include <stdlib.h>
 
 #include "scene/material/pattern.h"
 #include "scene/parse/parser.h"
 
-/* Lights, skies, BSDFs and what absorbs are the same however they are turned. */
+/* Returns true if shading depends on the normal; lights, skies, BSDFs and absorbers do not. */
 static bool is_turned(const struct orl_material *material)
 {
     switch (material->kind) {
@@ -25,7 +25,7 @@ static bool is_turned(const struct orl_material *material)
     }
 }
 
-/* What it mixes has the same texture as it has itself. */
+/* Gives the mixed materials the mixture's texture. */
 static int turn_mixed(struct orl_parser *parser, struct orl_material *material)
 {
     if (!material->mixed)
@@ -66,7 +66,7 @@ static int add_twin(struct orl_parser *parser, uint32_t material, uint32_t *ret_
     return orl_parser_add_material(parser, twin.name, &twin, ret_index);
 }
 
-/* As many places as there are materials, the new ones empty. */
+/* Grows the table to the number of materials; new entries are empty. */
 static int make_room(struct orl_parser *parser)
 {
     const size_t n = parser->out->n_materials;

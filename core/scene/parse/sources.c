@@ -43,7 +43,7 @@ void orl_sources_done(struct orl_sources *sources)
     memset(sources, 0, sizeof *sources);
 }
 
-/* Appends one path segment to path, "." and ".." resolved; length is that of path so far. */
+/* Appends a path segment to path, and resolves "." and ".."; length: of path so far. */
 static size_t add_segment(char *path, size_t length, const char *segment, size_t size)
 {
     if (size == 0 || (size == 1 && segment[0] == '.'))
@@ -63,8 +63,8 @@ static size_t add_segment(char *path, size_t length, const char *segment, size_t
 
 enum { PATH_BYTES = 2 * ORL_LIMIT_WORD_BYTES };
 
-/* folder/name in its shortest form. Returns false when that is empty or too long. */
-static bool join(const char *folder, const char *name, char path[PATH_BYTES])
+/* Joins folder/name in its shortest form. Returns false if the result is empty or too long. */
+static bool join_path(const char *folder, const char *name, char path[PATH_BYTES])
 {
     const char *const parts[2] = {*name == '/' ? "" : folder, name};
     size_t length = 0;
@@ -126,7 +126,7 @@ static void find_digest(const struct orl_sources *sources, struct orl_source *it
     orl_sha256_finish(&hash, item->content);
 }
 
-/* Without memory for it there are too many. */
+/* Records a name that was not found; out of memory counts as too many. */
 static void note_missed(struct orl_sources *sources, const char *name, bool library)
 {
     for (size_t i = 0; i < sources->n_missed && i < ORL_SOURCES_MISSED; i++)
@@ -215,7 +215,7 @@ static int find_from(struct orl_sources *sources, const char *folder, const char
     char path[PATH_BYTES], plain[PATH_BYTES];
     struct orl_error first = {0};
     int code;
-    if (!join(folder, name, path) || !join("", name, plain))
+    if (!join_path(folder, name, path) || !join_path("", name, plain))
         return orl_error_set(err, ORL_ERR_SYNTAX, "'%.200s' is no name of a file", name);
     code = find_as(sources, path, false, ret_index, &first);
     if (code == ORL_ERR_NOT_FOUND && strcmp(path, plain) != 0) {
@@ -231,8 +231,8 @@ static int find_from(struct orl_sources *sources, const char *folder, const char
     return code;
 }
 
-/* Files written on Windows have '\\' between folders: what is not there by that name is looked for
- * with '/'. */
+/* Files written on Windows have '\\' between folders: a name that is not found is tried again with
+ * '/'. */
 int orl_sources_find_own(struct orl_sources *sources, const char *folder, const char *name,
                          size_t *ret_index, struct orl_error *err)
 {
@@ -247,7 +247,7 @@ int orl_sources_find_own(struct orl_sources *sources, const char *folder, const 
         code = find_from(sources, folder, turned, ret_index, &second);
         last = code == ORL_ERR_NOT_FOUND ? &first : &second;
     }
-    if (code < 0 && err) /* of what was found by another name nothing is left to say */
+    if (code < 0 && err) /* no error remains if the second name was found */
         *err = *last;
     return code;
 }
@@ -263,18 +263,18 @@ int orl_sources_find(struct orl_sources *sources, const char *folder, const char
         code = find_as(sources, name, true, ret_index, &second);
         last = code == ORL_ERR_NOT_FOUND ? &first : &second;
     }
-    if (code < 0 && err) /* that the library lacks it, too, is no news */
+    if (code < 0 && err) /* the library's failure adds no information */
         *err = *last;
     return code;
 }
 
-/* A file that is being read, and the files it is of. */
+/* A file that is being read, and its provider. */
 struct reading {
     const struct orl_files *files;
     const struct orl_file *file;
 };
 
-static void tell_provider(void *ctx, size_t begin, size_t end)
+static void report_passed(void *ctx, size_t begin, size_t end)
 {
     const struct reading *reading = ctx;
     reading->files->passed(reading->files->ctx, reading->file, begin, end);
@@ -288,7 +288,7 @@ static int load_bsdf(const struct orl_sources *sources, struct orl_source *item,
     const struct orl_bsdf_xml xml = {.name = item->name,
                                      .data = item->file.data,
                                      .size = item->file.size,
-                                     .passed = sources->files->passed ? tell_provider : NULL,
+                                     .passed = sources->files->passed ? report_passed : NULL,
                                      .ctx = &reading};
     return loader ? loader->load(loader->ctx, &xml, item->content, &item->bsdf, err)
                   : orl_bsdf_load(&xml, &item->bsdf, err);

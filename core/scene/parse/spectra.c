@@ -4,7 +4,7 @@
 
 enum { STEP_NM = 5, FIRST_NM = 380, LAST_NM = 780, MOST_BANDS = 496, MOST_SAMPLES = 1 << 16 };
 
-/* What of an even spectrum's luminance a range must hold, or a warning says so. */
+/* Share of an equal-energy spectrum's luminance that a range must cover to avoid a warning. */
 static const double least_covered = 0.99;
 
 static void warn_of_range(struct orl_parser *parser, const struct orl_scope *scope,
@@ -18,10 +18,10 @@ static void warn_of_range(struct orl_parser *parser, const struct orl_scope *sco
                         parser->primitive.line, 100 * white.y);
 }
 
-/* ---- Spectra that are the same everywhere -----------------------------------------------------
- */
+/* ---- Constant spectra
+ * ------------------------------------------------------------------------- */
 
-/* Evenly spaced samples, the first and last of which are at the ends. */
+/* Evenly spaced samples; the first and last are at the ends. */
 struct samples {
     const double *values;
     size_t n;
@@ -110,7 +110,8 @@ int orl_spectrum_read(struct orl_parser *parser, const struct orl_scope *scope,
 /* ---- Bands ------------------------------------------------------------------------------------
  */
 
-/* Where band i begins, between its point and the one before it; n is where the last one ends. */
+/* Returns the start of band i, midway between its sample and the previous one; i = n: the end of
+ * the last band. */
 static double edge_of(const struct orl_grid_axis *axis, uint32_t i)
 {
     const double step = axis->size / (axis->n - 1.0);

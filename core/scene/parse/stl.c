@@ -24,7 +24,7 @@ static double read_float(const char *at)
     return (double)value;
 }
 
-/* Its length says so; a text may begin with any of its bytes. */
+/* Decides by the length; text may begin with any of the same bytes. */
 static bool is_binary(const char *data, size_t size)
 {
     return size >= HEADER_BYTES + 4 &&
@@ -42,7 +42,7 @@ static int read_binary(const char *file, const char *data, const struct orl_stl_
         struct orl_vec3 corners[3];
         const int number = i < INT_MAX ? (int)i + 1 : INT_MAX;
         for (int k = 0; k < 3; k++) {
-            const char *corner = at + 12 + 12 * (size_t)k; /* behind the normal */
+            const char *corner = at + 12 + 12 * (size_t)k; /* skips the normal */
             corners[k] = orl_v3(read_float(corner), read_float(corner + 4), read_float(corner + 8));
             if (!isfinite(corners[k].x + corners[k].y + corners[k].z)) {
                 orl_error_set(err, ORL_ERR_SYNTAX, "a corner is not finite");
@@ -85,7 +85,7 @@ static bool is_next(struct orl_scanner *scanner, const char *text)
     return orl_scanner_word(scanner, &word) && orl_slice_is(word, text);
 }
 
-/* Behind "loop": "vertex x y z", three times, then "endloop". */
+/* Reads, behind "loop", "vertex x y z" three times, then "endloop". */
 static int read_loop(struct orl_scanner *scanner, const struct orl_stl_sink *sink,
                      struct orl_error *err)
 {
@@ -112,7 +112,7 @@ static int read_text(struct orl_scanner *scanner, const struct orl_stl_sink *sin
             code = read_loop(scanner, sink, err);
         else if (orl_slice_is(word, "solid") || orl_slice_is(word, "endsolid") ||
                  orl_slice_is(word, "facet"))
-            orl_scanner_next_line(scanner); /* past a name, or a normal */
+            orl_scanner_next_line(scanner); /* skips a name or a normal */
         else if (!orl_slice_is(word, "outer") && !orl_slice_is(word, "endfacet"))
             code = fail(scanner, "'facet', 'outer loop' or 'endsolid' is wanted here", err);
     }

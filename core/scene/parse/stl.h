@@ -1,6 +1,6 @@
 /*
- * STL: triangles, in text or binary, little-endian. Their normals are the corners' own order, and
- * those written beside are passed over; lengths and axes are the file's own. Reference: 3D Systems,
+ * STL: triangles, in text or binary, little-endian. Normals follow from the order of corners, and
+ * the written ones are ignored; units and axes are the file's. Reference: 3D Systems,
  * "StereoLithography Interface Specification" (1988).
  */
 #ifndef ORL_SCENE_PARSE_STL_H
@@ -21,7 +21,8 @@ struct orl_stl_sink {
 };
 
 bool orl_stl_is(const char *data, size_t size);
-/* ORL_ERR_SYNTAX with file and line; or what the sink says, which ends it. file is for messages. */
+/* Returns 0, ORL_ERR_SYNTAX with file and line, or the sink's error, which stops reading. file: for
+ * messages. */
 int orl_stl_read(const char *file, const char *data, size_t size, const struct orl_stl_sink *sink,
                  struct orl_error *err);
 

@@ -1,6 +1,6 @@
 /*
  * Surfaces and distant sources. Transforms keep a surface's front where Radiance's xform puts it:
- * polygons of a mirrored scene are listed backwards, everything of an inverted one is turned over.
+ * polygons of a mirrored scene are listed backwards, all surfaces of an inverted one are flipped.
  * References: xform(1) and "The RADIANCE Synthetic Imaging System", section 2.1.1.
  */
 #include <math.h>
@@ -49,8 +49,8 @@ static int out_of_memory(struct orl_parser *parser, const struct orl_scope *scop
     return ORL_ERR_NOMEM;
 }
 
-/* The material of the primitive at hand, with the scope's override; ret_order: when its modifier
- * was defined, untouched for void. */
+/* Finds the material of the current primitive, with the scope's override; *ret_order: order of its
+ * modifier's definition, unchanged for void. */
 static int find_material(struct orl_parser *parser, const struct orl_scope *scope,
                          uint32_t *ret_index, uint32_t *ret_order, struct orl_error *err)
 {
@@ -84,8 +84,8 @@ static int find_material(struct orl_parser *parser, const struct orl_scope *scop
     return 0;
 }
 
-/* The name with the scope's prefix, in that arena. A prefix is written once and read with every
- * copy: the sum is bounded. */
+/* Makes the name with the scope's prefix, in that arena. A prefix is written once and repeated in
+ * every copy, so the total is limited. */
 static int make_name(struct orl_parser *parser, const struct orl_scope *scope,
                      struct orl_arena *arena, char **ret_name, struct orl_error *err)
 {
@@ -119,7 +119,8 @@ static struct orl_vec3 real3(const struct orl_parser *parser, size_t i)
     return orl_v3(r[0], r[1], r[2]);
 }
 
-/* Rays are traced in single precision, which holds squares and products of places up to here. */
+/* Limit of coordinates: rays are traced in single precision, which holds squares and products up to
+ * here. */
 static const double farthest = 1e12;
 
 static bool in_reach(struct orl_vec3 v)
@@ -136,7 +137,7 @@ static int too_far(struct orl_parser *parser, const struct orl_scope *scope, str
 
 /* ---- Polygons -------------------------------------------------------------------------------- */
 
-/* Copies the vertices through the transform, backwards when the front would change sides. */
+/* Transforms the vertices, in reverse order if the front would change sides. */
 static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scope,
                          struct orl_surface *surface, struct orl_error *err)
 {
@@ -144,7 +145,7 @@ static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scop
     size_t n = parser->primitive.n_reals / 3;
     const struct orl_vec3 first = real3(parser, 0), last = real3(parser, 3 * (n - 1));
     if (n > 3 && first.x == last.x && first.y == last.y && first.z == last.z)
-        n--; /* closed by hand */
+        n--; /* drops a repeated first corner */
     parser->vertices += n;
     if (parser->vertices > 8 * (uint64_t)ORL_LIMIT_SURFACES) {
         orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "the scene has too many corners");
@@ -216,7 +217,7 @@ static double bend_of(const struct orl_surface *surface)
     return high - low;
 }
 
-/* Corners off the mean plane by more than a thousandth of the polygon's size are warned of. */
+/* Counts polygons whose corners are off the mean plane by more than a thousandth of the size. */
 static void count_bent(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_surface *surface, double size)
 {
@@ -227,7 +228,7 @@ static void count_bent(struct orl_parser *parser, const struct orl_scope *scope,
     orl_parser_count(parser, scope, &parser->bent);
 }
 
-/* Fills the polygon's vertices and normal; ret_keep is false when it has no area. */
+/* Sets the polygon's vertices and normal; *ret_keep is false if it has no area. */
 static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_surface *surface, bool *ret_keep, struct orl_error *err)
 {
@@ -261,10 +262,11 @@ static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope
     return 0;
 }
 
-/* ---- The round ones -------------------------------------------------------------------------- */
+/* ---- Quadrics and rings
+ * ----------------------------------------------------------------------- */
 
-/* Of no extent: dropped with a warning, as Radiance's programs do; nothing can meet it. */
-static void leave_out(struct orl_parser *parser, const struct orl_scope *scope, bool *ret_keep)
+/* Drops a surface without extent with a warning, as Radiance's programs do. */
+static void drop_surface(struct orl_parser *parser, const struct orl_scope *scope, bool *ret_keep)
 {
     orl_parser_count(parser, scope, &parser->degenerate);
     *ret_keep = false;
@@ -276,7 +278,7 @@ static int check_radius(struct orl_parser *parser, const struct orl_scope *scope
     if (radius > 0)
         return 0;
     if (radius == 0) {
-        leave_out(parser, scope, ret_keep);
+        drop_surface(parser, scope, ret_keep);
         return 0;
     }
     orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radius %g is not positive", radius);
@@ -292,7 +294,7 @@ static int read_sphere(struct orl_parser *parser, const struct orl_scope *scope,
     return check_radius(parser, scope, parser->primitive.reals[3], ret_keep, err);
 }
 
-/* Cylinder, tube (one radius), cone and cup (two, of which one may be 0). */
+/* Reads cylinder, tube (one radius), cone and cup (two, one of which may be 0). */
 static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
                      struct orl_curved *round, bool *ret_keep, struct orl_error *err)
 {
@@ -306,7 +308,7 @@ static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
         round->radius[i] = (straight ? r[6] : r[6 + i]) * scope->xform.scale;
     }
     if (!(orl_length(axis) > 0)) {
-        leave_out(parser, scope, ret_keep);
+        drop_surface(parser, scope, ret_keep);
         return 0;
     }
     return check_radius(parser, scope, straight ? r[6] : fmax(r[6], r[7]), ret_keep, err);
@@ -323,7 +325,7 @@ static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its radii %g and %g are not both positive", r[6], r[7]);
     if (!(fabs(orl_length(normal) - 1.0) < 1e-6) || !(outer > inner)) {
-        leave_out(parser, scope, ret_keep);
+        drop_surface(parser, scope, ret_keep);
         return 0;
     }
     round->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
@@ -333,7 +335,7 @@ static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
     return 0;
 }
 
-/* ret_keep becomes false when it has no extent. */
+/* *ret_keep becomes false if the surface has no extent. */
 static int read_round(struct orl_parser *parser, const struct orl_scope *scope,
                       const struct surface_type *type, struct orl_surface *surface, bool *ret_keep,
                       struct orl_error *err)
@@ -358,9 +360,10 @@ static int read_round(struct orl_parser *parser, const struct orl_scope *scope,
     return code;
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- All surfaces
+ * ----------------------------------------------------------------------------- */
 
-/* A BSDF's up vector must not stand on the surface: its azimuth would be undefined. */
+/* A BSDF's up vector must not be parallel to the normal: its azimuth would be undefined. */
 static int check_up(struct orl_parser *parser, const struct orl_scope *scope,
                     const struct orl_surface *surface, struct orl_error *err)
 {
@@ -415,7 +418,8 @@ static int fail_source(struct orl_parser *parser, const struct orl_scope *scope,
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* "skyfunc source sky" for "skyglow source sky", a slip that Radiance takes for a dark source. */
+/* Returns true for "skyfunc source sky" instead of "skyglow source sky", a mistake that Radiance
+ * reads as a dark source. */
 static bool is_patterned_alone(const struct orl_parser *parser, const struct orl_scope *scope)
 {
     const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
@@ -423,7 +427,7 @@ static bool is_patterned_alone(const struct orl_parser *parser, const struct orl
     return strcmp(name, "void") != 0 && symbol && symbol->kind == ORL_SYMBOL_SKY;
 }
 
-static void leave_dark(struct orl_parser *parser, const struct orl_scope *scope)
+static void warn_of_dark(struct orl_parser *parser, const struct orl_scope *scope)
 {
     const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
     orl_parser_warn(
@@ -444,7 +448,7 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     const double *r;
     int code = orl_parser_expect(parser, scope, 0, 4, err);
     if (code == 0 && is_patterned_alone(parser, scope)) {
-        leave_dark(parser, scope);
+        warn_of_dark(parser, scope);
         return 0;
     }
     if (code == 0)

@@ -6,9 +6,9 @@
 
 #include <oriel/error.h>
 
-/* SipHash under a key of the table's own: nobody can send names that meet in one slot. Where a name
- * lies changes nothing that anyone sees. */
-static uint64_t hash(const struct orl_symbols *symbols, const char *name)
+/* SipHash with a random key per table, so that input cannot force collisions. The position of a
+ * name does not affect results. */
+static uint64_t hash_name(const struct orl_symbols *symbols, const char *name)
 {
     uint64_t h;
     unsigned char bytes[crypto_shorthash_BYTES];
@@ -17,11 +17,11 @@ static uint64_t hash(const struct orl_symbols *symbols, const char *name)
     return h;
 }
 
-/* The slot that holds name, or the free one where it belongs. n_slots is a power of two. */
+/* Returns the slot that holds name, or the free one where it belongs. n_slots is a power of two. */
 static struct orl_symbol *slot_of(const struct orl_symbols *symbols, struct orl_symbol *slots,
                                   size_t n_slots, const char *name)
 {
-    size_t i = (size_t)hash(symbols, name) & (n_slots - 1);
+    size_t i = (size_t)hash_name(symbols, name) & (n_slots - 1);
     while (slots[i].name && strcmp(slots[i].name, name) != 0)
         i = (i + 1) & (n_slots - 1);
     return slots + i;
@@ -36,7 +36,7 @@ const struct orl_symbol *orl_symbols_find(const struct orl_symbols *symbols, con
     return slot->name ? slot : NULL;
 }
 
-static int grow(struct orl_symbols *symbols)
+static int grow_table(struct orl_symbols *symbols)
 {
     const size_t n_slots = symbols->n_slots ? 2 * symbols->n_slots : 256;
     struct orl_symbol *slots = calloc(n_slots, sizeof *slots);
@@ -56,7 +56,7 @@ static int grow(struct orl_symbols *symbols)
 int orl_symbols_set(struct orl_symbols *symbols, struct orl_symbol symbol)
 {
     struct orl_symbol *slot;
-    if (2 * symbols->n_used >= symbols->n_slots && grow(symbols) < 0)
+    if (2 * symbols->n_used >= symbols->n_slots && grow_table(symbols) < 0)
         return ORL_ERR_NOMEM;
     slot = slot_of(symbols, symbols->slots, symbols->n_slots, symbol.name);
     symbols->n_used += slot->name ? 0 : 1;

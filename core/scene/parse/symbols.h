@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Refused: its definition was; index is into the parser's deferred (deferred.h), and what is
- * modified by it is refused like it. */
+/* REFUSED: the definition was refused; index is into the parser's deferred (deferred.h). Primitives
+ * with this modifier are refused, too. */
 enum orl_symbol_kind {
     ORL_SYMBOL_MATERIAL,
     ORL_SYMBOL_SKY,
@@ -20,20 +20,20 @@ enum orl_symbol_kind {
 struct orl_symbol {
     const char *name;
     enum orl_symbol_kind kind;
-    uint32_t index; /* into the description's materials, skies or patterns, or of what is refused */
-    uint32_t order; /* of this definition among all, from 1; set here */
+    uint32_t index; /* into the description's materials, skies or patterns, or into deferred */
+    uint32_t order; /* rank of this definition among all, from 1; set by the table */
 };
 
 struct orl_symbols {
     struct orl_symbol *slots;
     size_t n_slots, n_used;
     uint32_t n_set;
-    unsigned char key[crypto_shorthash_KEYBYTES]; /* random, of this table alone */
+    unsigned char key[crypto_shorthash_KEYBYTES]; /* random, one per table */
 };
 
-/* NULL when there is none. Good until the next orl_symbols_set. */
+/* Returns NULL if there is none. Valid until the next orl_symbols_set. */
 const struct orl_symbol *orl_symbols_find(const struct orl_symbols *symbols, const char *name);
-/* Adds or replaces. Returns 0 or ORL_ERR_NOMEM. */
+/* Adds or replaces a symbol. Returns 0 or ORL_ERR_NOMEM. */
 int orl_symbols_set(struct orl_symbols *symbols, struct orl_symbol symbol);
 void orl_symbols_done(struct orl_symbols *symbols);
 

@@ -13,13 +13,13 @@ enum { CODES = 256, MOST_CORNERS = 32000, MOST_TEXT = 1 << 14, INDENT = 3 };
 
 struct font {
     const struct orl_glyph *glyphs[CODES];
-    int width; /* the mean of letters */
+    int width; /* mean width of letters */
 };
 
 /* ---- Fonts ------------------------------------------------------------------------------------
  */
 
-/* The next integer from 0 to most; -1 at the end, -2 where there is something else. */
+/* Reads the next integer from 0 to most; returns -1 at the end, -2 if it is something else. */
 static int next_number(struct orl_scanner *numbers, int most)
 {
     struct orl_slice word;
@@ -50,7 +50,7 @@ static bool read_corners(struct orl_scanner *numbers, struct orl_glyph *glyph,
     return true;
 }
 
-/* One letter; false: it is none. */
+/* Reads one letter; false if it is not valid. */
 static bool read_glyph(struct orl_scanner *numbers, struct orl_arena *arena, int code,
                        struct font *font, bool *ret_memory)
 {
@@ -102,7 +102,7 @@ static int read_font(struct orl_parser *parser, const struct orl_source *source,
 /* ---- Lines ------------------------------------------------------------------------------------
  */
 
-/* A line in the making: steps[i] is from letter i - 1 to letter i. */
+/* A line being set: steps[i] is the distance from letter i - 1 to letter i. */
 struct setting {
     const struct font *font;
     const char *text;
@@ -132,7 +132,7 @@ static int set_evenly(const struct setting *s)
     return width;
 }
 
-/* Edge to edge, `gap` apart. What the font does not have takes no room. */
+/* Sets letters edge to edge, `gap` apart. Characters that the font lacks take no room. */
 static int set_closely(const struct setting *s, int gap)
 {
     int pen = gap / 2, before = 0;
@@ -148,7 +148,8 @@ static int set_closely(const struct setting *s, int gap)
     return pen + gap / 2;
 }
 
-/* Where what begins at letter i ends: behind more spaces than INDENT, or at the line's end. */
+/* Returns the end of the part that begins at letter i: behind more than INDENT spaces, or at the
+ * line's end. */
 static size_t end_of_part(const struct setting *s, size_t i, int *ret_letters)
 {
     *ret_letters = 0;
@@ -166,7 +167,7 @@ static size_t end_of_part(const struct setting *s, size_t i, int *ret_letters)
     return i;
 }
 
-/* Closely, each part then stretched to so many mean widths as it has letters. */
+/* Sets letters closely, then stretches each part to one mean width per letter. */
 static int set_in_steps(const struct setting *s, int gap)
 {
     set_closely(s, gap);
@@ -244,7 +245,7 @@ static int set_lines(struct orl_parser *parser, const struct font *font, const c
     return code;
 }
 
-/* The primitive's words as one line; to be freed. */
+/* Joins the primitive's words to one line; the caller frees it. */
 static char *join_words(const struct orl_primitive *primitive, size_t first, size_t *ret_size)
 {
     char *const line = malloc(MOST_TEXT);
@@ -307,7 +308,7 @@ static int set_text(struct orl_parser *parser, const struct orl_scope *scope,
     return code;
 }
 
-/* The vectors whose products with a place are its coordinates along right and down. */
+/* Computes the vectors whose dot products with a place are its coordinates along right and down. */
 static int place_text(struct orl_parser *parser, const struct orl_scope *scope,
                       struct orl_lettering *text, struct orl_error *err)
 {

@@ -17,8 +17,8 @@ struct places {
 
 struct reading {
     struct orl_scanner scanner;
-    struct places vertices, normals;       /* of the file */
-    struct places corners, corner_normals; /* of the face at hand */
+    struct places vertices, normals;       /* those of the whole file */
+    struct places corners, corner_normals; /* those of the current face */
     struct orl_wavefront_face face;
     struct orl_wavefront_rest *rest;
 };
@@ -50,7 +50,7 @@ static int add_place(struct places *places, struct orl_vec3 place, struct orl_er
     return 0;
 }
 
-/* Of a vertex or normal. */
+/* Reads a vertex or normal. */
 static int read_place_of(struct reading *r, struct places *into, struct orl_error *err)
 {
     static const char what[] = "a vertex, or normal, is three numbers";
@@ -68,7 +68,7 @@ static int read_place_of(struct reading *r, struct places *into, struct orl_erro
 
 /* ---- Faces ----------------------------------------------------------------------------------- */
 
-/* "7", from 1, or "-1" for the last of so many; false where there is no such. */
+/* Reads an index: "7", from 1, or "-1" for the last of count; false if out of range. */
 static bool read_place(const char **at, const char *end, uint64_t count, uint64_t *ret_place)
 {
     const bool back = *at < end && **at == '-';
@@ -85,7 +85,8 @@ static bool read_place(const char **at, const char *end, uint64_t count, uint64_
     return true;
 }
 
-/* "vertex", "vertex/place", "vertex//normal" or "vertex/place/normal", of which 0 is none. */
+/* Reads "vertex", "vertex/place", "vertex//normal" or "vertex/place/normal"; a normal of 0 means
+ * none. */
 static bool read_corner(const struct reading *r, const struct orl_slice *word, uint64_t *ret_vertex,
                         uint64_t *ret_normal)
 {
@@ -204,7 +205,7 @@ int orl_wavefront_read(const char *file, const char *text, size_t size,
     while (code == 0 && orl_scanner_next_line(&r.scanner)) {
         code = read_statement(&r, sink, err);
         while (code == 0 && next_word(&r, &left))
-            ; /* also of lines that are joined to it */
+            ; /* also words of continued lines */
     }
     free(r.vertices.items);
     free(r.normals.items);

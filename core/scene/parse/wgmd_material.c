@@ -1,8 +1,8 @@
 /*
- * WGMDfunc: a sum of what other materials are alone (material/mixture.c). What is scattered evenly
- * is plastic, on the side that it is for; what is mirrored is metal, what gets through is trans,
- * each with the pattern and texture of its own modifier, times its function. Roughness may be a
- * function of the place. Reference: "The RADIANCE Synthetic Imaging System", section 2.1.2.
+ * WGMDfunc: a sum of other materials (material/mixture.c). Diffuse reflection is one-sided plastic,
+ * specular reflection metal, transmission trans, each with the pattern and texture of its own
+ * modifier, times its function. Roughness may be a function of the place. Reference: "The RADIANCE
+ * Synthetic Imaging System", section 2.1.2.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 #include "scene/material/pattern.h"
 #include "scene/parse/sums.h"
 
-/* Where the strings are: those of transmission lie TRANSMITTED behind those of reflection. */
+/* Positions of the strings: those of transmission are TRANSMITTED behind those of reflection. */
 enum {
     MODIFIER,
     VALUE,
@@ -47,7 +47,7 @@ static bool is_number(const char *text, double *ret_number)
 /* ---- Modifiers and functions ------------------------------------------------------------------
  */
 
-/* The pattern and texture that the i-th string names go to that material. */
+/* Gives the material the pattern and texture that the i-th string names. */
 static int find_modifier(struct reading *r, size_t i, struct orl_material *ret)
 {
     const char *const name = string_at(r, i);
@@ -75,10 +75,10 @@ static int find_modifier(struct reading *r, size_t i, struct orl_material *ret)
     return 0;
 }
 
-/* A primitive like the one at hand, but of that type, with these functions before its function
- * file. The numbers are borrowed. False without memory. */
-static bool derive(const struct orl_primitive *from, const char *type, const char *id,
-                   const char *const *functions, size_t n, struct orl_primitive *ret)
+/* Makes a primitive like the current one, but of that type, with these functions before its
+ * function file. The numbers are borrowed. Returns false if out of memory. */
+static bool derive_primitive(const struct orl_primitive *from, const char *type, const char *id,
+                             const char *const *functions, size_t n, struct orl_primitive *ret)
 {
     const char *words[3 + 3] = {from->modifier, type, id};
     const size_t n_words = 3 + n, rest = from->n_strings - FUNCTION_FILE;
@@ -108,7 +108,7 @@ static bool derive(const struct orl_primitive *from, const char *type, const cha
     return ret->text && ret->at;
 }
 
-/* A pattern of these functions, over those that the material has. */
+/* Makes a pattern of these functions, over the material's own. */
 static int make_pattern(struct reading *r, const char *type, const char *part,
                         const char *const *functions, size_t n, struct orl_material *over,
                         struct orl_pattern **ret_pattern)
@@ -119,7 +119,7 @@ static int make_pattern(struct reading *r, const char *type, const char *part,
     char id[ORL_ERROR_NAME_MAX];
     snprintf(id, sizeof id, "%.180s (%s)", written.id, part);
     int code = ORL_ERR_NOMEM;
-    if (derive(&written, type, id, functions, n, &derived)) {
+    if (derive_primitive(&written, type, id, functions, n, &derived)) {
         parser->primitive = derived;
         code = orl_parser_pattern(parser, r->scope, over->pattern, over->texture, false, r->err);
         parser->primitive = written;
@@ -132,7 +132,7 @@ static int make_pattern(struct reading *r, const char *type, const char *part,
     return 0;
 }
 
-/* Its share of all light, by its function. */
+/* Reads the part's share of the light, which may be a function. */
 static int read_share(struct reading *r, size_t first, struct orl_material *part, double *ret_share)
 {
     const char *const text = string_at(r, first + VALUE);
@@ -167,7 +167,7 @@ static int read_roughness(struct reading *r, size_t first, struct orl_material *
     return 0;
 }
 
-/* The direction of the grain, where anything is rough. */
+/* Reads the direction of the grain, which matters if a part is rough. */
 static int read_grain(struct reading *r)
 {
     struct orl_xform xform;
@@ -192,11 +192,11 @@ static int add_evenly_through(struct reading *r, struct orl_rgb color)
 {
     struct orl_material modifier;
     const int code = find_modifier(r, EVENLY_THROUGH, &modifier);
-    /* What gets through is not turned. */
+    /* Textures do not affect transmission. */
     return code < 0 ? code : orl_material_sum_add_through(&r->sum, color, modifier.pattern);
 }
 
-/* Mirrored, or straight through, by a lobe or none. */
+/* Adds specular reflection or direct transmission, as a lobe if it is rough. */
 static int add_directed(struct reading *r, size_t first)
 {
     const bool through = first == TRANSMITTED;
@@ -215,7 +215,7 @@ static int add_directed(struct reading *r, size_t first)
     return code < 0 ? code : orl_material_sum_add(&r->sum, &part);
 }
 
-/* What is reflected is reflected by one normal, for who looks along a mirrored way. */
+/* All reflecting parts must share one normal, because mirror directions depend on it. */
 static int find_texture(struct reading *r, const struct orl_material *m,
                         struct orl_pattern **texture, bool *found)
 {
