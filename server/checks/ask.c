@@ -7,9 +7,9 @@
 #include "process/limits.h"
 #include "uploads/unzip.h"
 
-/* ---- One question ---------------------------------------------------------------------------- */
+/* ---- One request ---------------------------------------------------------------------------- */
 
-/* Takes the request. */
+/* Sends the request to a child. Takes ownership of the request. */
 static int ask(struct orl_asking *asking, json_t *request, json_t **ret_result,
                struct orl_error *err)
 {
@@ -25,7 +25,7 @@ static int ask(struct orl_asking *asking, json_t *request, json_t **ret_result,
     return rc;
 }
 
-/* digits: of its numbers; 0: all. */
+/* Returns the result as text. digits: significant digits of its numbers; 0: all. */
 static int ask_for_text(struct orl_asking *asking, json_t *request, int digits, char **ret_text,
                         struct orl_error *err)
 {
@@ -126,9 +126,9 @@ int orl_ask_inputs(struct orl_asking *asking, const struct orl_job_inputs *input
 
 struct taking {
     const struct orl_folders *folders;
-    struct orl_bundle files; /* so far, all of them resources */
+    struct orl_bundle files; /* received so far; all are resources */
     struct orl_incoming incoming;
-    uint64_t bytes; /* with those of the upload's other files */
+    uint64_t bytes; /* includes the upload's other files */
 };
 
 static int take_file(void *ctx, const char *name, struct orl_error *err)
@@ -150,7 +150,8 @@ static int take_data(void *ctx, const char *data, size_t size, struct orl_error 
     return orl_incoming_append(&t->incoming, data, size, err);
 }
 
-/* Takes the request; its files are the caller's, whatever comes. */
+/* Receives the files that the child unpacks. Takes ownership of the request. The caller owns
+ * *ret_files, even after an error. */
 static int ask_for_files(struct orl_asking *asking, json_t *request,
                          const struct orl_folders *folders, uint64_t before,
                          struct orl_bundle *ret_files, json_t **ret_result, struct orl_error *err)
@@ -170,7 +171,7 @@ static int ask_for_files(struct orl_asking *asking, json_t *request,
 
 /* ---- Zips ------------------------------------------------------------------------------------ */
 
-/* Who asks, and what for. */
+/* The request that guesses the roles of a zip's files. */
 struct guessing {
     struct orl_asking *asking;
     const json_t *choice; /* NULL: roles are not guessed */

@@ -20,7 +20,7 @@
 #define FILTER_ARCH AUDIT_ARCH_AARCH64
 #endif
 
-/* What is left: memory, threads, the socket and the files that are open, time. */
+/* Allowed system calls: memory, threads, the socket, open files, and time. */
 #ifdef FILTER_ARCH
 static const unsigned allowed[] = {
     __NR_read,
@@ -66,8 +66,9 @@ static const unsigned allowed[] = {
 enum { ALLOWED = sizeof allowed / sizeof *allowed };
 
 /*
- * Whatever else is asked for fails with EPERM: libraries do without what they only like to have.
- * Threads are allowed, processes are not: only clone shows which it is to be, so clone3 is none.
+ * All other calls fail with EPERM, so that libraries do without optional features. Threads are
+ * allowed, processes are not. Only the arguments of clone tell them apart, so clone3 is not
+ * allowed.
  */
 static int filter_calls(void)
 {
@@ -104,7 +105,7 @@ static int filter_calls(void)
 }
 #endif
 
-/* Never more than it is now. */
+/* Lowers a resource limit to `most`; never raises it. */
 static int bound(__rlimit_resource_t resource, uint64_t most)
 {
     struct rlimit limit;
@@ -116,7 +117,8 @@ static int bound(__rlimit_resource_t resource, uint64_t most)
     return setrlimit(resource, &limit);
 }
 
-/* Where there is no /proc, the kernel chooses by size alone. */
+/* Makes the process the kernel's first choice when memory runs out. Without /proc the kernel
+ * chooses by size alone. */
 static void go_first(void)
 {
     const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
@@ -127,14 +129,14 @@ static void go_first(void)
     close(fd);
 }
 
-/* What Embree maps and does not touch, and a thread's stack. */
+/* Bytes that Embree maps but does not touch, and a thread's stack. */
 #define RESERVED (144UL << 20)
 
 int orl_confine(const struct orl_bounds *bounds, struct orl_error *err)
 {
     enum { FILES = 64 };
     go_first();
-    /* One second more before the signal that cannot be caught. */
+    /* SIGXCPU comes at cpu_s; SIGKILL, which cannot be caught, one second later. */
     const struct rlimit cpu = {bounds->cpu_s, (rlim_t)bounds->cpu_s + 1};
     int rc = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
     rc = rc ? rc : bound(RLIMIT_CORE, 0);

@@ -25,7 +25,7 @@ void orl_job_brief_done(struct orl_job_brief *brief)
     memset(brief, 0, sizeof *brief);
 }
 
-/* As many as a document may name, of whatever kind. */
+/* Maximum number of files that a document may name, over all roles. */
 enum { FILES_MAX = ORL_LIMIT_SKIES + 2 * ORL_LIMIT_VIEWS + ORL_LIMIT_GRIDS + 2 };
 
 static int add_file(void *ctx, const struct orl_task_file *named, struct orl_error *err)
@@ -143,7 +143,7 @@ static bool take_needs(struct orl_job_memory *needs, const json_t *numbers)
     return good;
 }
 
-/* A child answers with what it was to check: it is checked here once more. */
+/* Validates the labels again: a child that read untrusted data may send anything. */
 static bool take_labels(struct orl_labels *labels, const char *name, const char *tags)
 {
     struct orl_error err;

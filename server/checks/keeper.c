@@ -17,7 +17,7 @@
 
 enum { CHILD_NICE = 5 };
 
-/* Ends with the process that it is a child of. */
+/* Makes the process end when its parent ends. */
 static void end_with(pid_t parent)
 {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -25,7 +25,7 @@ static void end_with(pid_t parent)
         _exit(1);
 }
 
-/* False: the daemon is gone. */
+/* Returns false if the daemon is gone. */
 static bool wait_for_request(void)
 {
     char first;
@@ -69,7 +69,7 @@ int orl_keeper_main(const char *daemon_pid)
     end_with((pid_t)strtol(daemon_pid, NULL, 10));
     if (getpriority(PRIO_PROCESS, 0) < CHILD_NICE)
         setpriority(PRIO_PROCESS, 0, CHILD_NICE);
-    orl_prepare_thread(NULL); /* where that fails a child tries again */
+    orl_prepare_thread(NULL); /* if this fails, each child tries again */
     while (wait_for_request()) {
         const struct orl_child_end end = keep_one();
         if (!orl_frame_send(ORL_KEEPER_FD, ORL_FRAME_END, &end, sizeof end))

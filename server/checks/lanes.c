@@ -26,7 +26,7 @@
 
 enum { POLL_MS = 25, VERDICT_BYTES = 1 << 20 };
 
-/* One keeper. */
+/* One keeper process. */
 struct lane {
     pid_t pid;
     int fd;
@@ -51,7 +51,7 @@ static int spawn(int fd, pid_t *ret_pid)
     snprintf(parent, sizeof parent, "%d", (int)getpid());
     posix_spawn_file_actions_init(&actions);
     posix_spawnattr_init(&attributes);
-    /* A group of its own: what a terminal tells the daemon is not for it. */
+    /* A process group of its own keeps signals of the daemon's terminal away from the keeper. */
     posix_spawnattr_setpgroup(&attributes, 0);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
     int rc = posix_spawn_file_actions_adddup2(&actions, fd, ORL_KEEPER_FD);
@@ -77,7 +77,7 @@ static struct lane *lane_new(void)
         free(lane);
         return NULL;
     }
-    /* dup2 to itself would leave the flag that closes it. */
+    /* dup2 onto the same descriptor would leave the close-on-exec flag set. */
     const int theirs = ends[1] == ORL_KEEPER_FD ? fcntl(ends[1], F_DUPFD_CLOEXEC, 10) : ends[1];
     const int rc = spawn(theirs, &lane->pid);
     close(ends[1]);
@@ -93,7 +93,7 @@ static struct lane *lane_new(void)
     return lane;
 }
 
-/* Its child goes with it. */
+/* Kills the keeper. Its child ends with it. */
 static void lane_kill(struct lane *lane)
 {
     close(lane->fd);
@@ -127,7 +127,7 @@ struct orl_lanes *orl_lanes_new(void)
     if (!lanes)
         return NULL;
     pthread_mutex_init(&lanes->mutex, NULL);
-    lanes->idle = lane_new(); /* without one it is tried again */
+    lanes->idle = lane_new(); /* if this fails, a later check tries again */
     return lanes;
 }
 
@@ -150,8 +150,8 @@ struct talk {
     struct orl_asking *asking;
     struct lane *lane;
     struct orl_frame_text verdict;
-    bool complete; /* the verdict */
-    bool ended;    /* the child, as end has it */
+    bool complete; /* true once the whole verdict has arrived */
+    bool ended;    /* true once the child has ended; `end` is then set */
     struct orl_child_end end;
     struct orl_error *err;
 };
@@ -179,7 +179,7 @@ static int wait_for(struct talk *t, short events)
     return orl_error_set(t->err, ORL_ERR_CANCELLED, "the check was given up");
 }
 
-/* A keeper that is gone is found out when it is listened to. */
+/* Sends the request. A keeper that has ended is noticed later, when the reply is read. */
 static int send_request(struct talk *t, const char *text, size_t size)
 {
     int rc = 0;
@@ -249,7 +249,7 @@ static int listen_to(struct talk *t)
     return rc;
 }
 
-/* ---- What became of it ----------------------------------------------------------------------- */
+/* ---- Causes of death ------------------------------------------------------------------------ */
 
 static int meet(struct talk *t, enum orl_child_bound bound)
 {
@@ -262,7 +262,7 @@ static int meet(struct talk *t, enum orl_child_bound bound)
                                "--memory set the bound");
         return ORL_ERR_LIMIT;
     }
-    /* The kernel's limit counts ticks; the time that it reports may be a few of them less. */
+    /* The kernel's limit counts ticks; the reported time may be a few ticks less. */
     orl_error_set(t->err, ORL_ERR_LIMIT,
                   "the check was stopped after %.1f seconds of a processor; the limit is %u "
                   "(--check-timeout)",
@@ -294,7 +294,7 @@ static int judge_death(struct talk *t)
         return meet(t, ORL_CHILD_CPU);
     if (WTERMSIG(status) != SIGKILL)
         return blame(t, WTERMSIG(status));
-    /* Nobody here sends that. */
+    /* The daemon sends no SIGKILL here, so the kernel did. */
     t->asking->met = ORL_CHILD_KILLED;
     return orl_error_set(t->err, ORL_ERR_NOMEM, "the system ended the check for want of memory");
 }
@@ -341,7 +341,8 @@ int orl_lanes_run(struct orl_asking *asking, const json_t *request, json_t **ret
     if (rc == 0)
         rc = listen_to(&t);
     free(text);
-    /* What is left unsaid would be taken for the answer to the next. */
+    /* After a clean end the keeper is reused. Otherwise unread packets would be mistaken for the
+     * next verdict. */
     const bool clean = rc == 0 && t.complete && WIFEXITED(t.end.status);
     if (t.lane && clean)
         give_back(asking->lanes, t.lane);

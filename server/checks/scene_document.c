@@ -11,7 +11,7 @@
 #include "members.h"
 #include "uploads/multipart.h"
 
-/* The bytes of one file object; *ret_data is owned. */
+/* Decodes the content of one file object; the caller owns *ret_data. */
 static int decode_content(const json_t *file, const char *where, unsigned char **ret_data,
                           size_t *ret_size, struct orl_error *err)
 {
@@ -114,7 +114,7 @@ static int read_files(const json_t *doc, const struct orl_incoming_sink *sink, j
     return rc;
 }
 
-/* A model, and files that it comes with: weather, say. */
+/* Reads a model and the files that come with it, such as weather. */
 static int read_model_and_files(const json_t *doc, const struct orl_incoming_sink *sink,
                                 json_t **ret_rest, struct orl_error *err)
 {
@@ -131,7 +131,7 @@ static int read_model_and_files(const json_t *doc, const struct orl_incoming_sin
         rc = read_model(model, sink, &rest, err);
     for (size_t i = 0; rc == 0 && i < json_array_size(files); i++)
         rc = read_file(json_array_get(files, i), i, sink, resources, err);
-    json_decref(resources); /* none of them is of the scene: the model is */
+    json_decref(resources); /* the scene is the model alone, so no file is one of its resources */
     if (rc == 0)
         *ret_rest = rest;
     else

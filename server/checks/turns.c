@@ -25,7 +25,7 @@ uint64_t orl_check_most(const struct orl_checks *checks)
     return granted > ORL_SERVER_CHECK_LEAST ? granted : ORL_SERVER_CHECK_LEAST;
 }
 
-/* Every lane that is left can have as much. */
+/* Returns the first memory grant: a size that every free lane can have. */
 static uint64_t first_grant(const struct orl_checks *checks)
 {
     const unsigned count = checks->count;
@@ -35,9 +35,9 @@ static uint64_t first_grant(const struct orl_checks *checks)
     return granted > ORL_SERVER_CHECK_LEAST ? granted : ORL_SERVER_CHECK_LEAST;
 }
 
-/* ---- Those that run -------------------------------------------------------------------------- */
+/* ---- Running checks ------------------------------------------------------------------------- */
 
-/* It may still yield. */
+/* Returns true if the check may still yield. */
 static bool is_fresh(const struct orl_check *check)
 {
     return !check->whole && !check->is_long;
@@ -66,9 +66,10 @@ static unsigned count_of(const struct orl_checks *checks, const struct orl_clien
     return count;
 }
 
-/* ---- Those that wait ------------------------------------------------------------------------- */
+/* ---- Waiting checks ------------------------------------------------------------------------- */
 
-/* Among several clients none has all checks that go on at once. */
+/* Returns true if one more check would give this client all the lanes, while several clients exist.
+ */
 static bool has_its_share(const struct orl_checks *checks, const struct orl_check *check)
 {
     return checks->config->needs_token &&
@@ -76,8 +77,8 @@ static bool has_its_share(const struct orl_checks *checks, const struct orl_chec
 }
 
 /*
- * Whoever waits for the larger grant does not keep others from going on, and one quick check goes
- * on whatever else there is; any does when there is nothing else.
+ * Returns true if the check may start now. A check that waits for the larger grant does not delay
+ * others. One quick check may always run; any check may run if no other does.
  */
 static bool may_start(const struct orl_checks *checks, const struct orl_check *check)
 {
@@ -179,7 +180,7 @@ void orl_check_leave(struct orl_checks *checks, struct orl_check *check)
 
 /* ---- Yielding -------------------------------------------------------------------------------- */
 
-/* A check that nothing keeps but those that run. */
+/* Returns true if a check waits only because all lanes are taken. */
 static bool does_any_wait(const struct orl_checks *checks)
 {
     for (const struct orl_check *check = checks->waiting; check; check = check->next)
@@ -188,7 +189,7 @@ static bool does_any_wait(const struct orl_checks *checks)
     return false;
 }
 
-/* Those that run: the last begun is the first. */
+/* Picks among the running checks; the list starts with the last one started. */
 void orl_checks_make_room(struct orl_checks *checks)
 {
     struct orl_check *last = NULL;

@@ -8,11 +8,11 @@ enum { MOST = 128 };
 
 static struct module {
     char name[32];
-    uintptr_t base, begin, end; /* what offsets are from, and its code */
+    uintptr_t base, begin, end; /* base: origin of offsets; begin, end: range of its code */
 } modules[MOST];
 static int n_modules;
 
-/* The program itself has no name there. */
+/* Adds a module to the list. The program itself has an empty name there. */
 static int add(struct dl_phdr_info *info, size_t size, void *unused)
 {
     const char *slash = strrchr(info->dlpi_name, '/');

@@ -21,7 +21,7 @@ static struct {
     bool started;
     atomic_llong deadline_s; /* by CLOCK_MONOTONIC; 0: none */
     atomic_bool closed;
-    atomic_uint arrived; /* signals */
+    atomic_uint arrived; /* number of signals */
     /* Atomic: a handler may run on any thread while the main thread sets the next signal. */
     atomic_uint drain_s;
     void (*_Atomic handlers[SIGNALS])(int);
@@ -34,8 +34,8 @@ static struct timespec now(void)
     return time;
 }
 
-/* A deadline that is set already may come nearer, but is never put off: signals that go on coming
- * must not keep the process alive. */
+/* Sets the deadline, or moves it nearer. A deadline is never put off, or repeated signals could
+ * keep the process alive. */
 static void begin(unsigned seconds)
 {
     const long long rounded_up = (long long)now().tv_sec + 1 + (long long)seconds;

@@ -26,7 +26,8 @@ static bool is_forwarded(const struct orl_request *request)
     return false;
 }
 
-/* A proxy that has TLS says so, or does not: then its pages may have come by either. */
+/* Returns true if the daemon's own pages may use that scheme. Behind a TLS proxy the scheme is
+ * X-Forwarded-Proto; without that header either scheme may be. */
 static bool is_own_scheme(const struct orl_request *request, bool https)
 {
     const struct orl_config *config = request->context->config;
@@ -42,8 +43,8 @@ static bool has(const struct orl_request *request, const char *header, const cha
     return found && strcasecmp(found, value) == 0;
 }
 
-/* As a browser says it of what its user goes to (Fetch Metadata): no frame, no picture, no script.
- */
+/* Returns true for a browser's top-level navigation to "/" by its Fetch Metadata headers: not a
+ * frame, image or script. */
 static bool follows_link(const struct orl_request *request)
 {
     const char *accept = orl_request_header(request, MHD_HTTP_HEADER_ACCEPT);
@@ -53,7 +54,8 @@ static bool follows_link(const struct orl_request *request)
            orl_negotiate_weight(accept, "text/html") > 0;
 }
 
-/* Host is what the target says in absolute form, and the header elsewhere. */
+/* Checks the headers against guard.h. host: the authority of an absolute-form target, otherwise the
+ * Host header. */
 static const char *check_guard(struct orl_request *request, const char *host)
 {
     const struct orl_config *config = request->context->config;
@@ -72,8 +74,8 @@ static const char *check_guard(struct orl_request *request, const char *host)
     return orl_guard_check(&guarded, &request->cross_origin);
 }
 
-/* In absolute form the scheme has to be the daemon's, and the Host header, which no client has a
- * reason to let differ, must not be another machine's either. */
+/* Checks a target in absolute form. Its scheme must be the daemon's. The Host header, which should
+ * be identical, must not name another machine either. */
 static const char *check_target(struct orl_request *request, const char *host)
 {
     if (!is_own_scheme(request, request->target.https))
@@ -132,7 +134,7 @@ static bool refuse_scope(struct orl_request *request, enum orl_token_scope wante
     return false;
 }
 
-/* A refusal that no other token would change. */
+/* Refuses a request with a 403 that no other token would change. */
 static bool refuse(struct orl_request *request, const char *why)
 {
     orl_reply_problem(request, 403, "forbidden", "The request is refused", "%s", why);
@@ -140,7 +142,7 @@ static bool refuse(struct orl_request *request, const char *why)
     return false;
 }
 
-/* Who is it, going by the Authorization header? False after a reply. */
+/* Identifies the token by the Authorization header. Returns false after a reply. */
 static bool know_by_token(struct orl_request *request, const char *header)
 {
     static const char scheme[] = "Bearer ";
@@ -156,7 +158,8 @@ static bool know_by_token(struct orl_request *request, const char *header)
     return known || orl_access_refuse(request, true);
 }
 
-/* By a cookie. *ret_refusal is set where there is one, which is not heard. */
+/* Identifies the token by a cookie. *ret_refusal is set if there is a valid cookie that may not be
+ * used. */
 static int know_by_session(struct orl_request *request, bool *ret_known, const char **ret_refusal,
                            struct orl_error *err)
 {
@@ -171,8 +174,8 @@ static int know_by_session(struct orl_request *request, bool *ret_known, const c
     return 0;
 }
 
-/* By a signed link, whatever page shows it, or else by a cookie, which the browser may have sent
- * along. */
+/* Identifies the token by a signed link, whichever page shows it. Otherwise by a cookie, which the
+ * browser may have sent as well. */
 static bool know_otherwise(struct orl_request *request)
 {
     const bool shown = orl_link_is_shown(request);
@@ -216,7 +219,7 @@ bool orl_access_check_owner(struct orl_request *request, const char *owner)
 struct orl_admission orl_access_admission(struct orl_request *request)
 {
     struct orl_admission admission = {.token = ""};
-    struct orl_session_row session = {.hash = "none"}; /* it may just have ended */
+    struct orl_session_row session = {.hash = "none"}; /* the session may just have ended */
     struct orl_error err;
     bool found = false;
     memcpy(admission.token, request->holder.id, sizeof admission.token);

@@ -23,7 +23,7 @@ static void name_client(const struct orl_request *request, char *ret_name, size_
     snprintf(ret_name, size, "address:%s", key);
 }
 
-/* What of all there is one client may have. */
+/* Returns the limit of one client: `part` if tokens are required, otherwise `all`. */
 static uint64_t share(const struct orl_http_context *context, uint64_t all, uint64_t part)
 {
     return context->config->needs_token ? part : all;

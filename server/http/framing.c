@@ -8,15 +8,17 @@
 
 #include "process/limits.h"
 
-/* What the headers say of whose a request is and how long. */
+/* Headers that give the host and the length of a request. */
 struct framing {
     unsigned hosts, lengths, codings;
-    bool chunked;    /* by the last of the codings */
-    const char *end; /* of the version or value before; what follows begins behind its line's end */
-    const char *fault; /* found so far */
+    bool chunked;      /* the last transfer coding is chunked */
+    const char *end;   /* end of the previous version or value; the next header begins after that
+                        * line's end */
+    const char *fault; /* first fault found */
 };
 
-/* A name of a header: a token (RFC 9110, 5.6.2). A blank before the colon is part of none. */
+/* Returns true for a header name: a token (RFC 9110, 5.6.2). A blank before the colon is not
+ * allowed. */
 static bool is_token(const char *name, size_t size)
 {
     static const char others[] = "!#$%&'*+-.^_`|~";
@@ -29,7 +31,8 @@ static bool is_token(const char *name, size_t size)
     return size > 0;
 }
 
-/* No controls but tabs (RFC 9110, 5.5): a lone CR ends a line for some. */
+/* Returns true if there are no control characters but tabs (RFC 9110, 5.5). Some parsers end a line
+ * at a lone CR. */
 static bool is_value(const char *value, size_t size)
 {
     for (size_t i = 0; i < size; i++)
@@ -51,10 +54,11 @@ static void count(struct framing *framing, const char *name, const char *value)
 }
 
 /*
- * libmicrohttpd 0.9 ends a value at a NUL, and the headers at a line that begins with one, and
- * makes another name of a header whose value goes on in the next line. What it has passed over
- * shows: it parses in place, so that a line begins one or two bytes (LF or CRLF, which it has
- * overwritten) behind the end of the line before. Later versions refuse all of this themselves.
+ * Returns true if this header follows directly after the previous one. libmicrohttpd 0.9 ends a
+ * value at a NUL, ends the headers at a line that begins with a NUL, and turns a continuation line
+ * into another header. The bytes that it skipped show as a gap: it parses in place, so a line
+ * begins one or two bytes (LF or CRLF, which it has overwritten) after the end of the previous
+ * line. Later versions refuse all of this themselves.
  */
 static bool follows(const struct framing *framing, const char *at)
 {
@@ -86,7 +90,7 @@ static enum MHD_Result note(void *ctx, enum MHD_ValueKind kind, const char *name
     return framing->fault ? MHD_NO : MHD_YES;
 }
 
-/* Is the empty line, which ends the headers, what follows the last of them? */
+/* Returns true if the empty line that ends the headers follows directly after the last header. */
 static bool ends_there(const struct framing *framing, struct MHD_Connection *connection,
                        const char *method)
 {
@@ -115,7 +119,7 @@ const char *orl_framing_check(struct MHD_Connection *connection, const char *met
         return "its Transfer-Encoding is not chunked";
     if (framing.hosts > 1)
         return "it has more than one Host";
-    /* RFC 9112, 3.2 and 6.1; before 1.1 there were neither. */
+    /* RFC 9112, 3.2 and 6.1: HTTP/1.0 had neither Host nor Transfer-Encoding. */
     const bool old = strcmp(version, MHD_HTTP_VERSION_1_0) == 0;
     if (framing.hosts == 0 && !old)
         return "it has no Host";
@@ -124,14 +128,14 @@ const char *orl_framing_check(struct MHD_Connection *connection, const char *met
 
 bool orl_framing_cut_query(const char *uri)
 {
-    enum { EACH = 64 }; /* bytes that libmicrohttpd notes down for an argument */
+    enum { EACH = 64 }; /* bytes that libmicrohttpd allocates for an argument */
     const char *query = strchr(uri, '?');
     size_t bytes = strlen(uri);
     for (const char *at = query; at; at = strchr(at + 1, '&'))
         bytes += EACH;
     if (bytes <= ORL_SERVER_URI_BYTES)
         return false;
-    /* Its own memory, in which it is about to take the arguments apart. */
+    /* uri is libmicrohttpd's own buffer, in which it parses the arguments next. */
     if (query)
         ((char *)(uintptr_t)query)[1] = '\0';
     return true;

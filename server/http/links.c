@@ -17,7 +17,7 @@ static void sign(const unsigned char key[ORL_LINK_KEY_BYTES], const struct orl_t
 {
     unsigned char mac[MAC_BYTES];
     char text[ORL_PARAM_MAX * 2 + sizeof token->id + sizeof token->hash + 80];
-    /* Neither an id nor a file's name has a line's end in it; file comes last all the same. */
+    /* Fields end with a newline, which no id or file name contains. The file still comes last. */
     const int size = snprintf(text, sizeof text, "oriel-link 2\n%s\n%s\n%s\n%lld\n%s", token->id,
                               token->hash, job, (long long)until_s, file);
     crypto_generichash(mac, sizeof mac, (const unsigned char *)text, (unsigned long long)size, key,

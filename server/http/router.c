@@ -4,7 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Does url have the shape of path? Fills the parameters on the way. */
+/* Returns true if url matches the pattern path. Fills the parameters. */
 static bool path_matches(const char *path, const char *url,
                          char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX])
 {

@@ -45,7 +45,7 @@ static void hash_secret(const char *secret, char ret_hash[ORL_SESSION_HASH])
     sodium_bin2hex(ret_hash, ORL_SESSION_HASH, hash, sizeof hash);
 }
 
-/* False without a cookie that could be one. */
+/* Reads the cookie. Returns false if there is none with a valid form. */
 static bool read_cookie(const struct orl_request *request, char ret_hash[ORL_SESSION_HASH])
 {
     static const char allowed[] =

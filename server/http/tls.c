@@ -71,7 +71,8 @@ static gnutls_datum_t datum_of(char *text)
     return (gnutls_datum_t){(unsigned char *)text, (unsigned)strlen(text)};
 }
 
-/* Has the chain's first certificate the public half of the key? A GnuTLS code. */
+/* Checks that the chain's first certificate has the public half of the key. Returns a GnuTLS code.
+ */
 static int check_pair(const struct orl_certificate *certificate)
 {
     unsigned char of_key[64], of_cert[64];
@@ -92,7 +93,7 @@ static int check_pair(const struct orl_certificate *certificate)
     return rc;
 }
 
-/* A GnuTLS code. */
+/* Imports chain and key from PEM text. Returns a GnuTLS code. */
 static int import(struct orl_certificate *certificate, char *cert, char *key)
 {
     const gnutls_datum_t cert_pem = datum_of(cert), key_pem = datum_of(key);
@@ -151,7 +152,7 @@ int orl_tls_load(struct orl_tls *tls, const char *cert_path, const char *key_pat
 void orl_tls_free_older(struct orl_tls *tls, uint64_t oldest_handshake)
 {
     struct orl_certificate **at = tls->current ? &tls->current->older : NULL;
-    /* From the newest to the oldest: numbers only fall. */
+    /* The list goes from the newest to the oldest, so last_user only falls. */
     while (at && *at && (*at)->last_user >= oldest_handshake)
         at = &(*at)->older;
     while (at && *at) {

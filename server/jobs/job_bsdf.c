@@ -15,7 +15,7 @@ struct keeping {
     orl_job_bsdf_done *done;
 };
 
-/* The results' file and the blob are one on the disk; neither is ever written to again. */
+/* Makes the blob as a hard link to the results' file; neither is ever written to again. */
 static void keep(uv_work_t *work)
 {
     struct keeping *k = work->data;
@@ -52,7 +52,7 @@ static void kept(uv_work_t *work, int status)
     free(k);
 }
 
-/* Without memory to keep it: the same as when it cannot be kept. */
+/* Fails the job for want of memory, as if its BSDF could not be stored. */
 static void fail(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
                  orl_job_bsdf_done *done)
 {

@@ -40,7 +40,7 @@ static void all_given(uv_work_t *work, int status)
     giving->leader->settling = false;
     for (size_t i = 0; i < giving->count; i++) {
         const struct orl_jobs_job *job = orl_jobs_lookup(jobs, giving->each[i].id);
-        if (!job || job->leader != giving->leader) /* cancelled meanwhile */
+        if (!job || job->leader != giving->leader) /* it was cancelled meanwhile */
             orl_job_results_remove_files(jobs, giving->each[i].id);
     }
     giving->done(giving->leader, &giving->outcome, giving);

@@ -33,8 +33,8 @@ void orl_runs_lead_no_more(struct orl_jobs_job *job)
     *at = job->next_leader;
 }
 
-/* Does nobody want its computation any more? Of those who followed a cancelled leader, the last one
- * follows on until what is done is its own. */
+/* Returns true if no job needs the computation any more. The last follower of a cancelled leader
+ * stays a follower after it is cancelled, until it has received the partial results. */
 static bool is_given_up(const struct orl_jobs_job *leader)
 {
     const bool cancelled = leader->cancelled || leader->row.state == ORL_JOB_CANCELLED;
@@ -46,7 +46,7 @@ static bool is_ending(const struct orl_jobs_job *leader)
     return leader->requeue || leader->settling || leader->late || is_given_up(leader);
 }
 
-/* Results for each are made in one turn of the loop. */
+/* Limits followers, since results for each of them are recorded in one turn of the loop. */
 static bool has_many(const struct orl_jobs_job *leader)
 {
     size_t count = 0;
@@ -55,7 +55,7 @@ static bool has_many(const struct orl_jobs_job *leader)
     return count >= ORL_SERVER_SHARING;
 }
 
-/* A job that waits or runs, and asks for the same. */
+/* Returns a job that waits or runs and asks for identical results. */
 static struct orl_jobs_job *find_leader(const struct orl_jobs *jobs, const char *identity)
 {
     struct orl_jobs_job *leader = *identity ? jobs->leaders : NULL;
@@ -67,14 +67,14 @@ static struct orl_jobs_job *find_leader(const struct orl_jobs *jobs, const char 
 
 static void mark_running(struct orl_jobs_job *job)
 {
-    /* Counted before it starts, so that a crash in the first moment counts too. */
+    /* Count the attempt before the start, so that a crash just after the start counts too. */
     job->row.attempts++;
     job->row.started_ms = orl_time_now_ms();
     job->started_s = orl_time_steady_s();
     orl_jobs_set_state(job, ORL_JOB_RUNNING);
 }
 
-/* The leader goes first when a follower of higher priority comes. */
+/* Raises the leader's priority to that of a new follower. */
 static void raise_priority(struct orl_jobs_job *leader, const struct orl_jobs_job *job)
 {
     struct orl_queue *queue = job->jobs->queue;
@@ -107,7 +107,7 @@ void orl_runs_enqueue(struct orl_jobs_job *job)
     }
 }
 
-/* The next that waits; it stays in the queue. */
+/* Returns the next waiting job, and leaves it in the queue. */
 static struct orl_jobs_job *next_job(const struct orl_jobs *jobs)
 {
     struct orl_queue_entry *entry = orl_queue_first(jobs->queue);
@@ -116,7 +116,8 @@ static struct orl_jobs_job *next_job(const struct orl_jobs *jobs)
     return (struct orl_jobs_job *)((char *)entry - offsetof(struct orl_jobs_job, waiting));
 }
 
-/* Without memory for what it is told of its results, a job has none. */
+/* Copies the list of results into the job. Returns false if there is no memory; the job then has no
+ * results. */
 static bool take_outcome(struct orl_jobs_job *job, const char *summary)
 {
     char *outcome = summary ? strdup(summary) : NULL;
@@ -131,7 +132,7 @@ static bool take_outcome(struct orl_jobs_job *job, const char *summary)
     return true;
 }
 
-/* What became of a computation, for one of its jobs. */
+/* Ends one job of a computation with its outcome. */
 static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
 {
     const bool cancelled = outcome->code == ORL_ERR_CANCELLED && job->cancelled;
@@ -153,7 +154,7 @@ static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *o
     } else {
         orl_jobs_fail(job, &outcome->err);
     }
-    /* Also what was done of a job that was stopped for its time. */
+    /* Remove partial results too, as of a job stopped by the time limit. */
     if ((outcome->code == 0 || outcome->summary) && !orl_job_results_kept(job))
         orl_job_results_remove_files(job->jobs, job->row.id);
 }
@@ -169,11 +170,11 @@ static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job 
     if (own.code == 0)
         own.code = orl_giving_find(giving, leader, job, &own.err);
     else if (job->cancelled && own.summary && orl_giving_find(giving, leader, job, &own.err) != 0)
-        own.summary = NULL; /* cancelled, and nothing to show */
+        own.summary = NULL; /* cancelled, and without partial results */
     end_job(job, &own);
 }
 
-/* Ends the leader, unless it was cancelled before, and all that follow it. */
+/* Ends the leader, unless it was cancelled before, and all its followers. */
 static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
                     const struct orl_giving *giving)
 {
@@ -193,7 +194,7 @@ static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome
         orl_job_results_remove_files(leader->jobs, leader->row.id);
 }
 
-/* What became of it: where it was stopped for its time, an error that says so. */
+/* Returns the outcome; if the time limit stopped the job, with the error of the limit. */
 static struct orl_worker_outcome bounded(const struct orl_jobs_job *leader,
                                          const struct orl_worker_outcome *outcome)
 {
@@ -253,7 +254,7 @@ void orl_runs_log_parts(const struct orl_jobs_job *job)
     }
 }
 
-/* What its parts came to goes over to what is counted of jobs that have ended. */
+/* Adds the counts of a job's parts to the totals of ended jobs. */
 static void end_parts(const struct orl_jobs_job *job, const struct orl_parts_count *parts)
 {
     const struct orl_jobs_env *env = &job->jobs->env;
@@ -312,7 +313,8 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
     return rc;
 }
 
-/* It ran when the daemon ended abruptly, and may be why: orderly stops do not count. */
+/* Returns true if the job ran when the daemon ended abruptly, and may be the cause. Orderly stops
+ * do not count. */
 static bool is_suspect(const struct orl_jobs_job *job)
 {
     bool suspect = job->row.attempts > 0;
@@ -322,8 +324,8 @@ static bool is_suspect(const struct orl_jobs_job *job)
 }
 
 /*
- * Is there memory for it? One that is next and waits keeps large checks of uploads waiting too; it
- * never waits when nothing else is there that would end.
+ * Returns true if the job's memory is free. A next job that waits also makes large checks of
+ * uploads wait. It never waits if nothing else runs that would free memory.
  */
 static bool has_memory(struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
@@ -354,9 +356,9 @@ void orl_jobs_memory_freed(struct orl_jobs *jobs)
 }
 
 /*
- * A suspect runs alone, so that of jobs that ran at once when the daemon ended the one that was the
- * reason fails by itself, and the others go on. It keeps its place: nobody passes it while the jobs
- * before it end.
+ * Starts jobs while workers and memory allow. A suspect runs alone. So if one of several jobs
+ * caused the daemon's end, it fails by itself and the others go on. A suspect keeps its place: no
+ * job passes it while the jobs before it end.
  */
 void orl_runs_start_next(struct orl_jobs *jobs)
 {
