@@ -1,4 +1,4 @@
-/* A job in parts: what is laid out for them, and what is told of them. */
+/* A job in parts: sets up its shared folder, and reports on its parts. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -22,7 +22,7 @@ static void on_told(void *ctx, const struct orl_parts_count *count)
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
-/* Where nobody takes them for long the oldest go. */
+/* Queues news of a part. If they are not fetched for long, the oldest are dropped. */
 static void on_part_told(void *ctx, const struct orl_part_news *told)
 {
     struct orl_worker *worker = ctx;
@@ -59,7 +59,8 @@ bool orl_worker_part_news(struct orl_worker *worker, struct orl_worker_part_news
     return any;
 }
 
-/* As the command would have it: with the names of its scene's files, which lie beside it. */
+/* Returns the document as the oriel command reads it: with the names of its scene's files, which
+ * are in the same folder. */
 static json_t *local_document(const struct orl_worker *worker)
 {
     const struct orl_bundle *bundle = &worker->spec.bundle;
@@ -128,7 +129,7 @@ int orl_worker_share(struct orl_worker *worker, const struct orl_task *task, str
     return rc;
 }
 
-/* Into what is told of the job's results. Without memory for it, they are told without. */
+/* Adds the runner to the summary of the results. Without memory, the summary stays without it. */
 static void tell_runner(struct orl_worker *worker)
 {
     struct orl_worker_outcome *outcome = &worker->outcome;

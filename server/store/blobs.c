@@ -17,7 +17,7 @@ enum { BUCKETS = 1024 };
 struct claim {
     char sha[ORL_SHA_HEX];
     unsigned holders;
-    bool counted; /* in bytes: it was there before */
+    bool counted; /* true if bytes includes it: the blob existed before */
     struct claim *next;
 };
 
@@ -30,7 +30,7 @@ struct orl_blobs {
     struct claim *claims[BUCKETS];
 };
 
-/* Where the pointer to the digest's claim is, or would be. */
+/* Returns the slot of the digest's claim, or the slot where it would be. */
 static struct claim **find_claim(struct orl_blobs *blobs, const char *sha)
 {
     char head[5];
@@ -41,7 +41,7 @@ static struct claim **find_claim(struct orl_blobs *blobs, const char *sha)
     return at;
 }
 
-/* Bytes of the blob; -1 when it is not there. */
+/* Returns the bytes of the blob; -1 if it does not exist. */
 static int64_t measure(const struct orl_blobs *blobs, const char *sha)
 {
     char path[ORL_PATH_MAX];
@@ -50,9 +50,11 @@ static int64_t measure(const struct orl_blobs *blobs, const char *sha)
     return stat(path, &st) == 0 ? (int64_t)st.st_size : -1;
 }
 
-/* A blob whose row has gone: is it really, and has nobody claimed the blob meanwhile? */
+/* A blob whose row was deleted. Once that is safe on disk, the blob is removed unless it was
+ * claimed meanwhile. */
 struct farewell {
-    struct orl_settling_wait wait; /* the first: it is found by its address */
+    struct orl_settling_wait
+        wait; /* must be the first member: the struct is found by its address */
     struct orl_blobs *blobs;
     char sha[ORL_SHA_HEX];
 };
@@ -68,7 +70,8 @@ static void on_row_gone(struct orl_settling_wait *wait, int rc, const struct orl
     free(farewell);
 }
 
-/* Without memory, or where the disk does not settle, the blob stays for the next start. */
+/* Waits for the row's deletion. Without memory, or if the disk fails, the blob stays until the next
+ * start. */
 static void await_row_gone(struct orl_blobs *blobs, const char *sha)
 {
     struct farewell *farewell = calloc(1, sizeof *farewell);
@@ -80,8 +83,9 @@ static void await_row_gone(struct orl_blobs *blobs, const char *sha)
     orl_settling_ask(blobs->settling, &farewell->wait);
 }
 
-/* A blob without claims: counted if it is named, taken away if it is not. When the database cannot
- * tell it stays, for the next start to look at. One that is not counted never had a row. */
+/* Counts or removes a blob without claims: counts it if a row names it, otherwise removes it. If
+ * the database cannot be read, the blob stays for the next start to check. A blob that is not
+ * counted never had a row. */
 static void settle(struct orl_blobs *blobs, const char *sha, bool counted)
 {
     char path[ORL_PATH_MAX];
@@ -184,7 +188,7 @@ static int sweep_file(struct orl_blobs *blobs, const char *sha, struct orl_error
         blobs->bytes += (uint64_t)bytes;
         return 0;
     }
-    /* Where that fails, as on a full disk, it stays for the next start. */
+    /* If this fails, as on a full disk, the blob stays until the next start. */
     snprintf(path, sizeof path, "blobs/%.2s/%s", sha, sha);
     orl_orphan_set_aside(blobs->folders, path, NULL);
     return 0;

@@ -31,7 +31,8 @@ void orl_bundle_done(struct orl_bundle *bundle)
     memset(bundle, 0, sizeof *bundle);
 }
 
-/* Well-formed UTF-8? Overlong forms and surrogates would give one name two spellings. */
+/* Returns true for well-formed UTF-8. Overlong forms and surrogates would give one name two
+ * spellings. */
 static bool is_utf8(const unsigned char *s)
 {
     while (*s) {
@@ -77,7 +78,8 @@ int orl_bundle_check_name(const char *name, struct orl_error *err)
     const char *fault = name_fault(name);
     if (!fault)
         return 0;
-    /* The name goes back to the sender: what JSON and a terminal cannot show is replaced. */
+    /* The message repeats the name, so characters that JSON or a terminal cannot show are replaced.
+     */
     char shown[81];
     snprintf(shown, sizeof shown, "%s", name);
     for (char *c = shown; *c; c++)
@@ -160,7 +162,8 @@ static bool comes_after(const struct orl_bundle_file *a, const struct orl_bundle
 
 void orl_bundle_sort(struct orl_bundle *bundle)
 {
-    /* By insertion: stable, which keeps the order of main files, and there are at most 512. */
+    /* Insertion sort is stable, which keeps the order of main files; there are at most 512 files.
+     */
     for (size_t i = 1; i < bundle->count; i++) {
         const struct orl_bundle_file file = bundle->files[i];
         size_t k = i;
@@ -217,8 +220,8 @@ const struct orl_bundle_file *orl_bundle_find(const struct orl_bundle *bundle, c
 }
 
 /*
- * Is it still what was uploaded? Large BSDFs are not looked at here: loaded before, they are not
- * read again (core/run/bsdfs.c, which looks when they are).
+ * Returns true if the file still has the uploaded bytes. Large BSDFs are not checked here: one that
+ * was loaded before is not read again, and core/run/bsdfs.c checks it when it is read.
  */
 static bool is_whole(const struct orl_bundle_file *file, const struct orl_file *data)
 {
@@ -288,7 +291,7 @@ static int provider_open(void *ctx, const char *name, struct orl_file *ret_file,
     return rc;
 }
 
-/* The digest a blob is kept by. */
+/* Returns the digest that a blob is stored by. */
 static bool provider_digest(void *ctx, const char *name, unsigned char ret_digest[32])
 {
     const struct orl_bundle_file *file = orl_bundle_find(ctx, name);

@@ -6,7 +6,8 @@
 
 enum { BUSY_TIMEOUT_MS = 5000, SERVING_TIMEOUT_MS = 250 };
 
-/* Some calls that find the disk full are I/O errors to SQLite, which knows what the system said. */
+/* Returns the error code. SQLite reports a full disk as an I/O error in some calls; the system's
+ * errno then decides. */
 static int code_of(const struct orl_db *db)
 {
     const int code = db->handle ? sqlite3_errcode(db->handle) & 0xff : SQLITE_NOMEM;
@@ -101,8 +102,8 @@ int orl_db_check(struct orl_db *db, struct orl_error *err)
     return check(db, "PRAGMA integrity_check(1)", err);
 }
 
-/* The first commit to a log begins it, and waits for its folder and its head to be synced: it is to
- * be this one, which changes nothing. */
+/* Starts the write-ahead log with a commit that changes nothing. The first commit to a new log
+ * waits until its folder and header are synced, so later commits need not. */
 static int begin_log(struct orl_db *db, struct orl_error *err)
 {
     char again[64];

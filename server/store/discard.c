@@ -10,9 +10,10 @@ struct discard {
     char path[];
 };
 
-/* Something that is to go, once it may. */
+/* A file that is removed once its row's deletion is safe. */
 struct later {
-    struct orl_settling_wait wait; /* the first: it is found by its address */
+    struct orl_settling_wait
+        wait; /* must be the first member: the struct is found by its address */
     uv_loop_t *loop;
     const struct orl_folders *folders;
     char path[];
@@ -22,7 +23,7 @@ static void remove_it(uv_work_t *work)
 {
     enum { ATTEMPTS = 3 };
     const struct discard *discard = work->data;
-    /* For want of memory, say, that is there a moment later; else the next start does. */
+    /* Retry, since a lack of memory may pass; otherwise the next start removes it. */
     for (int i = 0; i < ATTEMPTS && orl_remove_tree(discard->path, NULL) != 0; i++)
         nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
 }

@@ -9,7 +9,7 @@
 
 #include "store/scenes.h"
 
-/* Names, one a row: two columns, of which the second may be empty. */
+/* Names, one per row: two columns, of which the second may be empty. */
 struct names {
     struct name {
         char a[ORL_SHA_HEX], b[ORL_SHA_HEX];
@@ -66,7 +66,7 @@ static int visit_map(const struct name *name, orl_kept_visit visit, void *ctx,
     return visit(ctx, &file, err);
 }
 
-/* *ret_outcome lists the files; NULL where the job has gone since. */
+/* Reads the list of a job's files; NULL if the job was removed meanwhile. */
 static int files_of(struct orl_db *db, const char *job, json_t **ret_outcome, struct orl_error *err)
 {
     const char *text = NULL;

@@ -8,8 +8,8 @@
 #include "process/signal_stack.h"
 
 struct orl_folding {
-    struct orl_db *db; /* that commits */
-    struct orl_db own; /* the thread's */
+    struct orl_db *db; /* the connection that commits */
+    struct orl_db own; /* the thread's connection */
     pthread_t thread;
     pthread_mutex_t mutex;
     pthread_cond_t called;
@@ -40,7 +40,7 @@ static void *fold_when_called(void *ctx)
     return NULL;
 }
 
-/* After a commit: so many pages are in the log. */
+/* Called after a commit; pages: the number of pages in the log. */
 static int on_commit(void *ctx, sqlite3 *handle, const char *name, int pages)
 {
     struct orl_folding *folding = ctx;
@@ -56,7 +56,7 @@ static int on_commit(void *ctx, sqlite3 *handle, const char *name, int pages)
     return SQLITE_OK;
 }
 
-/* Signals are the loop's. */
+/* Starts the thread with all signals blocked, since the loop handles them. */
 static int start_thread(struct orl_folding *folding, struct orl_error *err)
 {
     sigset_t all, before;

@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-/* Statement, and what it is about, for messages. */
+/* Prepares the statement of a page. */
 static sqlite3_stmt *prepare(struct orl_db *db, const char *sql,
                              const struct orl_stored_place *behind, size_t limit,
                              struct orl_error *err)
@@ -17,7 +17,8 @@ static struct orl_stored_place read_place(sqlite3_stmt *stmt)
     return place;
 }
 
-/* After the last step: what visit returned, or why there was no more to visit. */
+/* Ends the iteration after the last step. Returns visit's code, or the error that ended the rows.
+ */
 static int end(struct orl_db *db, sqlite3_stmt *stmt, int rc, int step, struct orl_error *err)
 {
     if (rc == 0 && step != SQLITE_DONE)
@@ -52,8 +53,8 @@ int orl_scene_rows(struct orl_db *db, const struct orl_stored_place *behind, siz
     return end(db, stmt, rc, step, err);
 }
 
-/* A row of each is kept, with what uses it (migrations/0013_bsdf_list.sql): a page reads no others.
- */
+/* The table has one row per BSDF with its uses (migrations/0013_bsdf_list.sql), so a page reads no
+ * other rows. */
 #define BSDF_ROWS                                                                                  \
     "SELECT id, created_ms, name, bytes, own, last_used_ms, scenes, (SELECT group_concat(scene) "  \
     "FROM (SELECT DISTINCT scene FROM scene_files WHERE blob = b.id ORDER BY scene LIMIT ?1)) "    \

@@ -159,7 +159,7 @@ int orl_scene_drop(struct orl_db *db, const char *id, char (**ret_blobs)[ORL_SHA
     char(*blobs)[ORL_SHA_HEX] = NULL;
     size_t count = 0;
     int changes = 0, rc = read_blobs(db, id, &blobs, &count, err);
-    if (rc == 0) /* its files' rows go with it */
+    if (rc == 0) /* cascades to the rows of its files */
         rc = orl_db_run(db, err, &changes, "DELETE FROM scenes WHERE id = ?", "s", id);
     if (rc) {
         free(blobs);
@@ -180,7 +180,7 @@ int orl_bsdf_drop(struct orl_db *db, const char *id, bool *ret_removed, struct o
     return rc;
 }
 
-/* A statement that yields one number for a digest, as a truth. */
+/* Runs a statement that yields one number for a digest; *ret_true is true if it is not 0. */
 static int ask(struct orl_db *db, const char *sql, const char *sha, bool *ret_true,
                struct orl_error *err)
 {

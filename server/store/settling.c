@@ -17,7 +17,7 @@
 
 enum { FOLD_TRIES = 100, FOLD_TRIES_EVERY_NS = 20000000 };
 
-/* What became of all that was asked up to a ticket. */
+/* The result for all requests up to a ticket. */
 struct verdict {
     uint64_t ticket;
     int rc;
@@ -25,29 +25,29 @@ struct verdict {
 };
 
 struct orl_settling {
-    struct orl_db *db; /* that commits */
+    struct orl_db *db; /* the connection that commits */
     uv_async_t woken;
     void (*quiet)(void *ctx);
     void *ctx;
-    uint64_t last, safe; /* commits, as the loop knows them */
+    uint64_t last, safe; /* numbers of commits; used by the loop */
     struct orl_settling_wait *first, **end;
 
     pthread_t thread;
     pthread_mutex_t mutex;
     pthread_cond_t called;
-    uint64_t asked; /* the last ticket; from here on under the mutex */
+    uint64_t asked; /* the last ticket; protected by the mutex from here on */
     struct verdict verdict;
     bool ending;
 
-    struct orl_db own; /* from here on the thread's */
+    struct orl_db own; /* used by the thread from here on */
     int log_fd;
-    bool doubted; /* a sync of the log has failed, and it has not been begun anew since */
+    bool doubted; /* a sync of the log has failed, and SQLite has not restarted the log since */
     int doubted_frames;
 };
 
 /* ---- On the thread -------------------------------------------------------------------------- */
 
-/* Another connection may be folding the log, which takes a moment. */
+/* Runs a checkpoint. Retries while another connection runs one. */
 static int fold(struct orl_settling *settling, int *ret_in_log, int *ret_folded)
 {
     int code = SQLITE_BUSY;
@@ -60,7 +60,7 @@ static int fold(struct orl_settling *settling, int *ret_in_log, int *ret_folded)
     return code;
 }
 
-/* All of the log into the database, which SQLite syncs. */
+/* Copies the whole log into the database, which SQLite syncs. */
 static int fold_all(struct orl_settling *settling, struct orl_error *err)
 {
     int in_log = 0, folded = 0;
@@ -71,7 +71,7 @@ static int fold_all(struct orl_settling *settling, struct orl_error *err)
                              "database: a sync of its log has failed, and a "
                              "reader kept it from being folded in");
     if (in_log < settling->doubted_frames)
-        settling->doubted = false; /* all that is in it was written since */
+        settling->doubted = false; /* the log was restarted: all of it was written since */
     settling->doubted_frames = in_log;
     return 0;
 }
@@ -108,7 +108,7 @@ static void *settle_when_asked(void *ctx)
 
 /* ---- On the loop ---------------------------------------------------------------------------- */
 
-/* Of every transaction, as it is about to be committed. */
+/* Counts every transaction just before it is committed. */
 static int on_commit(void *ctx)
 {
     struct orl_settling *settling = ctx;
@@ -179,7 +179,7 @@ static int open_log(struct orl_settling *settling, const char *path, struct orl_
     return orl_error_set(err, ORL_ERR_IO, "cannot open %s: %s", log, orl_open_reason(errno));
 }
 
-/* Signals are the loop's. */
+/* Starts the thread with all signals blocked, since the loop handles them. */
 static int start_thread(struct orl_settling *settling, struct orl_error *err)
 {
     sigset_t all, before;
