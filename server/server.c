@@ -21,7 +21,7 @@ enum { SAVING_MS = 1000 };
 
 /* ---- Stopping ------------------------------------------------------------------------------- */
 
-/* Once neither jobs nor requests are on the pool, everything can be closed. */
+/* Closes everything once neither jobs nor requests are on the pool. */
 static void stop_if_quiet(struct orl_server *server)
 {
     if (!server->context.stopping || !server->jobs_idle || server->context.working > 0 ||
@@ -47,7 +47,7 @@ static void on_settled(void *ctx)
     stop_if_quiet(ctx);
 }
 
-/* When stopping, this may have been what the stop waited for. */
+/* Resumes the request's connection. When stopping, this may have been the last work. */
 static void on_worked(struct orl_server *server)
 {
     orl_http_kick(server->http);
@@ -134,7 +134,7 @@ static void on_signal(int signum, void *ctx)
     orl_jobs_drain(server->jobs);
 }
 
-/* SIGHUP. Tokens are looked up with every request: there is nothing to read anew. */
+/* Handles SIGHUP. Tokens need no reload: they are read from the database for every request. */
 static void on_reload(int signum, void *ctx)
 {
     struct orl_server *server = ctx;
@@ -146,9 +146,9 @@ static void on_reload(int signum, void *ctx)
         orl_log_event(&server->log, ORL_LOG_INFO, "reloaded", "");
 }
 
-/* ---- What is kept has changed --------------------------------------------------------------- */
+/* ---- Changes of stored data ----------------------------------------------------------------- */
 
-/* Maps came or were let go, a job ended; later, on the loop's next turn, when all is settled. */
+/* Runs on the loop's next turn after maps were built or released, or a job ended. */
 static void on_kept_changed(uv_async_t *handle)
 {
     struct orl_server *server = handle->data;
@@ -158,7 +158,7 @@ static void on_kept_changed(uv_async_t *handle)
     orl_storage_trim(&server->storage);
 }
 
-/* From a worker. */
+/* Called from a worker. */
 static void wake_for_maps(void *ctx)
 {
     uv_async_send(ctx);
@@ -173,7 +173,8 @@ static void write_log(uv_prepare_t *handle)
     orl_pulse_turn(&server->pulse);
 }
 
-/* Lines of one turn of the loop go out together: a write for each would cost more than they do. */
+/* Buffers the log, so that lines of one turn of the loop are written together: a write for each
+ * would cost more than the lines. */
 static void gather_log(struct orl_server *server)
 {
     static char lines[1 << 16];
@@ -183,8 +184,7 @@ static void gather_log(struct orl_server *server)
     uv_prepare_start(&server->log_lines, write_log);
 }
 
-/* ---- What others ask of the daemon ------------------------------------------------------------
- */
+/* ---- Callbacks into the daemon -------------------------------------------------------------- */
 
 static void on_memory_freed(void *ctx)
 {
@@ -300,7 +300,8 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
         rc = server->checks.lanes ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     orl_memory_open(&server->memory, server->config.memory_bytes);
-    server->shelf = orl_shelf_new(server->config.shelf_bytes); /* without one, jobs are slower */
+    server->shelf =
+        orl_shelf_new(server->config.shelf_bytes); /* NULL: jobs are slower without it */
     return rc;
 }
 
@@ -311,7 +312,7 @@ static int note_token(void *ctx, const struct orl_token_row *row)
     return 0;
 }
 
-/* Prepares for tokens. A daemon that nobody may use is a mistake to be told at once. */
+/* Prepares the lookup of tokens. Reports a daemon without any tokens, which cannot be used. */
 static int open_tokens(struct orl_server *server, struct orl_error *err)
 {
     bool any = false;
@@ -408,7 +409,7 @@ static void open_budget(struct orl_server *server)
     storage->budget = server->config.storage_bytes;
     if (storage->budget == 0)
         storage->budget = orl_storage_default(server->config.data, orl_storage_total(storage));
-    orl_storage_trim(storage); /* it may be less than the last time */
+    orl_storage_trim(storage); /* the budget may be smaller than in the last run */
 }
 
 static void announce_address(struct orl_server *server, void (*announce)(const char *url))
@@ -447,7 +448,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     uv_timer_init(&server.loop, &server.storage.notes);
     server.storage.notes.data = &server.storage;
     gather_log(&server);
-    /* HTTP before the jobs: nothing is served until the loop runs, and a port that is taken is
+    /* Starts HTTP before the jobs: nothing is served until the loop runs, and a port in use is
      * found before a job starts. */
     int rc = open_storage(&server, err);
     if (rc == 0 && config->runner.slurm)
@@ -494,7 +495,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     orl_shared_sweep_done(&server.sweep);
     close_storage(&server);
     uv_loop_close(&server.loop);
-    uv_library_shutdown(); /* the pool's threads end before what they use does */
+    uv_library_shutdown(); /* ends the pool's threads before the data they use is freed */
     orl_stop_limit_close();
     if (rc == 0)
         orl_log_event(&server.log, ORL_LOG_INFO, "stopped", "");

@@ -45,7 +45,7 @@ struct orl_map_store orl_map_cache_store(struct orl_map_cache *cache);
 int orl_map_cache_flush(struct orl_map_cache *cache, struct orl_error *err);
 
 struct orl_map_cache_totals {
-    uint64_t entries, bytes; /* of ready maps */
+    uint64_t entries, bytes; /* ready maps */
     uint64_t bsdf_bytes;     /* the part of bytes that is loaded BSDFs */
     uint64_t hits, misses;   /* since the cache was opened */
 };

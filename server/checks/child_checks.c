@@ -283,7 +283,7 @@ struct use {
     const char *name, *entry;
     const struct orl_file *data;
     uint64_t sensors, rows;
-    struct orl_annual_steps steps; /* of the weather year */
+    struct orl_annual_steps steps; /* time steps of the weather year */
 };
 
 static int read_sensors(struct use *use, struct orl_error *err)

@@ -20,7 +20,7 @@ void orl_job_inputs_done(struct orl_job_inputs *inputs); /* all zeros are allowe
 struct orl_job_inputs_found {
     uint64_t sensors;             /* total over all sensor files */
     uint64_t year_rows;           /* rows of a year's weather; 0: no such weather */
-    uint64_t surfaces, triangles; /* of the largest scene among the combinations of shade states */
+    uint64_t surfaces, triangles; /* the largest scene among the combinations of shade states */
     uint64_t matrix_bytes;        /* memory of an annual job by matrices */
 };
 

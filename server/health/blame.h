@@ -30,7 +30,7 @@ struct orl_past {
     char job[ORL_JOB_ID]; /* job of the faulting thread; "": no job */
     uint64_t resident, capacity;
     char boot[ORL_BOOT_ID]; /* machine.h; "": unknown */
-    uint64_t oom_kills;     /* of the machine, when last recorded */
+    uint64_t oom_kills;     /* the machine's count when last recorded */
     bool rebooted, not_oom; /* since then: the machine has rebooted; the kernel has killed no
                              * process for memory */
 };

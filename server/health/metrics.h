@@ -27,9 +27,9 @@ struct orl_histogram {
 /* Stage times and health counters of a job's computation, or of all computations of a study,
  * however it ended. */
 struct orl_job_tally {
-    double stages_s[ORL_STAGE_COUNT]; /* of a successful render job; else zeros */
+    double stages_s[ORL_STAGE_COUNT]; /* stage times of a successful render job; else zeros */
     struct orl_health health;
-    struct orl_parts_count parts; /* of a job in parts */
+    struct orl_parts_count parts; /* counts of a job in parts */
 };
 
 struct orl_metrics {
@@ -39,8 +39,8 @@ struct orl_metrics {
     struct orl_histogram http[ORL_METRICS_ROUTES][ORL_METRICS_CLASSES];
     uint64_t ended[ORL_JOB_STATE_COUNT]; /* jobs that ran, by their final state */
     struct orl_health health;
-    struct orl_parts_count parts; /* of jobs that no longer run, so counts of waiting or running
-                                   * parts are 0 */
+    struct orl_parts_count parts; /* counts of jobs that no longer run, so counts of waiting or
+                                   * running parts are 0 */
 };
 
 /* Upper bounds of the buckets in seconds, for requests and for stages. */

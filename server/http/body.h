@@ -24,7 +24,7 @@ struct orl_body {
     struct orl_error err;
     char *buffer;
     size_t used;
-    int fd; /* of path; -1 while all is in the buffer */
+    int fd; /* the open file; -1 while all data is in the buffer */
     char path[ORL_PATH_MAX];
     struct orl_hold *hold;  /* bounds the bytes on disk; borrowed; NULL: no bound */
     uint64_t written, held; /* bytes written to disk; bytes of them already reserved in hold */

@@ -18,7 +18,7 @@
 struct orl_client {
     char name[80]; /* "token:ID" or "address:..." */
     unsigned refs;
-    struct orl_room bytes; /* of uploads in flight */
+    struct orl_room bytes; /* quota of uploads in flight */
     unsigned streams;      /* open event streams */
     struct orl_client *next;
 };

@@ -61,7 +61,7 @@ struct orl_request {
     bool cross_origin;      /* sent by a page of an origin that --allow-origin names */
 
     struct MHD_Response *response; /* made, not yet queued */
-    unsigned status;               /* of the response made or queued; 0: none yet */
+    unsigned status;               /* status of the response made or queued; 0: none yet */
 
     uv_work_t work;
     orl_request_step run, then;

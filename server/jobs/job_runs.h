@@ -20,8 +20,8 @@ struct orl_jobs {
     const struct orl_jobs_job *short_of_memory; /* the next job, if it waits for memory */
     struct orl_jobs_job *buckets[ORL_JOBS_BUCKETS];
     size_t counts[ORL_JOB_STATE_COUNT];
-    uint64_t result_bytes;   /* of stored results */
-    uint64_t expected_bytes; /* of results of jobs that wait or run */
+    uint64_t result_bytes;   /* size of stored results */
+    uint64_t expected_bytes; /* expected size of results of jobs that wait or run */
     size_t n_unsaved;        /* jobs whose rows could not be written, or are about to be */
     bool batch;              /* true while rows are gathered for one transaction */
     struct orl_settling_wait settling; /* wait for the rows of ended jobs; in use while settles is

@@ -24,7 +24,7 @@ struct orl_queue_client;
 
 struct orl_queue_entry {
     int priority;                    /* larger goes first */
-    int64_t order;                   /* of arrival: smaller is earlier */
+    int64_t order;                   /* order of arrival: smaller is earlier */
     struct orl_queue_client *client; /* NULL: not queued. The queue owns client and next */
     struct orl_queue_entry *next;
 };

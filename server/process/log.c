@@ -22,9 +22,10 @@ int orl_log_level_from_name(const char *name, enum orl_log_level *ret_level)
     return -1;
 }
 
-/* ---- What others have written ---------------------------------------------------------------- */
+/* ---- Foreign text --------------------------------------------------------------------------- */
 
-/* Takes the next character of UTF-8 text; 0 for a byte that begins none, which is taken alone. */
+/* Returns the next character of UTF-8 text and advances. For an invalid byte, returns 0 and skips
+ * that byte. */
 static uint32_t take_character(const char **at)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
@@ -45,15 +46,16 @@ static uint32_t take_character(const char **at)
     return good ? code : 0;
 }
 
-/* Does it move a terminal's cursor, or the text around it? Controls of both sets (C0, C1), ends of
- * lines and paragraphs, and what turns the direction of writing. */
+/* Returns true for characters that can move a terminal's cursor, or the text around it: controls of
+ * both sets (C0, C1), line and paragraph separators, and direction marks. */
 static bool is_control(uint32_t code)
 {
     return code < 0x20 || (code >= 0x7f && code < 0xa0) || (code >= 0x200e && code <= 0x200f) ||
            (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
 }
 
-/* Writes a '?' over each such character, and each byte that is no UTF-8; text gets no longer. */
+/* Replaces each such character, and each byte that is not UTF-8, by '?'. The text does not get
+ * longer. */
 static void clean(char *text)
 {
     const char *from = text;
@@ -72,7 +74,7 @@ static void clean(char *text)
 
 /* ---- Lines ---------------------------------------------------------------------------------- */
 
-/* Appends to a line under way; what does not fit is dropped. */
+/* A line being written; text that does not fit is dropped. */
 struct line {
     char text[2048];
     size_t used;

@@ -8,7 +8,7 @@
 #include "process/signal_stack.h"
 
 struct preparing {
-    pthread_barrier_t all; /* nobody takes two works */
+    pthread_barrier_t all; /* keeps a thread from taking two of the works */
     unsigned n_left;
     uv_work_t works[];
 };

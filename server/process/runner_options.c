@@ -39,7 +39,8 @@ static int take_runner(struct orl_runner_options *options, const char *value, st
                                value);
 }
 
-/* sbatch is called with an argument vector; a word that is no option would be its script. */
+/* Appends an option of sbatch, which gets an argument vector. It would take a word that is not an
+ * option for its script. */
 static int take_word(struct orl_runner_options *options, const char *value, struct orl_error *err)
 {
     if (value[0] != '-' || options->n_words == ORL_RUNNER_WORDS)

@@ -5,11 +5,11 @@
 
 enum { SIGNALS = 3 };
 
-/* A signal's handler has no argument but its number. */
+/* The handled signals. The table is global since a handler's only argument is the signal number. */
 static struct handled {
     atomic_int signum; /* 0: this entry is free. Atomic: any thread may run a handler */
     uv_async_t arrival;
-    atomic_uint arrived; /* signals whose callback is due */
+    atomic_uint arrived; /* signals whose callback has not run yet */
     orl_signal_cb on_signal;
     void *ctx;
 } table[SIGNALS];

@@ -18,7 +18,7 @@ static void resume(struct orl_event_stream *stream)
     MHD_resume_connection(stream->connection);
 }
 
-/* Has what let it in ended meanwhile? */
+/* Ends the stream if the token or session that admitted it has ended. */
 static void ask_for_admission(struct orl_event_stream *stream, double now_s)
 {
     if (now_s - stream->asked_s < ADMISSION_S)
@@ -51,7 +51,8 @@ void orl_event_source_wake(struct orl_event_source *source)
 
 /* ---- Streams -------------------------------------------------------------------------------- */
 
-/* MHD's: fills buffer; without anything to say the connection sleeps until look wakes it. */
+/* MHD's content reader: fills buffer. If there is no news, it suspends the connection until
+ * look_for_news resumes it. */
 static ssize_t read_stream(void *ctx, uint64_t position, char *buffer, size_t max)
 {
     struct orl_event_stream *stream = ctx;
@@ -132,7 +133,7 @@ struct MHD_Response *orl_event_stream_open(struct orl_event_source *source,
 int orl_event_source_init(struct orl_event_source *source, struct orl_server *server,
                           const struct orl_event_calls *calls, struct orl_error *err)
 {
-    /* Well before whoever is as impatient as this daemon is gives a stream up. */
+    /* Send heartbeats well before a proxy with this daemon's idle timeout closes a stream. */
     const double half_s = server->config.idle_timeout_s / 2.0;
     *source = (struct orl_event_source){.server = server,
                                         .calls = calls,

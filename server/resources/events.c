@@ -8,12 +8,12 @@
 #include "resources/job_event.h"
 #include "server.h"
 
-/* A job that somebody watches. */
+/* A watched job. */
 struct feed {
-    const struct orl_jobs_job *job; /* NULL: it has ended and been removed */
+    const struct orl_jobs_job *job; /* NULL: the job has ended and been removed */
     char id[ORL_JOB_EVENT_ID];
     struct orl_event_text *latest;
-    uint64_t serial; /* of latest */
+    uint64_t serial; /* serial number of latest */
     bool final;
     size_t n_streams;
     struct feed *next;
@@ -23,7 +23,7 @@ struct stream {
     struct orl_event_stream base;
     struct orl_events *events;
     struct feed *feed;
-    uint64_t serial; /* of the last event begun */
+    uint64_t serial; /* last event whose sending has begun */
 };
 
 struct orl_events {
@@ -33,7 +33,7 @@ struct orl_events {
 
 /* ---- Feeds ---------------------------------------------------------------------------------- */
 
-/* Looks at the job. True when there is an event that was not there before. */
+/* Checks the job. Returns true if there is a new event. */
 static bool refresh(const struct orl_events *events, struct feed *feed)
 {
     const struct orl_jobs *jobs = events->source.server->jobs;
@@ -45,7 +45,7 @@ static bool refresh(const struct orl_events *events, struct feed *feed)
         return false;
     struct orl_event_text *text = orl_event_text_of(id, "status", orl_job_event(jobs, feed->job));
     if (!text)
-        return false; /* the next look tries again */
+        return false; /* the next check tries again */
     orl_event_text_unref(feed->latest);
     feed->latest = text;
     feed->serial++;

@@ -11,7 +11,8 @@
 #include "resources/page.h"
 #include "server.h"
 
-/* Whoever has seen the job end has nothing to wait for; 204 keeps an EventSource from asking on. */
+/* Returns true if the client has seen the job end. A 204 then keeps its EventSource from
+ * reconnecting. */
 static bool has_seen_all(const struct orl_request *request, const struct orl_jobs_job *job,
                          const char *last_id)
 {
@@ -22,11 +23,12 @@ static bool has_seen_all(const struct orl_request *request, const struct orl_job
     return strcmp(id, last_id) == 0;
 }
 
-/* False after another reply: there may be no more streams, or none was asked for. */
+/* Returns true if a stream may open. Otherwise returns false after a reply: a HEAD, or too many
+ * streams. */
 static bool may_stream(struct orl_request *request)
 {
     const struct orl_server *server = request->server;
-    /* A HEAD gets no stream: libmicrohttpd 0.9.75 would end its chunks, "0", all the same. */
+    /* A HEAD gets no stream: libmicrohttpd 0.9.75 would still send the final chunk, "0". */
     if (strcmp(request->method, "HEAD") == 0) {
         orl_reply_text(request, "text/event-stream", "");
         return false;
@@ -65,7 +67,7 @@ void orl_handle_job_events(struct orl_request *request)
     finish(request);
 }
 
-/* ---- Of all jobs ---------------------------------------------------------------------------- */
+/* ---- Events of all jobs --------------------------------------------------------------------- */
 
 struct wanted {
     struct orl_hub_filter filter;

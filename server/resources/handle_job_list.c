@@ -18,7 +18,7 @@
 #include "resources/page.h"
 #include "server.h"
 
-/* Tags that a list may be asked for: with them its next link stays within a header. */
+/* Maximum number of tags in a filter, so that the next link fits a header. */
 enum { FILTER_TAGS = 4 };
 
 struct filter {
@@ -27,7 +27,7 @@ struct filter {
     const char *tags[FILTER_TAGS]; /* all of them */
     size_t n_tags;
     bool wrong_tag;
-    int64_t since_ms; /* created then or later */
+    int64_t since_ms; /* created at that time or later */
     unsigned long limit;
     const struct orl_jobs_job *first;
 };
@@ -48,8 +48,7 @@ static enum MHD_Result add_tag(void *ctx, enum MHD_ValueKind kind, const char *k
     return filter->wrong_tag ? MHD_NO : MHD_YES;
 }
 
-/* ?before=, the id of a job that is here, or ?cursor=, of a next link, whatever has become of its
- * job. */
+/* Reads ?before=, the id of an existing job, or ?cursor= of a next link, whose job may be gone. */
 static bool read_place(struct orl_request *request, struct filter *filter)
 {
     const struct orl_jobs *jobs = request->server->jobs;
@@ -70,7 +69,7 @@ static bool read_place(struct orl_request *request, struct filter *filter)
     return true;
 }
 
-/* False after a 400. */
+/* Reads the filter. Returns false after a 400. */
 static bool read_filter(struct orl_request *request, struct filter *filter)
 {
     const char *since = orl_request_query(request, "since");
@@ -106,11 +105,11 @@ static bool is_wanted(const struct filter *filter, const struct orl_jobs_job *jo
 struct list {
     FILE *text;
     bool summary;
-    const struct orl_jobs_job *last; /* of those in it */
+    const struct orl_jobs_job *last; /* last job in the list */
     unsigned long count;
 };
 
-/* The text of one job's document, borrowed or in *ret_made; NULL when out of memory. */
+/* Returns the text of a job's document, borrowed or in *ret_made; NULL when out of memory. */
 static const char *show(struct orl_server *server, const struct orl_jobs_job *job, bool summary,
                         char **ret_made, size_t *ret_size)
 {
@@ -123,7 +122,7 @@ static const char *show(struct orl_server *server, const struct orl_jobs_job *jo
     return *ret_made;
 }
 
-/* One more job's document behind those in text; false: it does not fit, or there is no memory. */
+/* Appends a job's document to the list. Returns false if it does not fit or there is no memory. */
 static bool add_to_list(struct orl_server *server, const struct orl_jobs_job *job,
                         struct list *list)
 {
@@ -141,7 +140,7 @@ static bool add_to_list(struct orl_server *server, const struct orl_jobs_job *jo
     return fits;
 }
 
-/* Those that are wanted, and whether there are more. */
+/* Writes the jobs that match the filter. Returns true if there are more. */
 static bool fill(struct orl_server *server, const struct filter *filter, struct list *list)
 {
     bool more = false;
@@ -153,7 +152,7 @@ static bool fill(struct orl_server *server, const struct filter *filter, struct 
     return more;
 }
 
-/* Polled over and over: what has not changed is not sent again. */
+/* Replies with the list. Summaries are polled, so an unchanged list is not sent again. */
 static void reply_list(struct orl_request *request, const char *text, size_t size, bool summary)
 {
     char tag[ORL_SHA_HEX];

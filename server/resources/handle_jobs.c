@@ -26,17 +26,17 @@
 
 enum { REQUEST_KEY_MAX = 255 };
 
-/* A job on its way in. */
+/* A job being submitted. */
 struct job_post {
     struct orl_job_brief brief;
     struct orl_job_memory memory;
     struct orl_job_inputs inputs;
-    struct orl_job_inputs_found found; /* in them, once they are read */
+    struct orl_job_inputs_found found; /* results of reading them */
     struct orl_check check;
     char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
     char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
-    struct orl_blobs *blobs;       /* with a claim on the document; NULL: none */
-    struct orl_blob_claims claims; /* on the inputs */
+    struct orl_blobs *blobs;       /* holds a claim on the document; NULL: no claim */
+    struct orl_blob_claims claims; /* claims on the input files */
     int rc;
     struct orl_error err;
 };
@@ -65,7 +65,7 @@ static void read_document(struct orl_request *request)
         post->rc = orl_job_brief_read(&body, &post->brief, &post->err);
 }
 
-/* A large one, in a child. */
+/* Reads a large document in a child. */
 static void check_document(struct orl_request *request)
 {
     struct job_post *post = request->state;
@@ -134,7 +134,7 @@ static void reply_job(struct orl_request *request, unsigned status, const struct
     }
 }
 
-/* Once no power cut can undo that it is. */
+/* Replies 202 after the job's row is on disk. */
 static void reply_accepted(struct orl_request *request, const struct orl_jobs_job *job)
 {
     reply_job(request, 202, job);
@@ -152,8 +152,8 @@ static bool refuse_when_full(struct orl_request *request)
 }
 
 /*
- * Replies when the request has been answered before, by its key: the same document gets the job
- * that it made, another one a 422 (draft-ietf-httpapi-idempotency-key-header).
+ * Replies if a request with this key was answered before. An equal document gets the job that was
+ * made then, another one a 422 (draft-ietf-httpapi-idempotency-key-header).
  */
 static bool answer_by_key(struct orl_request *request)
 {
@@ -187,10 +187,11 @@ static uint64_t larger(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* Of a row of measurements with its mirror images, while they are fitted. */
+/* Bytes of a row of measurements with its mirror images, while they are fitted. */
 enum { MEASURED_ROW = 400 };
 
-/* What of the scene says how much memory the job takes, and whether it suits it. */
+/* Adds the scene's quantities to the memory estimate, and checks that the scene suits this kind of
+ * job. */
 static int note_needs(struct orl_server *server, struct job_post *post,
                       const struct orl_bundle *bundle)
 {
@@ -219,7 +220,8 @@ static int note_needs(struct orl_server *server, struct job_post *post,
     return orl_kinds[post->brief.kind].suits(&contents, &post->err);
 }
 
-/* What can never fit is refused; before its sensors' file is read, and after. */
+/* Refuses a job that can never fit in memory. Called before its sensors' file is read, and after.
+ */
 static int check_memory(const struct orl_server *server, struct job_post *post)
 {
     const uint64_t most = orl_memory_most(&server->memory);
@@ -228,7 +230,7 @@ static int check_memory(const struct orl_server *server, struct job_post *post)
                : orl_job_memory_refuse(&post->memory, most, &post->err);
 }
 
-/* What the document refers to must be here. */
+/* Checks that everything the document refers to is stored. */
 static int check_references(struct orl_server *server, struct job_post *post)
 {
     const struct orl_job_brief *brief = &post->brief;
@@ -249,7 +251,8 @@ static int check_references(struct orl_server *server, struct job_post *post)
     return rc ? rc : check_memory(server, post);
 }
 
-/* Whoever is told of no job, for want of memory, asks again; only with a key for this same one. */
+/* Cancels a job whose id could not be sent (out of memory). The client will retry, and only a key
+ * would lead it to this job. */
 static void withdraw(struct orl_server *server, const struct orl_jobs_job *job)
 {
     struct orl_error err = {0};
@@ -262,14 +265,14 @@ static void submit(struct orl_request *request)
 {
     struct job_post *post = request->state;
     const struct orl_jobs_job *job = NULL;
-    /* Asked again, since the same request may have come twice at once. */
+    /* Check the key again, since the request may have come twice at once. */
     if (post->rc == 0 && answer_by_key(request))
         return;
     if (post->rc == 0 && refuse_when_full(request))
         return;
-    if (post->rc == 0) /* again, for the scene may have been removed meanwhile */
+    if (post->rc == 0) /* again, since the scene may have been removed meanwhile */
         post->rc = check_references(request->server, post);
-    /* Sensors of a file are counted by now, and hours of a year. */
+    /* Sensors of files and hours of an annual job have been counted by now. */
     const uint64_t read_bytes = post->brief.sensor_bytes * post->found.sensors +
                                 post->brief.hour_bytes * orl_job_memory_hours(&post->memory) +
                                 ORL_MATRIX_CHANNELS * orl_job_memory_windows(&post->memory);
@@ -346,7 +349,7 @@ static void look_up(struct orl_request *request)
         admit(request);
 }
 
-/* The key, in quotes (a structured string) or without. False after a 400. */
+/* Reads the key, in quotes (a structured string) or without. Returns false after a 400. */
 static bool read_key(struct orl_request *request, const char *key,
                      char ret_key[REQUEST_KEY_MAX + 1])
 {
@@ -424,7 +427,7 @@ void orl_handle_job_delete(struct orl_request *request)
 {
     struct orl_server *server = request->server;
     struct orl_error err;
-    /* By its whole id: a prefix sent again might mean another one by then. */
+    /* Needs the whole id: a prefix sent again might match another job by then. */
     const struct orl_jobs_job *job = orl_jobs_find(server->jobs, request->params[0]);
     if (!job) {
         orl_reply_not_found(request, "job");

@@ -1,7 +1,8 @@
 /*
- * Looks at what is stored, made anew each time in a child (checks/child_looks.h): GET
- * /v1/scenes/ID/outline, a scene's floor plan; GET /v1/bsdfs/ID/polar, where a BSDF sends light;
- * and GET /v1/bsdfs/ID of those that came with a scene. Of others the check was kept.
+ * Previews of stored objects, made each time in a child (checks/child_looks.h): GET
+ * /v1/scenes/ID/outline, a scene's floor plan; GET /v1/bsdfs/ID/polar, the directions into which a
+ * BSDF scatters light; and GET /v1/bsdfs/ID for BSDFs that came with a scene. For other BSDFs the
+ * summary of their check is stored.
  */
 #include "resources/handlers.h"
 
@@ -17,18 +18,19 @@
 #include "server.h"
 #include "store/scene_lists.h"
 
-/* A scene is some kilometres large, in whatever unit; light comes from less than 90 degrees. */
+/* Limits of the arguments: a scene's heights in any unit; incidence is less than 90 degrees from
+ * the normal. */
 static const double highest = 1e9, most_theta_deg = 89.9, most_phi_deg = 360;
 
 struct look {
     const struct orl_item_kind *kind;
-    double height;             /* of a floor plan; NAN: half-way up */
-    struct orl_incidence from; /* of a polar map */
+    double height;             /* height of the floor plan; NAN: half-way up */
+    struct orl_incidence from; /* incidence of the polar plot */
     struct orl_bundle scene;
     struct orl_blob_claims claims; /* on the scene's files */
     char bsdf[ORL_SHA_HEX];
-    struct orl_scene_bsdf of_scene; /* which came with one */
-    struct orl_blobs *blobs;        /* with a claim on the BSDF; NULL: none */
+    struct orl_scene_bsdf of_scene; /* the BSDF, if it came with a scene */
+    struct orl_blobs *blobs;        /* holds a claim on the BSDF; NULL: no claim */
     struct orl_check check;
     char *text; /* the answer */
     int rc;
@@ -80,7 +82,7 @@ static void check_bsdf(struct orl_request *request)
 
 /* ---- On the loop ---------------------------------------------------------------------------- */
 
-/* Is it there? err is set on failure alone. */
+/* Looks the object up. err is set on failure only. */
 static int find(struct orl_request *request, const struct orl_item_kind *kind, bool *ret_found,
                 struct orl_error *err)
 {
@@ -93,7 +95,8 @@ static int find(struct orl_request *request, const struct orl_item_kind *kind, b
     return orl_scene_bsdf_find(&request->server->db, request->params[0], &bsdf, ret_found, err);
 }
 
-/* What was good once and now is not has been damaged, or a fault is ours: nobody else's. */
+/* Turns an error into ORL_ERR_CORRUPT. The stored object was valid once, so it is damaged, or the
+ * daemon has a fault; the client has none. */
 static void blame_us(struct orl_error *err)
 {
     if (err->code != ORL_ERR_LIMIT && err->code != ORL_ERR_NOMEM && err->code != ORL_ERR_IO)
@@ -109,17 +112,17 @@ static void reply_look(struct orl_request *request)
         bool found = true;
         blame_us(&look->err);
         if (find(request, look->kind, &found, &look->err) == 0 && !found)
-            orl_reply_not_found(request, look->kind->name); /* it has gone meanwhile */
+            orl_reply_not_found(request, look->kind->name); /* it was removed meanwhile */
         else
             orl_reply_error(request, &look->err);
         return;
     }
-    /* The thing is its digest: it stays as it is. */
+    /* The id is a digest, so the content never changes. */
     orl_reply_json_text(request, 200, look->text, strlen(look->text));
     orl_reply_header(request, "Cache-Control", "private, max-age=86400");
 }
 
-/* NULL: it has been replied to, since there is no such thing. */
+/* Makes the request's state. Returns NULL after a reply: the object does not exist, or an error. */
 static struct look *begin(struct orl_request *request, const struct orl_item_kind *kind)
 {
     struct orl_error err;
@@ -143,7 +146,8 @@ static struct look *begin(struct orl_request *request, const struct orl_item_kin
     return look;
 }
 
-/* False: it has been replied to, since the argument is no such number. */
+/* Reads a number from an argument, if given. Returns false after a reply: the argument is invalid.
+ */
 static bool take_number(struct orl_request *request, const char *name, double low, double high,
                         double *number)
 {
@@ -155,7 +159,7 @@ static bool take_number(struct orl_request *request, const char *name, double lo
     return false;
 }
 
-/* Of the request's BSDF, which stays while it is looked at. */
+/* Claims the request's BSDF while it is read, and starts its check. */
 static void begin_bsdf(struct orl_request *request, void (*work)(struct orl_request *request),
                        void (*done)(struct orl_request *request))
 {
@@ -205,7 +209,7 @@ void orl_handle_bsdf_polar(struct orl_request *request)
     begin_bsdf(request, look_at_bsdf, reply_look);
 }
 
-/* A scene may have XML files that are none. */
+/* Replies for a BSDF of a scene. A scene may contain XML files that are not BSDFs. */
 static void reply_bsdf(struct orl_request *request)
 {
     struct look *look = request->state;

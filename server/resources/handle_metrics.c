@@ -26,7 +26,7 @@ static void number(FILE *out, const char *name, const char *type, const char *he
     fprintf(out, "%s %.17g\n", name, value);
 }
 
-/* labels: 'route="/",class="2xx"' */
+/* Writes a histogram. labels: 'route="/",class="2xx"' */
 static void histogram(FILE *out, const char *name, const char *labels,
                       const struct orl_histogram *histogram,
                       const double bounds[ORL_METRICS_BUCKETS])
@@ -84,7 +84,7 @@ static void add_parts(void *ctx, const struct orl_jobs_job *job)
 {
     struct orl_job_progress progress;
     if (!job->worker)
-        return; /* it shares the computation of another */
+        return; /* it shares another job's computation */
     orl_worker_progress(job->worker, &progress);
     orl_metrics_parts(ctx, &progress.parts);
 }
@@ -234,7 +234,8 @@ static double resident_bytes(void)
         return 0;
     const char *line = fgets(text, sizeof text, statm);
     fclose(statm);
-    const char *second = line ? strchr(line, ' ') : NULL; /* pages, behind those of all there is */
+    const char *second = line ? strchr(line, ' ') : NULL; /* resident pages; the first number is the
+                                                           * total */
     return second ? (double)strtol(second, NULL, 10) * (double)sysconf(_SC_PAGESIZE) : 0;
 }
 

@@ -11,12 +11,12 @@
 #include "server.h"
 #include "uploads/unzip.h"
 
-/* A request's scene, between the loop and the pool. */
+/* A scene being uploaded, shared by the loop and the pool. */
 struct scene_post {
     struct orl_scene_upload upload;
     struct orl_blobs *blobs;
     struct orl_check check;
-    size_t claimed; /* of the upload's files, the first */
+    size_t claimed; /* number of files claimed, from the first */
     int rc;
     struct orl_error err;
 };
@@ -32,7 +32,7 @@ static void scene_post_free(void *state)
 
 /* ---- On the pool ---------------------------------------------------------------------------- */
 
-/* Every argument of the query: main files, or what is chosen of a project. */
+/* Reads an argument of the query: a main file, or a choice of a project. */
 static enum MHD_Result add_main(void *ctx, enum MHD_ValueKind kind, const char *key,
                                 const char *value)
 {
@@ -55,7 +55,7 @@ static void take_apart(struct orl_request *request)
     struct orl_asking *asking = &post->check.asking;
     struct orl_file body;
     const char *path = NULL;
-    orl_scene_upload_done(&post->upload); /* of an attempt before */
+    orl_scene_upload_done(&post->upload); /* left by an earlier attempt */
     const bool parts = type && strncasecmp(type, "multipart/", 10) == 0;
     post->rc = parts ? orl_body_view(&request->body, folders, &body, &post->err)
                      : orl_body_file(&request->body, folders, &path, &post->err);
@@ -99,7 +99,8 @@ static void insert_and_reply(struct orl_request *request)
     orl_reply_when_safe(request);
 }
 
-/* No file of it may go from now on. One that came before, a BSDF, may have gone until now. */
+/* Claims all files, so that none is removed from now on. A BSDF that was uploaded earlier may have
+ * been removed before. */
 static int claim_files(const struct orl_folders *folders, struct scene_post *post)
 {
     const struct orl_bundle *bundle = &post->upload.bundle;
@@ -119,7 +120,7 @@ static int claim_files(const struct orl_folders *folders, struct scene_post *pos
     return 0;
 }
 
-/* What keeping it would take, beside what is here. */
+/* Returns the bytes of the files that are not stored yet. */
 static uint64_t count_new_bytes(const struct orl_folders *folders, const struct orl_bundle *bundle)
 {
     uint64_t bytes = 0;
@@ -128,7 +129,7 @@ static uint64_t count_new_bytes(const struct orl_folders *folders, const struct 
     return bytes;
 }
 
-/* Of files that are claimed. */
+/* Starts the check of files that are claimed. */
 static void begin_check(struct orl_request *request)
 {
     struct scene_post *post = request->state;
@@ -138,7 +139,7 @@ static void begin_check(struct orl_request *request)
                         insert_and_reply);
 }
 
-/* Whether the scene is known. */
+/* Looks the scene up. *ret_found is true if it is stored. */
 static void is_here(struct orl_request *request, bool *ret_found)
 {
     struct scene_post *post = request->state;
@@ -149,14 +150,14 @@ static void is_here(struct orl_request *request, bool *ret_found)
         free(item.summary);
 }
 
-/* Files of a scene that is known: they mend those that are damaged in the store, no more. */
+/* Stores the files of a known scene again, which only repairs damage in the store. */
 static void keep_again(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     post->rc = orl_scene_upload_keep(&post->upload, &request->server->folders, &post->err);
 }
 
-/* Where it was removed meanwhile it comes as a new one. */
+/* Replies for a known scene. If it was removed meanwhile, it is checked as a new one. */
 static void reply_known(struct orl_request *request)
 {
     struct scene_post *post = request->state;
@@ -169,11 +170,11 @@ static void reply_known(struct orl_request *request)
         begin_check(request);
     } else {
         orl_reply_stored_item(request, &orl_item_scene, post->upload.id, 200, &created);
-        orl_reply_when_safe(request); /* one that comes at once may have brought it this moment */
+        orl_reply_when_safe(request); /* a concurrent upload may have written the row just now */
     }
 }
 
-/* A scene that is here already is not checked again. */
+/* Looks the scene up. A scene that is stored already is not checked again. */
 static void look_up(struct orl_request *request)
 {
     struct scene_post *post = request->state;

@@ -1,4 +1,4 @@
-/* GET /v1/scenes and GET /v1/bsdfs: what is stored, by whom it is used, and when it was last. */
+/* GET /v1/scenes and GET /v1/bsdfs: stored objects, their uses, and when they were last used. */
 #include "resources/handlers.h"
 
 #include <jansson.h>
@@ -17,12 +17,13 @@
 struct list {
     json_t *items; /* NULL: out of memory */
     unsigned long limit;
-    const char *scene; /* of BSDFs: whose; NULL: all */
+    const char *scene; /* lists the BSDFs of this scene; NULL: all */
     bool more;
-    struct orl_stored_place last; /* of those in it */
+    struct orl_stored_place last; /* place of the last item in it */
 };
 
-/* "1711107000123-<64 digits>", as its link has it; absent: the first page. False after a 400. */
+/* Reads a cursor, "1711107000123-<64 digits>"; if absent, the first page. Returns false after a
+ * 400. */
 static bool read_cursor(struct orl_request *request, struct orl_stored_place *ret_place)
 {
     const char *cursor = orl_request_query(request, "cursor");
@@ -37,7 +38,8 @@ static bool read_cursor(struct orl_request *request, struct orl_stored_place *re
     return true;
 }
 
-/* Takes item; one more than may be shown says that there are others. */
+/* Appends an item, and takes ownership of it. An item beyond the limit only shows that there are
+ * more. */
 static int add(struct list *list, json_t *item, const struct orl_stored_place *place)
 {
     if (json_array_size(list->items) == list->limit) {
@@ -66,7 +68,7 @@ static int add_scene(void *ctx, const struct orl_listed_scene *scene)
                &scene->place);
 }
 
-/* Ids with commas between them. */
+/* Returns the ids of a list separated by commas. */
 static json_t *split_ids(const char *ids)
 {
     json_t *list = json_array();

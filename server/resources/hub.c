@@ -18,7 +18,7 @@ struct event {
     uint64_t serial;
     char job[ORL_JOB_ID];
     char *tags;                  /* labels_json.h; NULL: none */
-    char seen[ORL_JOB_EVENT_ID]; /* what it shows, while the job runs */
+    char seen[ORL_JOB_EVENT_ID]; /* the id of its contents while the job runs */
     struct orl_event_text *text;
     struct event *older, *newer;
 };
@@ -27,16 +27,17 @@ struct stream {
     struct orl_event_stream base;
     struct orl_hub *hub;
     struct orl_hub_filter filter;
-    uint64_t serial; /* of the last event begun or passed over */
+    uint64_t serial; /* last event begun or skipped */
     bool reset;
 };
 
 struct orl_hub {
     struct orl_event_source source;
-    char start[17]; /* told apart from others by it */
+    char start[17]; /* random; identifies this run of the daemon */
     struct event *oldest, *newest;
     size_t count, bytes;
-    uint64_t serial, let_go; /* of the newest there was; of the newest that is kept no more */
+    uint64_t serial, let_go; /* serial: of the newest event so far; let_go: of the newest dropped
+                              * event */
 };
 
 /* ---- Events --------------------------------------------------------------------------------- */
@@ -75,7 +76,7 @@ static void append(struct orl_hub *hub, struct event *event)
     hub->bytes += event->text ? event->text->size : 0;
 }
 
-/* Never the newest. */
+/* Drops the oldest events until the limits hold. Keeps the newest. */
 static void bound(struct orl_hub *hub)
 {
     struct event *event = hub->oldest;
@@ -97,7 +98,7 @@ static struct event *find(const struct orl_hub *hub, const char *job)
     return event;
 }
 
-/* The job's event, out of the order; NULL when out of memory. */
+/* Returns the job's event, taken out of the list; NULL when out of memory. */
 static struct event *take_event(struct orl_hub *hub, const struct orl_jobs_job *job)
 {
     struct event *event = find(hub, job->row.id);
@@ -122,7 +123,8 @@ static void name_event(const struct orl_hub *hub, uint64_t serial, char ret_id[I
     snprintf(ret_id, ID, "%s-%llu", hub->start, (unsigned long long)serial);
 }
 
-/* Takes data. Whoever has no memory for it is told to ask anew. */
+/* Records an event. Takes ownership of data. Without memory, the streams that miss it are cut off,
+ * and start again with a reset. */
 static void note(struct orl_hub *hub, const struct orl_jobs_job *job, const char *name,
                  json_t *data)
 {
@@ -191,8 +193,7 @@ static bool is_wanted(const struct orl_hub_filter *filter, const struct event *e
     return wanted;
 }
 
-/* The first event behind the stream's place that it wants; NULL: none. Those before are passed
- * over. */
+/* Returns the next event that the stream wants; NULL: none. Skips the events before it. */
 static const struct event *next_event(struct stream *stream)
 {
     const struct event *event = stream->hub->newest;
@@ -214,7 +215,7 @@ static bool has_news(const struct orl_event_stream *base)
     return stream->reset || stream->serial != stream->hub->serial;
 }
 
-/* One that has yet to read what is kept no more is left behind, and ends. */
+/* Returns the next text. A stream whose unread events were dropped ends. */
 static bool next_text(struct orl_event_stream *base, struct orl_event_text **ret_text)
 {
     struct stream *stream = (struct stream *)base;
@@ -241,7 +242,7 @@ static void free_stream(struct orl_event_stream *base)
     free((struct stream *)base);
 }
 
-/* Where a client is that has seen last_id; false: that is not known here. */
+/* Returns the place of a client that has seen last_id. False: it is not known here. */
 static bool find_place(const struct orl_hub *hub, const char *last_id, uint64_t *ret_serial)
 {
     const size_t head = strlen(hub->start);

@@ -6,9 +6,9 @@
 #include "jobs/job_results.h"
 #include "resources/job_status.h"
 
-/* What is known of one that runs. */
+/* The state of a running job. */
 struct running {
-    const char *stage; /* NULL: nothing */
+    const char *stage; /* NULL: unknown */
     double percent, eta_s, error;
 };
 

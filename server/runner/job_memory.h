@@ -17,21 +17,21 @@
 #include <oriel/error.h>
 
 struct orl_job_memory {
-    uint64_t surfaces, triangles; /* of the scene */
-    uint64_t bsdf_bytes;          /* of the scene's XML files */
-    uint64_t photons;             /* of all maps */
+    uint64_t surfaces, triangles; /* size of the scene */
+    uint64_t bsdf_bytes;          /* size of the scene's XML files */
+    uint64_t photons;             /* photons of all maps */
     uint64_t sensors, file_sensors;
-    uint64_t pixels;          /* of the largest view */
+    uint64_t pixels;          /* size of the largest view */
     uint64_t year_rows;       /* rows of an annual job's weather; 0: not an annual job */
     uint64_t hour_bytes;      /* bytes of one sensor for an hour with light, in an annual job */
     uint64_t bsdf_made_bytes; /* peak bytes while a panel's BSDF is made */
-    uint64_t mask_pixels;     /* of the largest glare mask */
+    uint64_t mask_pixels;     /* size of the largest glare mask */
     uint64_t array_bytes;     /* bytes of one sensor's resulting matrices */
     uint64_t windows;         /* upper bound of windows with phase matrices; 0: not requested */
     uint64_t seats;        /* glare viewpoints of an annual job: the most that are rated together */
     uint64_t matrix_bytes; /* matrices read from files, with their products */
-    uint64_t window_groups; /* of an annual job with shades */
-    uint64_t sun_nodes;     /* of an annual job: sets of the default number of sun nodes, beyond
+    uint64_t window_groups; /* window groups of an annual job with shades */
+    uint64_t sun_nodes;     /* sets of the default number of sun nodes in an annual job, beyond
                              * the first */
 };
 

@@ -93,18 +93,18 @@ struct orl_job_progress {
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
     size_t n_views;             /* views that can be fetched, of a job without a goal */
-    struct orl_outcome outcome; /* of a job with a goal, after its first round */
-    size_t n_skies, skies_done; /* of a job with several skies; else 0 */
+    struct orl_outcome outcome; /* results of a job with a goal, after its first round */
+    size_t n_skies, skies_done; /* skies of a job with several; else 0 */
     char sky[ORL_WORKER_SKY];   /* current sky, or "" */
     /* The first few warnings so far, without duplicates; valid until the loop's next turn. */
     const char *const *warnings;
     size_t n_warnings;
-    /* Of a study, once its first run has started; otherwise runs are 0. */
+    /* Current run of a study, once its first run has started; otherwise runs are 0. */
     struct orl_study_step step;
     size_t n_settings;                    /* points that it will have */
     const struct orl_study_point *points; /* finished points; valid until the loop's next turn */
     size_t n_points;
-    struct orl_annual_refinement year; /* of an annual job with an accuracy goal, after its first
+    struct orl_annual_refinement year; /* accuracy of an annual job with a goal, after its first
                                         * round */
     /* If jobs can be split into parts; otherwise "". */
     char why_here[ORL_WHY_MAX]; /* reason why this one is split, or is not */

@@ -65,7 +65,7 @@ static void show_map(struct orl_worker *worker, const struct orl_map_info *info)
 
 /* A finished BSDF of either kind of job. */
 struct outcome {
-    const char *name; /* of its material, or NULL */
+    const char *name; /* name of its material, or NULL */
     const char *xml;
     size_t size;
     json_t *told, *warnings; /* owned */

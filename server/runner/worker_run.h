@@ -19,7 +19,7 @@ enum { ORL_WORKER_WHOLE = 1000000, ORL_WORKER_NEWS = 4096 };
 /* The part being rendered: the document's job, or that job under one of its skies. */
 struct orl_worker_part {
     const struct orl_job *job;
-    const char *prefix;    /* of its files' names */
+    const char *prefix;    /* prefix of its files' names */
     json_t *files;         /* files made so far, as job_output.h lists them */
     struct orl_error lost; /* reason why one of the files is missing */
 };

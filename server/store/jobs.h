@@ -42,7 +42,7 @@ struct orl_job_row {
     uint64_t result_bytes; /* bytes of its results; expected bytes while it waits or runs */
     uint64_t memory_bytes; /* estimated: job_memory.h */
     int strikes;           /* times that the daemon ended because of the job: blame.h */
-    int64_t fetched_ms, evicted_ms; /* of the results: last fetched, evicted; 0: never */
+    int64_t fetched_ms, evicted_ms; /* last fetch and eviction of the results; 0: never */
 };
 
 /*

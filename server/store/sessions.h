@@ -10,7 +10,7 @@
 enum { ORL_SESSION_HASH = 65 };
 
 struct orl_session_row {
-    char hash[ORL_SESSION_HASH]; /* of the cookie's secret, hexadecimal */
+    char hash[ORL_SESSION_HASH]; /* digest of the cookie's secret, hexadecimal */
     struct orl_token_row token;  /* token of the session */
     int64_t expires_ms;
 };

@@ -27,7 +27,7 @@ enum { ORL_TOKEN_NAME = 65, ORL_TOKEN_ID = 17, ORL_TOKEN_HASH = 65 };
 struct orl_token_row {
     char name[ORL_TOKEN_NAME];
     char id[ORL_TOKEN_ID];     /* hexadecimal */
-    char hash[ORL_TOKEN_HASH]; /* of the secret, hexadecimal */
+    char hash[ORL_TOKEN_HASH]; /* digest of the secret, hexadecimal */
     enum orl_token_scope scope;
     int64_t created_ms;
 };

@@ -18,7 +18,7 @@
 #include "process/times.h"
 #include "store/verified.h"
 
-/* ---- Once through all ----------------------------------------------------------------------- */
+/* ---- One pass ------------------------------------------------------------------------------- */
 
 struct pass {
     struct orl_db *db;
@@ -53,7 +53,7 @@ static int look_at_file(void *ctx, const struct orl_kept_file *file, struct orl_
     bool named = true;
     orl_folders_path(pass->folders, path, "%s", file->path);
     if (look_at(file, path, &bytes, &why)) {
-        /* It may have been removed since it was listed. */
+        /* The file may have been removed since it was listed. */
         const int rc = orl_kept_is_named(pass->db, file, &named, err);
         if (rc)
             return rc;
@@ -87,14 +87,14 @@ struct finding {
 struct orl_scrubbing {
     const struct orl_log *log;
     struct orl_map_cache *maps;
-    struct orl_folders folders; /* the thread's own */
+    struct orl_folders folders; /* copy for the thread */
     uint64_t bytes_per_s;
     pthread_t thread;
-    pthread_mutex_t mutex;  /* of the rest */
-    pthread_cond_t changed; /* stop or ended */
+    pthread_mutex_t mutex;  /* protects the members below */
+    pthread_cond_t changed; /* stop or ended has changed */
     bool stop, ended;
     struct orl_scrub_totals totals;
-    struct finding findings[FINDINGS]; /* not told yet; beyond these the next pass tells */
+    struct finding findings[FINDINGS]; /* not logged yet; when full, the next pass reports more */
     size_t count;
 };
 
@@ -114,7 +114,7 @@ static struct timespec to_timespec(double steady_s)
     return (struct timespec){whole_s, (long)(1e9 * (steady_s - (double)whole_s))};
 }
 
-/* A stop is heard at once. */
+/* Waits. Returns false at once if the thread must stop. */
 static bool rest(struct orl_scrubbing *scrubbing, double seconds)
 {
     const struct timespec until = to_timespec(orl_time_steady_s() + seconds);
@@ -144,7 +144,7 @@ static void lower_priority(void)
     syscall(SYS_ioprio_set, WHO_PROCESS, 0, CLASS_IDLE << CLASS_SHIFT);
 }
 
-/* Once a day, until it is to stop. */
+/* Scrubs once a day until the thread must stop. */
 static void scrub_daily(struct orl_scrubbing *scrubbing)
 {
     const struct orl_folders *folders = &scrubbing->folders;
@@ -207,7 +207,7 @@ struct orl_scrubbing *orl_scrubbing_start(const struct orl_folders *folders,
     return scrubbing;
 }
 
-/* The state of a thread that still runs as the process ends. */
+/* State of a thread that still runs when the process ends. */
 static struct orl_scrubbing *left_behind;
 
 void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)
@@ -223,7 +223,7 @@ void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)
         rc = pthread_cond_timedwait(&scrubbing->changed, &scrubbing->mutex, &until);
     const bool ended = scrubbing->ended;
     pthread_mutex_unlock(&scrubbing->mutex);
-    /* It may be in the midst of a large file on a slow disk: the process ends without it. */
+    /* The thread may be reading a large file on a slow disk, so the process ends without it. */
     if (!ended) {
         pthread_detach(scrubbing->thread);
         left_behind = scrubbing;

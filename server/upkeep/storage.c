@@ -40,7 +40,7 @@ uint64_t orl_storage_total(const struct orl_storage *storage)
 
 /* ---- Eviction ------------------------------------------------------------------------------- */
 
-/* Something that may go. */
+/* Something that may be evicted. */
 struct candidate {
     int64_t used_ms;
     uint64_t bytes;
@@ -61,7 +61,7 @@ static bool may_go(const struct orl_jobs_job *job, int64_t now_ms)
            (job->row.fetched_ms > 0 || now_ms - job->row.retained_ms >= spared_ms);
 }
 
-/* Everything that may go, the longest unused first; owned. NULL: out of memory. */
+/* Returns everything that may be evicted, least recently used first; owned. NULL: out of memory. */
 static struct candidate *list_candidates(const struct orl_storage *storage,
                                          const struct orl_stored_map *maps, size_t n_maps,
                                          size_t *ret_count)
@@ -88,7 +88,7 @@ static struct candidate *list_candidates(const struct orl_storage *storage,
     return list;
 }
 
-/* Its row. *ret_leaves: a map that somebody has taken into use stays. */
+/* Deletes a candidate's row. *ret_leaves is false for a map that has come into use, which stays. */
 static int leave(struct orl_storage *storage, const struct candidate *candidate, bool *ret_leaves,
                  struct orl_error *err)
 {
@@ -100,7 +100,7 @@ static int leave(struct orl_storage *storage, const struct candidate *candidate,
     return rc;
 }
 
-/* Its file, once its row is safely gone; else it stays. */
+/* Deletes a candidate's file if its row is safely gone; otherwise the candidate stays. */
 static void settle(struct orl_storage *storage, const struct candidate *candidate, bool gone)
 {
     const struct orl_map_info *map = candidate->map;
@@ -119,9 +119,9 @@ static void settle(struct orl_storage *storage, const struct candidate *candidat
 }
 
 /*
- * The first of the list, until so many bytes are gone: their rows in one transaction, which is one
- * sync, then their files. When the database refuses they stay, all of them: what has been of use
- * later is not to go in their place.
+ * Evicts the first of the list until so many bytes are freed. Their rows go in one transaction,
+ * with one sync; then their files. If the database refuses, all of them stay, and more recently
+ * used ones are not evicted in their place.
  */
 static void evict(struct orl_storage *storage, struct candidate *list, size_t count, uint64_t bytes)
 {
@@ -149,8 +149,8 @@ static void evict(struct orl_storage *storage, struct candidate *list, size_t co
 enum shrink_how { SHRINK_AS_FAR_AS_IT_GOES, SHRINK_OR_LEAVE };
 
 /*
- * Down to at most so many bytes; returns what is left. SHRINK_OR_LEAVE takes nothing away when all
- * that may go would not be enough.
+ * Shrinks the data to at most that many bytes; returns the bytes left. SHRINK_OR_LEAVE evicts
+ * nothing if evicting everything would not be enough.
  */
 static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_how how)
 {
@@ -170,7 +170,7 @@ static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_h
     return orl_storage_total(storage);
 }
 
-/* Of what is kept, how much has to stay. */
+/* Returns the stored bytes that must stay. */
 static uint64_t count_staying(struct orl_storage *storage)
 {
     uint64_t bytes = orl_storage_total(storage);
@@ -186,8 +186,8 @@ static uint64_t count_staying(struct orl_storage *storage)
     return bytes;
 }
 
-/* Says how much may be on its way in. What may go is looked at only where that makes a difference:
- * while half of the budget is free anyway, it does not. */
+/* Sets the quota of data in flight. Candidates for eviction are listed only if more than half of
+ * the budget is taken, since otherwise the result does not matter. */
 static void set_room(struct orl_storage *storage)
 {
     const uint64_t promised = orl_job_results_expected(storage->jobs);
@@ -229,7 +229,7 @@ bool orl_storage_admit(struct orl_storage *storage, const struct orl_hold *hold,
     return false;
 }
 
-/* ---- What was asked for --------------------------------------------------------------------- */
+/* ---- Times of fetches ----------------------------------------------------------------------- */
 
 static void write_notes(uv_timer_t *timer)
 {

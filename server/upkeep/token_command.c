@@ -1,4 +1,4 @@
-/* `orield token`: tokens are made and removed on the daemon's machine, never over HTTP. */
+/* `orield token`: creates and removes tokens on the daemon's machine, never over HTTP. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +23,7 @@ static const char usage[] =
     "                 and remove own jobs (default); admin: also what concerns others\n"
     "  --data DIR     the daemon's data folder ($ORIEL_DATA, else ./oriel-data)\n";
 
-/* Folder and database. Only who holds the folder's lock migrates. */
+/* Data folder and database. Only the process that holds the folder's lock migrates. */
 struct storage {
     struct orl_folders folders;
     struct orl_db db;
@@ -73,7 +73,7 @@ static int print_row(void *ctx, const struct orl_token_row *row)
     return 0;
 }
 
-/* Reads the options behind the verb: 0, or -1 when they are not understood. */
+/* Reads the options after the verb. Returns 0, or -1 if they are invalid. */
 static int parse(int argc, char **argv, const char **ret_name, const char **ret_scope,
                  const char **ret_data)
 {

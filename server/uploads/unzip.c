@@ -21,9 +21,10 @@ enum { CHUNK = 64 << 10 };
 struct unpacking {
     const struct orl_folders *folders;
     struct archive *archive;
-    struct orl_bundle files; /* so far, all of them resources */
+    struct orl_bundle files; /* so far; all are resources */
     struct orl_incoming incoming;
-    uint64_t before, bytes, most_bytes; /* of the upload's other files; unpacked */
+    uint64_t before, bytes, most_bytes; /* before: bytes of the upload's other files; bytes:
+                                         * unpacked */
     char *buffer;
 };
 
@@ -44,7 +45,7 @@ static int refuse(struct orl_error *err, int code, const char *name, const char 
     return code;
 }
 
-/* What libarchive has to say of damage, in its own words. */
+/* Refuses a damaged archive with libarchive's message. */
 static int refuse_damaged(const struct unpacking *u, const char *name, struct orl_error *err)
 {
     const char *why = archive_error_string(u->archive);
@@ -56,8 +57,8 @@ static int refuse_damaged(const struct unpacking *u, const char *name, struct or
 }
 
 /*
- * The library keeps something of every entry that it finds a header of in memory: so that these
- * cannot be too many, headers are counted wherever they might be.
+ * Counts the entries' headers, wherever bytes look like one, to limit them: libarchive keeps data
+ * of every entry in memory.
  */
 static int count_entries(const struct orl_file *archive, struct orl_error *err)
 {
@@ -75,7 +76,7 @@ static int count_entries(const struct orl_file *archive, struct orl_error *err)
 
 /* ---- One entry ------------------------------------------------------------------------------- */
 
-/* Of the kind that desktops leave in folders. */
+/* Returns true for files that desktops leave in folders. */
 static bool is_litter(const char *name)
 {
     static const char *const litter[] = {".DS_Store", "Thumbs.db", "desktop.ini"};
@@ -86,7 +87,7 @@ static bool is_litter(const char *name)
     return strncmp(name, "__MACOSX/", 9) == 0 || strcmp(name, "__MACOSX") == 0;
 }
 
-/* The entry's name, "./" in front and "/" behind left out. */
+/* Returns the entry's name without a leading "./" and a trailing "/". */
 static int read_name(struct archive_entry *entry, char ret_name[ORL_PATH_MAX],
                      struct orl_error *err)
 {
@@ -175,7 +176,7 @@ static int unpack_all(struct unpacking *u, const struct orl_file *archive, struc
     return rc;
 }
 
-/* The length of the folder's name that all files begin with, '/' included; 0: there is none. */
+/* Returns the length of the folder name that all files begin with, including '/'; 0: none. */
 static size_t common_folder(const struct orl_bundle *files)
 {
     const char *first = files->count ? files->files[0].name : "";
@@ -187,7 +188,7 @@ static size_t common_folder(const struct orl_bundle *files)
     return length;
 }
 
-/* Files in it name each other by it. */
+/* Returns true for a project's folder, whose files refer to each other by its name. */
 static bool is_model_folder(const struct orl_bundle *files)
 {
     static const char scene[] = "model/scene/";
@@ -223,7 +224,7 @@ int orl_unzip_guess(void *ctx, struct orl_bundle *files, unsigned *ret_places,
     return orl_main_files_places(names, files->count, &provider, ret_places, err);
 }
 
-/* Main files in front, by their places; by insertion, as orl_bundle_sort. */
+/* Puts main files first, in the order of their places; an insertion sort like orl_bundle_sort. */
 static void give_roles(struct orl_bundle *files, unsigned *places)
 {
     for (size_t i = 0; i < files->count; i++) {
