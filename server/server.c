@@ -54,7 +54,7 @@ static void on_worked(struct orl_server *server)
     stop_if_quiet(server);
 }
 
-static void stop(struct orl_server *server)
+static void stop_server(struct orl_server *server)
 {
     if (server->context.stopping)
         return;
@@ -70,7 +70,7 @@ static void on_jobs_idle(void *ctx)
 {
     struct orl_server *server = ctx;
     server->jobs_idle = true;
-    stop(server);
+    stop_server(server);
     stop_if_quiet(server);
 }
 
@@ -99,7 +99,7 @@ static void on_saving(uv_timer_t *timer)
 
 static void on_drain_over(uv_timer_t *timer)
 {
-    stop(timer->data);
+    stop_server(timer->data);
 }
 
 static void on_job_changed(void *ctx, const struct orl_jobs_job *job)
@@ -126,7 +126,7 @@ static void on_signal(int signum, void *ctx)
     orl_log_event(&server->log, ORL_LOG_INFO, "stopping", "i", "signal", (int64_t)signum);
     orl_notify("STOPPING=1");
     if (server->draining || server->config.drain_s == 0) {
-        stop(server);
+        stop_server(server);
         return;
     }
     server->draining = true;
@@ -173,8 +173,7 @@ static void write_log(uv_prepare_t *handle)
     orl_pulse_turn(&server->pulse);
 }
 
-/* Buffers the log, so that lines of one turn of the loop are written together: a write for each
- * would cost more than the lines. */
+/* Buffers the log, so that the lines of one turn of the loop need only one write. */
 static void gather_log(struct orl_server *server)
 {
     static char lines[1 << 16];
@@ -201,22 +200,22 @@ static void open_checks(struct orl_server *server)
     orl_checks_open(&server->checks, &server->loop);
 }
 
-static bool receive(struct orl_server *server, struct orl_hold *hold, uint64_t bytes)
+static bool receive_body(struct orl_server *server, struct orl_hold *hold, uint64_t bytes)
 {
     return orl_storage_receive(&server->storage, hold, bytes);
 }
 
-static bool admit(struct orl_server *server, const struct orl_hold *hold, uint64_t bytes)
+static bool admit_bytes(struct orl_server *server, const struct orl_hold *hold, uint64_t bytes)
 {
     return orl_storage_admit(&server->storage, hold, bytes);
 }
 
-static struct orl_room *room(struct orl_server *server)
+static struct orl_room *upload_room(struct orl_server *server)
 {
     return &server->storage.room;
 }
 
-static uint64_t budget(const struct orl_server *server)
+static uint64_t storage_budget(const struct orl_server *server)
 {
     return server->storage.budget;
 }
@@ -234,10 +233,10 @@ static void on_swept(struct orl_server *server)
 static void open_context(struct orl_server *server, const struct orl_routes *routes)
 {
     static const struct orl_http_calls calls = {
-        .receive = receive,
-        .admit = admit,
-        .room = room,
-        .budget = budget,
+        .receive = receive_body,
+        .admit = admit_bytes,
+        .room = upload_room,
+        .budget = storage_budget,
         .jobs_of = jobs_of,
         .swept = on_swept,
         .worked = on_worked,

@@ -62,7 +62,7 @@ static void refuse_late(const struct orl_check *check, struct orl_error *err)
                         "less busy, or start orield with a larger --check-timeout");
 }
 
-static void start_again(struct orl_checks *checks, struct orl_check *check)
+static void restart_check(struct orl_checks *checks, struct orl_check *check)
 {
     if (orl_request_wait(check->request, run_check, check->then))
         wait_for_turn(checks, check);
@@ -70,26 +70,26 @@ static void start_again(struct orl_checks *checks, struct orl_check *check)
 
 /* Restarts the check with the largest memory grant if it ran out of memory. Returns true if it did.
  */
-static bool goes_again(struct orl_checks *checks, struct orl_check *check)
+static bool retry_with_more_memory(struct orl_checks *checks, struct orl_check *check)
 {
     const uint64_t most = orl_check_most(checks);
     if (check->asking.met != ORL_CHILD_MEMORY || check->asking.memory >= most)
         return false;
     check->whole = true;
     check->asking.memory = most;
-    start_again(checks, check);
+    restart_check(checks, check);
     return true;
 }
 
 /* Restarts the check from its beginning if it was cancelled to yield. Returns true if it did. */
-static bool has_yielded(struct orl_checks *checks, struct orl_check *check)
+static bool restart_yielded(struct orl_checks *checks, struct orl_check *check)
 {
     if (!check->yields || check->late || checks->stopping)
         return false;
     check->yields = false;
     check->is_long = true;
     atomic_store(&check->cancel, false);
-    start_again(checks, check);
+    restart_check(checks, check);
     return true;
 }
 
@@ -116,8 +116,8 @@ bool orl_check_ended(struct orl_check *check, int *rc, struct orl_error *err)
     struct orl_checks *checks = check->checks;
     orl_check_leave(checks, check);
     request->check = NULL;
-    if ((*rc && goes_again(checks, check)) ||
-        (*rc == ORL_ERR_CANCELLED && has_yielded(checks, check)))
+    if ((*rc && retry_with_more_memory(checks, check)) ||
+        (*rc == ORL_ERR_CANCELLED && restart_yielded(checks, check)))
         return false;
     orl_checks_start(checks);
     checks->freed(checks->ctx);

@@ -106,7 +106,7 @@ static int filter_calls(void)
 #endif
 
 /* Lowers a resource limit to `most`; never raises it. */
-static int bound(__rlimit_resource_t resource, uint64_t most)
+static int lower_limit(__rlimit_resource_t resource, uint64_t most)
 {
     struct rlimit limit;
     if (getrlimit(resource, &limit) != 0)
@@ -119,7 +119,7 @@ static int bound(__rlimit_resource_t resource, uint64_t most)
 
 /* Makes the process the kernel's first choice when memory runs out. Without /proc the kernel
  * chooses by size alone. */
-static void go_first(void)
+static void prefer_oom_kill(void)
 {
     const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
     if (fd < 0)
@@ -135,16 +135,16 @@ static void go_first(void)
 int orl_confine(const struct orl_bounds *bounds, struct orl_error *err)
 {
     enum { FILES = 64 };
-    go_first();
+    prefer_oom_kill();
     /* SIGXCPU comes at cpu_s; SIGKILL, which cannot be caught, one second later. */
     const struct rlimit cpu = {bounds->cpu_s, (rlim_t)bounds->cpu_s + 1};
     int rc = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-    rc = rc ? rc : bound(RLIMIT_CORE, 0);
-    rc = rc ? rc : bound(RLIMIT_FSIZE, 0);
-    rc = rc ? rc : bound(RLIMIT_NOFILE, FILES);
+    rc = rc ? rc : lower_limit(RLIMIT_CORE, 0);
+    rc = rc ? rc : lower_limit(RLIMIT_FSIZE, 0);
+    rc = rc ? rc : lower_limit(RLIMIT_NOFILE, FILES);
     rc = rc ? rc : setrlimit(RLIMIT_CPU, &cpu);
     if (rc == 0 && !ORL_SANITIZED)
-        rc = bound(RLIMIT_DATA, bounds->memory + RESERVED);
+        rc = lower_limit(RLIMIT_DATA, bounds->memory + RESERVED);
     if (rc == 0 && !ORL_SANITIZED)
         rc = filter_calls();
     return rc ? orl_error_set(err, ORL_ERR_INTERNAL, "a check cannot be confined: %s",

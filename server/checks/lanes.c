@@ -42,7 +42,7 @@ extern char **environ;
 
 /* ---- Keepers --------------------------------------------------------------------------------- */
 
-static int spawn(int fd, pid_t *ret_pid)
+static int spawn_keeper(int fd, pid_t *ret_pid)
 {
     char parent[16];
     char *const arguments[] = {(char[]){"orield"}, (char[]){ORL_KEEPER_MODE}, parent, NULL};
@@ -79,7 +79,7 @@ static struct lane *lane_new(void)
     }
     /* dup2 onto the same descriptor would leave the close-on-exec flag set. */
     const int theirs = ends[1] == ORL_KEEPER_FD ? fcntl(ends[1], F_DUPFD_CLOEXEC, 10) : ends[1];
-    const int rc = spawn(theirs, &lane->pid);
+    const int rc = spawn_keeper(theirs, &lane->pid);
     close(ends[1]);
     if (theirs != ends[1])
         close(theirs);
@@ -103,7 +103,7 @@ static void lane_kill(struct lane *lane)
     free(lane);
 }
 
-static struct lane *take(struct orl_lanes *lanes)
+static struct lane *take_lane(struct orl_lanes *lanes)
 {
     pthread_mutex_lock(&lanes->mutex);
     struct lane *lane = lanes->idle;
@@ -113,7 +113,7 @@ static struct lane *take(struct orl_lanes *lanes)
     return lane ? lane : lane_new();
 }
 
-static void give_back(struct orl_lanes *lanes, struct lane *lane)
+static void return_lane(struct orl_lanes *lanes, struct lane *lane)
 {
     pthread_mutex_lock(&lanes->mutex);
     lane->next = lanes->idle;
@@ -165,7 +165,7 @@ static bool is_given_up(const struct orl_asking *asking)
            (client.revents & (POLLRDHUP | POLLHUP | POLLERR));
 }
 
-static int wait_for(struct talk *t, short events)
+static int wait_for_socket(struct talk *t, short events)
 {
     struct pollfd fds[2] = {{.fd = t->lane->fd, .events = events},
                             {.fd = t->asking->client_fd, .events = POLLRDHUP}};
@@ -186,7 +186,7 @@ static int send_request(struct talk *t, const char *text, size_t size)
     while (rc == 0) {
         const bool last = size <= ORL_FRAME_BYTES;
         const size_t n = last ? size : ORL_FRAME_BYTES;
-        rc = wait_for(t, POLLOUT);
+        rc = wait_for_socket(t, POLLOUT);
         if (rc == 0 &&
             !orl_frame_send(t->lane->fd, last ? ORL_FRAME_REQUEST_END : ORL_FRAME_REQUEST, text, n))
             break;
@@ -198,7 +198,7 @@ static int send_request(struct talk *t, const char *text, size_t size)
     return rc;
 }
 
-static int refuse_answer(struct talk *t)
+static int refuse_packet(struct talk *t)
 {
     return orl_error_set(t->err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
 }
@@ -209,34 +209,34 @@ static int take_packet(struct talk *t, char kind, char *data, size_t size)
     switch (kind) {
     case ORL_FRAME_FILE:
         data[size] = '\0';
-        return asking->file ? asking->file(asking->ctx, data, t->err) : refuse_answer(t);
+        return asking->file ? asking->file(asking->ctx, data, t->err) : refuse_packet(t);
     case ORL_FRAME_DATA:
-        return asking->data ? asking->data(asking->ctx, data, size, t->err) : refuse_answer(t);
+        return asking->data ? asking->data(asking->ctx, data, size, t->err) : refuse_packet(t);
     case ORL_FRAME_VERDICT:
     case ORL_FRAME_VERDICT_END:
         if (t->complete || size > VERDICT_BYTES - t->verdict.size)
-            return refuse_answer(t);
+            return refuse_packet(t);
         if (!orl_frame_text_add(&t->verdict, data, size, VERDICT_BYTES))
             return orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
         t->complete = kind == ORL_FRAME_VERDICT_END;
         return 0;
     case ORL_FRAME_END:
         if (size != sizeof t->end)
-            return refuse_answer(t);
+            return refuse_packet(t);
         memcpy(&t->end, data, size);
         t->ended = true;
         return 0;
     default:
-        return refuse_answer(t);
+        return refuse_packet(t);
     }
 }
 
-static int listen_to(struct talk *t)
+static int receive_verdict(struct talk *t)
 {
     char *packet = malloc(ORL_FRAME_BYTES + 2);
     int rc = packet ? 0 : orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
     while (packet && rc == 0 && !t->ended) {
-        rc = wait_for(t, POLLIN);
+        rc = wait_for_socket(t, POLLIN);
         if (rc)
             break;
         const ssize_t n = recv(t->lane->fd, packet, ORL_FRAME_BYTES + 1, 0);
@@ -251,7 +251,7 @@ static int listen_to(struct talk *t)
 
 /* ---- Causes of death ------------------------------------------------------------------------ */
 
-static int meet(struct talk *t, enum orl_child_bound bound)
+static int report_bound(struct talk *t, enum orl_child_bound bound)
 {
     struct orl_asking *asking = t->asking;
     asking->met = bound;
@@ -272,7 +272,7 @@ static int meet(struct talk *t, enum orl_child_bound bound)
     return ORL_ERR_LIMIT;
 }
 
-static int blame(struct talk *t, int signum)
+static int report_fault(struct talk *t, int signum)
 {
     t->asking->met = ORL_CHILD_FAULT;
     orl_error_set(t->err, ORL_ERR_UNSUPPORTED, "checking it ended in a fault of Oriel's (%s)",
@@ -281,19 +281,19 @@ static int blame(struct talk *t, int signum)
     return ORL_ERR_UNSUPPORTED;
 }
 
-static int judge_death(struct talk *t)
+static int report_death(struct talk *t)
 {
     const int status = t->end.status;
     if (t->end.pid <= 0)
         return orl_error_set(t->err, ORL_ERR_NOMEM, "no process for a check");
     if (WIFEXITED(status) && WEXITSTATUS(status) == ORL_CHILD_NO_MEMORY)
-        return meet(t, ORL_CHILD_MEMORY);
+        return report_bound(t, ORL_CHILD_MEMORY);
     if (!WIFSIGNALED(status))
-        return blame(t, 0);
+        return report_fault(t, 0);
     if (WTERMSIG(status) == SIGXCPU)
-        return meet(t, ORL_CHILD_CPU);
+        return report_bound(t, ORL_CHILD_CPU);
     if (WTERMSIG(status) != SIGKILL)
-        return blame(t, WTERMSIG(status));
+        return report_fault(t, WTERMSIG(status));
     /* The daemon sends no SIGKILL here, so the kernel did. */
     t->asking->met = ORL_CHILD_KILLED;
     return orl_error_set(t->err, ORL_ERR_NOMEM, "the system ended the check for want of memory");
@@ -309,7 +309,7 @@ static int read_verdict(struct talk *t, json_t **ret_result)
     int rc = 0;
     if (error) {
         orl_child_error_from_json(error, &found);
-        rc = found.code == ORL_ERR_NOMEM ? meet(t, ORL_CHILD_MEMORY) : found.code;
+        rc = found.code == ORL_ERR_NOMEM ? report_bound(t, ORL_CHILD_MEMORY) : found.code;
         if (t->err && found.code != ORL_ERR_NOMEM)
             *t->err = found;
     } else if (result) {
@@ -317,7 +317,7 @@ static int read_verdict(struct talk *t, json_t **ret_result)
     } else if (starved) {
         rc = orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
     } else {
-        rc = refuse_answer(t);
+        rc = refuse_packet(t);
     }
     json_decref(doc);
     return rc;
@@ -332,25 +332,25 @@ int orl_lanes_run(struct orl_asking *asking, const json_t *request, json_t **ret
     char *text = request ? orl_json_text(request, JSON_COMPACT) : NULL;
     if (!text)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    t.lane = take(asking->lanes);
+    t.lane = take_lane(asking->lanes);
     int rc = t.lane
                  ? 0
                  : orl_error_set(err, ORL_ERR_NOMEM, "no process for a check: %s", strerror(errno));
     if (rc == 0)
         rc = send_request(&t, text, strlen(text));
     if (rc == 0)
-        rc = listen_to(&t);
+        rc = receive_verdict(&t);
     free(text);
     /* After a clean end the keeper is reused. Otherwise unread packets would be mistaken for the
      * next verdict. */
     const bool clean = rc == 0 && t.complete && WIFEXITED(t.end.status);
     if (t.lane && clean)
-        give_back(asking->lanes, t.lane);
+        return_lane(asking->lanes, t.lane);
     else if (t.lane)
         lane_kill(t.lane);
     asking->peak_bytes = t.end.peak_bytes;
     if (rc == 0)
-        rc = t.complete ? read_verdict(&t, ret_result) : judge_death(&t);
+        rc = t.complete ? read_verdict(&t, ret_result) : report_death(&t);
     free(t.verdict.text);
     return rc;
 }

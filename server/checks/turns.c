@@ -38,7 +38,7 @@ static uint64_t first_grant(const struct orl_checks *checks)
 /* ---- Running checks ------------------------------------------------------------------------- */
 
 /* Returns true if the check may still yield. */
-static bool is_fresh(const struct orl_check *check)
+static bool may_yield(const struct orl_check *check)
 {
     return !check->whole && !check->is_long;
 }
@@ -46,7 +46,7 @@ static bool is_fresh(const struct orl_check *check)
 static bool is_long(const struct orl_check *check)
 {
     const long long started_ms = atomic_load(&check->started_ms);
-    return !is_fresh(check) ||
+    return !may_yield(check) ||
            (started_ms > 0 && orl_time_steady_ms() - started_ms > ORL_SERVER_CHECK_QUICK_MS);
 }
 
@@ -86,16 +86,16 @@ static bool may_start(const struct orl_checks *checks, const struct orl_check *c
     const unsigned n_long = count_long(checks);
     if (checks->count >= ORL_SERVER_CHECKS || has_its_share(checks, check))
         return false;
-    if (!is_fresh(check) && n_long + 1 >= ORL_SERVER_CHECKS)
+    if (!may_yield(check) && n_long + 1 >= ORL_SERVER_CHECKS)
         return false;
     if (check->whole)
         return (memory->jobs == 0 && checks->count == 0) ||
                orl_memory_free(memory) >= check->asking.memory + memory->wanted;
-    return (is_fresh(check) ? n_long : 0) == checks->count ||
+    return (may_yield(check) ? n_long : 0) == checks->count ||
            orl_memory_free(memory) >= first_grant(checks);
 }
 
-static struct orl_check *choose(const struct orl_checks *checks)
+static struct orl_check *choose_next(const struct orl_checks *checks)
 {
     struct orl_check *first = NULL;
     unsigned least = 0;
@@ -111,7 +111,7 @@ static struct orl_check *choose(const struct orl_checks *checks)
     return first;
 }
 
-static void start(struct orl_checks *checks, struct orl_check *check)
+static void start_check(struct orl_checks *checks, struct orl_check *check)
 {
     struct orl_check **at = &checks->waiting;
     while (*at != check)
@@ -132,7 +132,7 @@ static void start_given_up(struct orl_checks *checks)
     for (struct orl_check *check = checks->waiting, *next; check; check = next) {
         next = check->next;
         if (is_given_up(check))
-            start(checks, check);
+            start_check(checks, check);
     }
 }
 
@@ -148,8 +148,8 @@ void orl_checks_start(struct orl_checks *checks)
     enum { TURNS_MS = 50 };
     struct orl_check *check;
     start_given_up(checks);
-    while ((check = choose(checks)) != NULL)
-        start(checks, check);
+    while ((check = choose_next(checks)) != NULL)
+        start_check(checks, check);
     if (!checks->waiting)
         uv_timer_stop(&checks->turns);
     else if (!uv_is_active((uv_handle_t *)&checks->turns))
@@ -181,10 +181,10 @@ void orl_check_leave(struct orl_checks *checks, struct orl_check *check)
 /* ---- Yielding -------------------------------------------------------------------------------- */
 
 /* Returns true if a check waits only because all lanes are taken. */
-static bool does_any_wait(const struct orl_checks *checks)
+static bool has_blocked_check(const struct orl_checks *checks)
 {
     for (const struct orl_check *check = checks->waiting; check; check = check->next)
-        if (is_fresh(check) && !has_its_share(checks, check))
+        if (may_yield(check) && !has_its_share(checks, check))
             return true;
     return false;
 }
@@ -193,12 +193,12 @@ static bool does_any_wait(const struct orl_checks *checks)
 void orl_checks_make_room(struct orl_checks *checks)
 {
     struct orl_check *last = NULL;
-    if (checks->count < ORL_SERVER_CHECKS || !does_any_wait(checks))
+    if (checks->count < ORL_SERVER_CHECKS || !has_blocked_check(checks))
         return;
     for (struct orl_check *check = checks->running; check; check = check->next) {
         if (!is_long(check) || is_given_up(check))
             return; /* its lane will soon be free */
-        if (!last && is_fresh(check))
+        if (!last && may_yield(check))
             last = check;
     }
     if (!last)

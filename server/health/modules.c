@@ -13,7 +13,7 @@ static struct module {
 static int n_modules;
 
 /* Adds a module to the list. The program itself has an empty name there. */
-static int add(struct dl_phdr_info *info, size_t size, void *unused)
+static int add_module(struct dl_phdr_info *info, size_t size, void *unused)
 {
     const char *slash = strrchr(info->dlpi_name, '/');
     const char *name = info->dlpi_name[0] ? info->dlpi_name : "orield";
@@ -34,7 +34,7 @@ static int add(struct dl_phdr_info *info, size_t size, void *unused)
 void orl_modules_list(void)
 {
     n_modules = 0;
-    dl_iterate_phdr(add, NULL);
+    dl_iterate_phdr(add_module, NULL);
 }
 
 const char *orl_module_of(uintptr_t address, uintptr_t *ret_offset)

@@ -37,7 +37,8 @@ static bool is_own_scheme(const struct orl_request *request, bool https)
     return !proto || (strcasecmp(proto, "https") == 0) == https;
 }
 
-static bool has(const struct orl_request *request, const char *header, const char *value)
+static bool has_header_value(const struct orl_request *request, const char *header,
+                             const char *value)
 {
     const char *found = orl_request_header(request, header);
     return found && strcasecmp(found, value) == 0;
@@ -49,8 +50,8 @@ static bool follows_link(const struct orl_request *request)
 {
     const char *accept = orl_request_header(request, MHD_HTTP_HEADER_ACCEPT);
     return strcmp(request->method, "GET") == 0 && strcmp(request->path, "/") == 0 &&
-           has(request, "Sec-Fetch-Mode", "navigate") &&
-           has(request, "Sec-Fetch-Dest", "document") &&
+           has_header_value(request, "Sec-Fetch-Mode", "navigate") &&
+           has_header_value(request, "Sec-Fetch-Dest", "document") &&
            orl_negotiate_weight(accept, "text/html") > 0;
 }
 
@@ -135,7 +136,7 @@ static bool refuse_scope(struct orl_request *request, enum orl_token_scope wante
 }
 
 /* Refuses a request with a 403 that no other token would change. */
-static bool refuse(struct orl_request *request, const char *why)
+static bool refuse_request(struct orl_request *request, const char *why)
 {
     orl_reply_problem(request, 403, "forbidden", "The request is refused", "%s", why);
     log_refusal(request, why);
@@ -143,7 +144,7 @@ static bool refuse(struct orl_request *request, const char *why)
 }
 
 /* Identifies the token by the Authorization header. Returns false after a reply. */
-static bool know_by_token(struct orl_request *request, const char *header)
+static bool identify_by_token(struct orl_request *request, const char *header)
 {
     static const char scheme[] = "Bearer ";
     struct orl_error err;
@@ -160,8 +161,8 @@ static bool know_by_token(struct orl_request *request, const char *header)
 
 /* Identifies the token by a cookie. *ret_refusal is set if there is a valid cookie that may not be
  * used. */
-static int know_by_session(struct orl_request *request, bool *ret_known, const char **ret_refusal,
-                           struct orl_error *err)
+static int identify_by_session(struct orl_request *request, bool *ret_known,
+                               const char **ret_refusal, struct orl_error *err)
 {
     struct orl_session_row session;
     bool found = false;
@@ -176,7 +177,7 @@ static int know_by_session(struct orl_request *request, bool *ret_known, const c
 
 /* Identifies the token by a signed link, whichever page shows it. Otherwise by a cookie, which the
  * browser may have sent as well. */
-static bool know_otherwise(struct orl_request *request)
+static bool identify_by_link_or_session(struct orl_request *request)
 {
     const bool shown = orl_link_is_shown(request);
     const char *refusal = shown ? "the link is not as it was signed, or its time is over" : NULL;
@@ -184,12 +185,13 @@ static bool know_otherwise(struct orl_request *request)
     bool known = false;
     int rc = shown ? orl_link_check(request, &request->holder, &known, &err) : 0;
     if (rc == 0 && !known)
-        rc = know_by_session(request, &known, &refusal, &err);
+        rc = identify_by_session(request, &known, &refusal, &err);
     if (rc) {
         orl_reply_error(request, &err);
         return false;
     }
-    return known || (refusal ? refuse(request, refusal) : orl_access_refuse(request, false));
+    return known ||
+           (refusal ? refuse_request(request, refusal) : orl_access_refuse(request, false));
 }
 
 bool orl_access_check_token(struct orl_request *request)
@@ -197,7 +199,7 @@ bool orl_access_check_token(struct orl_request *request)
     if (!request->context->config->needs_token || request->route->scope == ORL_SCOPE_OPEN)
         return true;
     const char *header = orl_request_header(request, MHD_HTTP_HEADER_AUTHORIZATION);
-    if (!(header ? know_by_token(request, header) : know_otherwise(request)))
+    if (!(header ? identify_by_token(request, header) : identify_by_link_or_session(request)))
         return false;
     snprintf(request->token, sizeof request->token, "%s", request->holder.name);
     return request->holder.scope >= request->route->scope ||

@@ -42,7 +42,7 @@ struct orl_connection {
     struct orl_connection *next, *before;
 };
 
-static struct orl_connection *of(struct MHD_Connection *connection)
+static struct orl_connection *connection_of(struct MHD_Connection *connection)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
@@ -160,7 +160,7 @@ uint64_t orl_connections_oldest_handshake(const struct orl_connections *connecti
 
 void orl_connection_headers(struct MHD_Connection *connection)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (!one)
         return;
     one->has_requested = true;
@@ -174,21 +174,21 @@ void orl_connection_headers(struct MHD_Connection *connection)
 
 void orl_connection_received(struct MHD_Connection *connection, size_t bytes)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (one)
         one->received += bytes;
 }
 
 void orl_connection_hold(struct MHD_Connection *connection)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (one)
         one->held_s = orl_time_steady_s();
 }
 
 void orl_connection_go_on(struct MHD_Connection *connection)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (!one || one->held_s == 0)
         return;
     one->since_s += orl_time_steady_s() - one->held_s;
@@ -197,14 +197,14 @@ void orl_connection_go_on(struct MHD_Connection *connection)
 
 void orl_connection_body(struct MHD_Connection *connection)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (one)
         one->awaited = AWAITS_NOTHING;
 }
 
 void orl_connection_over(struct MHD_Connection *connection)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (!one)
         return;
     one->awaited = AWAITS_HEADERS;
@@ -218,7 +218,7 @@ void orl_connection_over(struct MHD_Connection *connection)
  * the connection until the time limit. Shutting down the reading side creates such an edge; an
  * answer under way still goes out.
  */
-static void note_end(const struct orl_connection *one)
+static void notice_client_end(const struct orl_connection *one)
 {
     char next;
     if (recv(one->fd, &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0)
@@ -260,7 +260,7 @@ static bool is_stuck(struct orl_connection *one)
     return again && one->stuck;
 }
 
-static void cut(struct orl_connections *all, struct orl_connection *one)
+static void cut_connection(struct orl_connections *all, struct orl_connection *one)
 {
     /* libmicrohttpd owns the descriptor; it finds the connection ended and closes it. */
     shutdown(one->fd, SHUT_RDWR);
@@ -318,7 +318,7 @@ void orl_connections_refuse_unparsed(struct orl_connections *all)
 }
 
 /* Cuts a connection that libmicrohttpd did not read between two looks, although data was ready. */
-static void look_at(struct orl_connections *all, struct orl_connection *one)
+static void check_unread(struct orl_connections *all, struct orl_connection *one)
 {
     uint64_t taken = 0, unread = 0;
     if (one->awaited != AWAITS_BODY || one->held_s > 0 || !count_read(one, &taken, &unread) ||
@@ -327,7 +327,7 @@ static void look_at(struct orl_connections *all, struct orl_connection *one)
         return;
     }
     if (one->left > 0 && one->left == taken)
-        cut(all, one);
+        cut_connection(all, one);
     one->left = taken;
 }
 
@@ -339,7 +339,7 @@ void orl_connections_look(struct orl_connections *all)
         return;
     all->looked_s = now_s;
     for (struct orl_connection *one = all->first; one; one = one->next)
-        look_at(all, one);
+        check_unread(all, one);
 }
 
 void orl_connections_sweep(struct orl_connections *all)
@@ -348,9 +348,9 @@ void orl_connections_sweep(struct orl_connections *all)
     for (struct orl_connection *one = all->first; one; one = one->next) {
         if (one->awaited == AWAITS_NOTHING || one->held_s > 0)
             continue;
-        note_end(one);
+        notice_client_end(one);
         if (one->awaited == AWAITS_BODY && is_stuck(one)) {
-            cut(all, one);
+            cut_connection(all, one);
             continue;
         }
         if (now_s < one->until_s)
@@ -358,6 +358,6 @@ void orl_connections_sweep(struct orl_connections *all)
         if (one->awaited == AWAITS_BODY &&
             (double)one->received >= ORL_SERVER_BODY_RATE * (now_s - one->since_s))
             continue;
-        cut(all, one);
+        cut_connection(all, one);
     }
 }

@@ -41,7 +41,7 @@ static bool is_value(const char *value, size_t size)
     return true;
 }
 
-static void count(struct framing *framing, const char *name, const char *value)
+static void count_header(struct framing *framing, const char *name, const char *value)
 {
     if (strcasecmp(name, MHD_HTTP_HEADER_HOST) == 0)
         framing->hosts++;
@@ -60,56 +60,56 @@ static void count(struct framing *framing, const char *name, const char *value)
  * begins one or two bytes (LF or CRLF, which it has overwritten) after the end of the previous
  * line. Later versions refuse all of this themselves.
  */
-static bool follows(const struct framing *framing, const char *at)
+static bool is_contiguous(const struct framing *framing, const char *at)
 {
     return MHD_VERSION >= 0x01000000 || at == framing->end + 1 || at == framing->end + 2;
 }
 
-static const char *fault_of(const struct framing *framing, const char *name, size_t name_size,
-                            const char *value, size_t value_size)
+static const char *header_fault(const struct framing *framing, const char *name, size_t name_size,
+                                const char *value, size_t value_size)
 {
     if (!is_token(name, name_size))
         return "a header has a name that is none";
     if (!is_value(value, value_size))
         return "a header has control characters";
-    if (!follows(framing, name))
+    if (!is_contiguous(framing, name))
         return "a header has no name, has a NUL, or goes on in the next line";
     return NULL;
 }
 
-static enum MHD_Result note(void *ctx, enum MHD_ValueKind kind, const char *name, size_t name_size,
-                            const char *value, size_t value_size)
+static enum MHD_Result check_header(void *ctx, enum MHD_ValueKind kind, const char *name,
+                                    size_t name_size, const char *value, size_t value_size)
 {
     struct framing *framing = ctx;
     (void)kind;
     value = value ? value : "";
-    framing->fault = fault_of(framing, name, name_size, value, value_size);
+    framing->fault = header_fault(framing, name, name_size, value, value_size);
     framing->end = value + value_size;
     if (!framing->fault)
-        count(framing, name, value);
+        count_header(framing, name, value);
     return framing->fault ? MHD_NO : MHD_YES;
 }
 
 /* Returns true if the empty line that ends the headers follows directly after the last header. */
-static bool ends_there(const struct framing *framing, struct MHD_Connection *connection,
-                       const char *method)
+static bool has_contiguous_end(const struct framing *framing, struct MHD_Connection *connection,
+                               const char *method)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_REQUEST_HEADER_SIZE);
     if (!info || MHD_VERSION >= 0x01000000)
         return true;
     const char *end = method + info->header_size;
-    return follows(framing, end - 1) || follows(framing, end - 2);
+    return is_contiguous(framing, end - 1) || is_contiguous(framing, end - 2);
 }
 
 const char *orl_framing_check(struct MHD_Connection *connection, const char *method,
                               const char *version)
 {
     struct framing framing = {.end = version + strlen(version)};
-    MHD_get_connection_values_n(connection, MHD_HEADER_KIND, note, &framing);
+    MHD_get_connection_values_n(connection, MHD_HEADER_KIND, check_header, &framing);
     if (framing.fault)
         return framing.fault;
-    if (!ends_there(&framing, connection, method))
+    if (!has_contiguous_end(&framing, connection, method))
         return "a header has no name, has a NUL, or goes on in the next line";
     if (framing.lengths > 1)
         return "it has more than one Content-Length";

@@ -271,7 +271,7 @@ void orl_reply_held(struct orl_request *request, uint64_t bytes)
 
 /* ---- Replies that wait for the disk --------------------------------------------------------- */
 
-static bool only_tells(const struct orl_request *request)
+static bool is_read_only(const struct orl_request *request)
 {
     return strcmp(request->method, "GET") == 0 || strcmp(request->method, "HEAD") == 0;
 }
@@ -280,7 +280,7 @@ static void on_settled(struct orl_settling_wait *wait, int rc, const struct orl_
 {
     struct orl_request *request =
         (struct orl_request *)((char *)wait - offsetof(struct orl_request, settling));
-    if (rc && !only_tells(request)) {
+    if (rc && !is_read_only(request)) {
         struct orl_error why = *err;
         orl_error_hint(&why, "It may have been done all the same, but would not outlast a power "
                              "cut; ask again");

@@ -29,7 +29,7 @@ static void refuse_too_large(struct orl_request *request)
 }
 
 /* Reserves space for a body that will go to disk, before it arrives. */
-static void receive(struct orl_request *request, uint64_t bytes)
+static void reserve_body(struct orl_request *request, uint64_t bytes)
 {
     request->client = orl_client_ref(request);
     request->hold = (struct orl_hold){.all = request->context->calls->room(request->server),
@@ -100,7 +100,7 @@ static void open_request(struct orl_request *request, const char *url, const cha
                           "The body has a type that is not understood", "%s takes %s", url,
                           orl_router_types(route, types));
     else
-        receive(request, bytes);
+        reserve_body(request, bytes);
 }
 
 void *orl_serve_begin(void *ctx, const char *uri, struct MHD_Connection *connection)
@@ -153,7 +153,7 @@ static void note_headers(struct orl_request *request, const char *url, const cha
 
 /* Frees the handler's state and files before the answer is sent, so that no file of a refused
  * upload is left once the client has the answer. */
-static void let_go(struct orl_request *request)
+static void release_state(struct orl_request *request)
 {
     if (request->state && request->free_state)
         request->free_state(request->state);
@@ -183,7 +183,7 @@ static enum MHD_Result send_response(struct orl_request *request)
     orl_cors_add(request);
     if (request->unframed)
         orl_reply_header(request, MHD_HTTP_HEADER_CONNECTION, "close");
-    let_go(request);
+    release_state(request);
     struct MHD_Response *response = request->response;
     request->response = NULL;
     const enum MHD_Result sent = MHD_queue_response(request->connection, request->status, response);
@@ -235,7 +235,7 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
     return MHD_YES;
 }
 
-static enum MHD_Result dispatch(struct orl_request *request)
+static enum MHD_Result call_handler(struct orl_request *request)
 {
     request->dispatched = true;
     orl_connection_body(request->connection);
@@ -281,7 +281,7 @@ enum MHD_Result orl_serve_go_on(void *ctx, struct MHD_Connection *connection, co
     if (*data_size > 0)
         return take_data(request, data, data_size);
     if (!request->dispatched)
-        return dispatch(request);
+        return call_handler(request);
     if (request->response && !request->working)
         return send_response(request);
     return request->working || request->status ? MHD_YES : MHD_NO;
@@ -307,7 +307,7 @@ void orl_serve_completed(void *ctx, struct MHD_Connection *connection, void **ha
                   why == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "ok" : "broken");
     if (request->response)
         MHD_destroy_response(request->response);
-    let_go(request);
+    release_state(request);
     orl_body_done(&request->body);
     orl_hold_give_back(&request->hold);
     orl_client_unref(&context->clients, request->client);

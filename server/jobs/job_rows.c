@@ -26,7 +26,7 @@ static int write_row(const struct orl_jobs_job *job, struct orl_error *err)
 }
 
 /* Writes all unsaved rows in one transaction. */
-static int save(struct orl_jobs *jobs, struct orl_error *err)
+static int save_rows(struct orl_jobs *jobs, struct orl_error *err)
 {
     size_t left = jobs->n_unsaved;
     int rc = left > 0 ? orl_db_begin(jobs->env.db, err) : 0;
@@ -48,7 +48,7 @@ static int save(struct orl_jobs *jobs, struct orl_error *err)
 
 void orl_jobs_save(struct orl_jobs *jobs)
 {
-    save(jobs, NULL); /* after a failure the next call tries again */
+    save_rows(jobs, NULL); /* after a failure the next call tries again */
 }
 
 void orl_jobs_batch_begin(struct orl_jobs *jobs)
@@ -60,7 +60,7 @@ void orl_jobs_batch_end(struct orl_jobs *jobs)
 {
     struct orl_error err;
     jobs->batch = false;
-    if (save(jobs, &err))
+    if (save_rows(jobs, &err))
         orl_log_event(jobs->env.log, ORL_LOG_ERROR, "job-row-failed", "s", "why", err.message);
 }
 

@@ -19,7 +19,7 @@
 static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
                     const struct orl_giving *giving);
 
-static void lead(struct orl_jobs_job *job)
+static void add_leader(struct orl_jobs_job *job)
 {
     job->next_leader = job->jobs->leaders;
     job->jobs->leaders = job;
@@ -35,7 +35,7 @@ void orl_runs_lead_no_more(struct orl_jobs_job *job)
 
 /* Returns true if no job needs the computation any more. The last follower of a cancelled leader
  * stays a follower after it is cancelled, until it has received the partial results. */
-static bool is_given_up(const struct orl_jobs_job *leader)
+static bool is_abandoned(const struct orl_jobs_job *leader)
 {
     const bool cancelled = leader->cancelled || leader->row.state == ORL_JOB_CANCELLED;
     return cancelled && (!leader->followers || leader->followers->cancelled);
@@ -43,11 +43,11 @@ static bool is_given_up(const struct orl_jobs_job *leader)
 
 static bool is_ending(const struct orl_jobs_job *leader)
 {
-    return leader->requeue || leader->settling || leader->late || is_given_up(leader);
+    return leader->requeue || leader->settling || leader->late || is_abandoned(leader);
 }
 
 /* Limits followers, since results for each of them are recorded in one turn of the loop. */
-static bool has_many(const struct orl_jobs_job *leader)
+static bool has_max_followers(const struct orl_jobs_job *leader)
 {
     size_t count = 0;
     for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
@@ -59,8 +59,8 @@ static bool has_many(const struct orl_jobs_job *leader)
 static struct orl_jobs_job *find_leader(const struct orl_jobs *jobs, const char *identity)
 {
     struct orl_jobs_job *leader = *identity ? jobs->leaders : NULL;
-    while (leader &&
-           (is_ending(leader) || strcmp(leader->row.identity, identity) != 0 || has_many(leader)))
+    while (leader && (is_ending(leader) || strcmp(leader->row.identity, identity) != 0 ||
+                      has_max_followers(leader)))
         leader = leader->next_leader;
     return leader;
 }
@@ -103,7 +103,7 @@ void orl_runs_enqueue(struct orl_jobs_job *job)
     } else if (orl_queue_add(job->jobs->queue, &job->waiting, orl_jobs_turn_key(job), &err)) {
         orl_jobs_fail(job, &err);
     } else {
-        lead(job);
+        add_leader(job);
     }
 }
 
@@ -195,11 +195,11 @@ static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome
 }
 
 /* Returns the outcome; if the time limit stopped the job, with the error of the limit. */
-static struct orl_worker_outcome bounded(const struct orl_jobs_job *leader,
-                                         const struct orl_worker_outcome *outcome)
+static struct orl_worker_outcome apply_time_limit(const struct orl_jobs_job *leader,
+                                                  const struct orl_worker_outcome *outcome)
 {
     struct orl_worker_outcome own = *outcome;
-    if (outcome->code != ORL_ERR_CANCELLED || !leader->late || is_given_up(leader) ||
+    if (outcome->code != ORL_ERR_CANCELLED || !leader->late || is_abandoned(leader) ||
         leader->requeue)
         return own;
     own.code = orl_error_set(&own.err, ORL_ERR_LIMIT,
@@ -210,11 +210,11 @@ static struct orl_worker_outcome bounded(const struct orl_jobs_job *leader,
     return own;
 }
 
-static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
-                   const struct orl_giving *giving)
+static void finish_computation(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
+                               const struct orl_giving *giving)
 {
     struct orl_jobs *jobs = job->jobs;
-    const struct orl_worker_outcome own = bounded(job, outcome);
+    const struct orl_worker_outcome own = apply_time_limit(job, outcome);
     job->late = false;
     jobs->n_workers--;
     orl_memory_take_back(jobs->env.memory, job->row.memory_bytes);
@@ -235,9 +235,9 @@ static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *ou
 
 static void end_worker(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
 {
-    const bool has_results = outcome->code == 0 || (outcome->summary && is_given_up(job));
-    if (!has_results || !orl_giving_start(job, outcome, finish))
-        finish(job, outcome, NULL);
+    const bool has_results = outcome->code == 0 || (outcome->summary && is_abandoned(job));
+    if (!has_results || !orl_giving_start(job, outcome, finish_computation))
+        finish_computation(job, outcome, NULL);
 }
 
 void orl_runs_log_parts(const struct orl_jobs_job *job)

@@ -70,7 +70,7 @@ int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *owner
 
 /* Hands partial results of an earlier start to the job that leads in this one's place, or removes
  * them. */
-static void leave_partial(const struct orl_jobs_job *job, const struct orl_jobs_job *heir)
+static void hand_over_checkpoint(const struct orl_jobs_job *job, const struct orl_jobs_job *heir)
 {
     const struct orl_folders *folders = job->jobs->env.folders;
     char path[ORL_PATH_MAX];
@@ -122,7 +122,7 @@ static void cancel_queued(struct orl_jobs_job *job)
         orl_runs_enqueue(followers);
         followers = next;
     }
-    leave_partial(job, first);
+    hand_over_checkpoint(job, first);
     orl_runs_start_next(job->jobs);
 }
 
@@ -181,7 +181,7 @@ bool orl_jobs_need_scene(const struct orl_jobs *jobs, const char *scene)
 }
 
 /* Removes a job whose row is deleted. */
-static void forget(struct orl_jobs_job *job)
+static void drop_job(struct orl_jobs_job *job)
 {
     struct orl_jobs *jobs = job->jobs;
     orl_log_event(jobs->env.log, ORL_LOG_INFO, "job-removed", "s", "job", job->row.id);
@@ -205,7 +205,7 @@ int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err
                                  : "other jobs share its computation, which has not ended");
     const int rc = orl_job_row_drop(jobs->env.db, job->row.seq, err);
     if (rc == 0)
-        forget(job);
+        drop_job(job);
     return rc;
 }
 
@@ -221,7 +221,7 @@ void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *en
     if (rc)
         orl_log_event(jobs->env.log, ORL_LOG_WARN, "job-row-failed", "s", "why", err.message);
     for (size_t i = 0; i < count && rc == 0; i++)
-        forget(ended[i]);
+        drop_job(ended[i]);
 }
 
 void orl_jobs_hold(struct orl_jobs *jobs, bool held)

@@ -43,7 +43,7 @@ static bool ran_alone(const struct orl_jobs_job *job)
 }
 
 /* Counts a strike for the running jobs that are to blame for the daemon's abrupt end. */
-static void blame(struct orl_jobs *jobs)
+static void count_strikes(struct orl_jobs *jobs)
 {
     const struct orl_past *past = jobs->env.past;
     const struct orl_jobs_job *named = orl_jobs_lookup(jobs, past->job);
@@ -69,9 +69,9 @@ static void fail_for_strikes(struct orl_jobs_job *job)
 }
 
 /* Queues waiting jobs, and jobs that were running when the previous daemon ended abruptly. */
-static void recover(struct orl_jobs *jobs)
+static void recover_jobs(struct orl_jobs *jobs)
 {
-    blame(jobs);
+    count_strikes(jobs);
     for (struct orl_jobs_job *job = jobs->oldest; job; job = job->newer) {
         if (job->row.state == ORL_JOB_QUEUED)
             orl_runs_enqueue(job);
@@ -115,7 +115,7 @@ int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, st
         orl_jobs_close(jobs);
         return rc;
     }
-    recover(jobs);
+    recover_jobs(jobs);
     orl_checkpoint_sweep(env->folders, heir_of, jobs);
     orl_job_results_sweep(jobs);
     *ret_jobs = jobs;

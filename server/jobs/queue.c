@@ -36,7 +36,7 @@ void orl_queue_free(struct orl_queue *queue)
 }
 
 /* Forgets the idle client that was served longest ago. */
-static void forget_one(struct orl_queue *queue)
+static void forget_idle_client(struct orl_queue *queue)
 {
     struct orl_queue_client **oldest = NULL;
     for (struct orl_queue_client **at = &queue->clients; *at; at = &(*at)->next)
@@ -53,7 +53,7 @@ static void forget_one(struct orl_queue *queue)
 static void client_is_idle(struct orl_queue *queue)
 {
     if (++queue->n_idle > IDLE_CLIENTS)
-        forget_one(queue);
+        forget_idle_client(queue);
 }
 
 static struct orl_queue_client *find_client(struct orl_queue *queue, const char *name)

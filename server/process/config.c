@@ -303,7 +303,7 @@ static void set_defaults(struct orl_config *config)
 }
 
 /* Checks options against each other, and fills in defaults that depend on others. */
-static int complete(struct orl_config *config, struct orl_error *err)
+static int complete_settings(struct orl_config *config, struct orl_error *err)
 {
     if (config->jobs > config->threads)
         config->threads = config->jobs; /* each job needs one thread as its lead */
@@ -356,7 +356,7 @@ int orl_config_parse(int argc, char **argv, struct orl_config *ret_config,
             return rc;
     }
     if (action == ORL_CONFIG_SERVE) {
-        const int rc = complete(&config, err);
+        const int rc = complete_settings(&config, err);
         if (rc)
             return rc;
     }

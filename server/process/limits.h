@@ -60,6 +60,6 @@
 #define ORL_SERVER_CHECK_LEAST (64UL << 20)  /* least memory grant of a check */
 #define ORL_SERVER_SCRUB_RATE (4UL << 20)    /* scrubbed bytes/s (default) */
 #define ORL_SERVER_SHELF_BYTES (256UL << 20) /* memory cache shared by jobs (default) */
-#define ORL_SERVER_ATTEMPTS 3 /* starts of a job that end the daemon before it fails */
+#define ORL_SERVER_ATTEMPTS 3 /* times that a job may end the daemon before it fails */
 
 #endif

@@ -56,7 +56,7 @@ static bool is_control(uint32_t code)
 
 /* Replaces each such character, and each byte that is not UTF-8, by '?'. The text does not get
  * longer. */
-static void clean(char *text)
+static void clean_text(char *text)
 {
     const char *from = text;
     char *to = text;
@@ -80,7 +80,7 @@ struct line {
     size_t used;
 };
 
-static void put(struct line *line, const char *text)
+static void append_text(struct line *line, const char *text)
 {
     for (; *text && line->used + 2 < sizeof line->text; text++)
         line->text[line->used++] = *text;
@@ -91,15 +91,15 @@ static void put_value(struct line *line, const char *value)
 {
     const int quoted = *value == '\0' || strpbrk(value, " \"=\\\t\r\n") != NULL;
     if (quoted)
-        put(line, "\"");
+        append_text(line, "\"");
     for (; *value; value++) {
         const char c[3] = {*value, '\0', '\0'};
         if (*value == '"' || *value == '\\')
-            put(line, "\\");
-        put(line, c);
+            append_text(line, "\\");
+        append_text(line, c);
     }
     if (quoted)
-        put(line, "\"");
+        append_text(line, "\"");
 }
 
 static void write_pairs(const struct orl_log *log, const char *now, const char *level,
@@ -107,21 +107,21 @@ static void write_pairs(const struct orl_log *log, const char *now, const char *
 {
     struct line line = {.used = 0};
     char number[64];
-    put(&line, "time=");
-    put(&line, now);
-    put(&line, " level=");
-    put(&line, level);
-    put(&line, " event=");
+    append_text(&line, "time=");
+    append_text(&line, now);
+    append_text(&line, " level=");
+    append_text(&line, level);
+    append_text(&line, " event=");
     put_value(&line, event);
     for (; *fields; fields++) {
-        put(&line, " ");
-        put(&line, va_arg(args, const char *));
-        put(&line, "=");
+        append_text(&line, " ");
+        append_text(&line, va_arg(args, const char *));
+        append_text(&line, "=");
         if (*fields == 's') {
             const char *text = va_arg(args, const char *);
             char *own = text ? strdup(text) : NULL;
             if (own)
-                clean(own);
+                clean_text(own);
             put_value(&line, own ? own : "-");
             free(own);
             continue;
@@ -130,7 +130,7 @@ static void write_pairs(const struct orl_log *log, const char *now, const char *
             snprintf(number, sizeof number, "%lld", (long long)va_arg(args, int64_t));
         else
             snprintf(number, sizeof number, "%.3f", va_arg(args, double));
-        put(&line, number);
+        append_text(&line, number);
     }
     line.text[line.used++] = '\n';
     fwrite(line.text, 1, line.used, log->stream);
@@ -140,7 +140,7 @@ static json_t *text_to_json(const char *text)
 {
     char *own = text ? strdup(text) : NULL;
     if (own)
-        clean(own);
+        clean_text(own);
     json_t *value = json_string(own ? own : "-");
     free(own);
     return value;

@@ -30,7 +30,7 @@ static void on_arrival(uv_async_t *arrival)
         handled->on_signal(atomic_load(&handled->signum), handled->ctx);
 }
 
-static void handle_by(int signum, void (*handler)(int signum))
+static void set_handler(int signum, void (*handler)(int signum))
 {
     struct sigaction action = {.sa_handler = handler, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
@@ -39,7 +39,7 @@ static void handle_by(int signum, void (*handler)(int signum))
 
 void orl_signal_ignore(int signum)
 {
-    handle_by(signum, SIG_IGN);
+    set_handler(signum, SIG_IGN);
 }
 
 int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *ctx)
@@ -56,7 +56,7 @@ int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *
     table[i].ctx = ctx;
     table[i].arrival.data = &table[i];
     atomic_store(&table[i].signum, signum);
-    handle_by(signum, note_signal);
+    set_handler(signum, note_signal);
     return 0;
 }
 

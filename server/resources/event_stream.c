@@ -10,7 +10,7 @@ enum { LOOK_MS = 250, HEARTBEAT_S = 15, ADMISSION_S = 5 };
 
 /* ---- The timer ------------------------------------------------------------------------------ */
 
-static void resume(struct orl_event_stream *stream)
+static void resume_stream(struct orl_event_stream *stream)
 {
     if (!stream->suspended)
         return;
@@ -19,7 +19,7 @@ static void resume(struct orl_event_stream *stream)
 }
 
 /* Ends the stream if the token or session that admitted it has ended. */
-static void ask_for_admission(struct orl_event_stream *stream, double now_s)
+static void check_admission(struct orl_event_stream *stream, double now_s)
 {
     if (now_s - stream->asked_s < ADMISSION_S)
         return;
@@ -27,16 +27,16 @@ static void ask_for_admission(struct orl_event_stream *stream, double now_s)
     stream->over = !orl_access_holds(&stream->source->server->context, &stream->admission);
 }
 
-static void look(uv_timer_t *timer)
+static void look_for_news(uv_timer_t *timer)
 {
     struct orl_event_source *source = timer->data;
     const double now_s = orl_time_steady_s();
     source->calls->look(source);
     for (struct orl_event_stream *stream = source->streams; stream; stream = stream->next) {
         stream->beat = now_s - stream->active_s >= source->heartbeat_s;
-        ask_for_admission(stream, now_s);
+        check_admission(stream, now_s);
         if (stream->beat || stream->over || source->calls->has_news(stream))
-            resume(stream);
+            resume_stream(stream);
     }
     if (!source->streams)
         uv_timer_stop(timer);
@@ -46,7 +46,7 @@ static void look(uv_timer_t *timer)
 void orl_event_source_wake(struct orl_event_source *source)
 {
     if (source->streams && !source->stopping)
-        uv_timer_start(&source->timer, look, 0, LOOK_MS);
+        uv_timer_start(&source->timer, look_for_news, 0, LOOK_MS);
 }
 
 /* ---- Streams -------------------------------------------------------------------------------- */
@@ -124,7 +124,7 @@ struct MHD_Response *orl_event_stream_open(struct orl_event_source *source,
     if (!response)
         free_stream(stream);
     else if (!uv_is_active((const uv_handle_t *)&source->timer))
-        uv_timer_start(&source->timer, look, LOOK_MS, LOOK_MS);
+        uv_timer_start(&source->timer, look_for_news, LOOK_MS, LOOK_MS);
     return response;
 }
 
@@ -155,7 +155,7 @@ void orl_event_source_stop(struct orl_event_source *source)
 {
     source->stopping = true;
     for (struct orl_event_stream *stream = source->streams; stream; stream = stream->next)
-        resume(stream);
+        resume_stream(stream);
     orl_http_kick(source->server->http);
     uv_close((uv_handle_t *)&source->timer, NULL);
 }

@@ -34,7 +34,7 @@ struct orl_events {
 /* ---- Feeds ---------------------------------------------------------------------------------- */
 
 /* Checks the job. Returns true if there is a new event. */
-static bool refresh(const struct orl_events *events, struct feed *feed)
+static bool refresh_feed(const struct orl_events *events, struct feed *feed)
 {
     const struct orl_jobs *jobs = events->source.server->jobs;
     char id[ORL_JOB_EVENT_ID];
@@ -93,7 +93,7 @@ void orl_events_forget(struct orl_events *events, const struct orl_jobs_job *job
         feed = feed->next;
     if (!feed)
         return;
-    refresh(events, feed);
+    refresh_feed(events, feed);
     feed->job = NULL;
     feed->final = true;
     orl_events_wake(events);
@@ -101,11 +101,11 @@ void orl_events_forget(struct orl_events *events, const struct orl_jobs_job *job
 
 /* ---- Streams -------------------------------------------------------------------------------- */
 
-static void refresh_all(struct orl_event_source *source)
+static void refresh_feeds(struct orl_event_source *source)
 {
     struct orl_events *events = (struct orl_events *)source;
     for (struct feed *feed = events->feeds; feed; feed = feed->next)
-        refresh(events, feed);
+        refresh_feed(events, feed);
 }
 
 static bool has_news(const struct orl_event_stream *base)
@@ -144,7 +144,7 @@ struct MHD_Response *orl_events_stream(struct orl_events *events, struct orl_req
         return NULL;
     }
     feed->n_streams++;
-    refresh(events, feed);
+    refresh_feed(events, feed);
     stream->events = events;
     stream->feed = feed;
     if (last_id && strcmp(last_id, feed->id) == 0)
@@ -162,7 +162,7 @@ size_t orl_events_count(const struct orl_events *events)
 int orl_events_open(struct orl_server *server, struct orl_events **ret_events,
                     struct orl_error *err)
 {
-    static const struct orl_event_calls calls = {refresh_all, has_news, next_text, free_stream};
+    static const struct orl_event_calls calls = {refresh_feeds, has_news, next_text, free_stream};
     struct orl_events *events = calloc(1, sizeof *events);
     if (!events)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -178,7 +178,7 @@ void orl_events_stop(struct orl_events *events)
 {
     if (!events || events->source.stopping)
         return;
-    refresh_all(&events->source);
+    refresh_feeds(&events->source);
     orl_event_source_stop(&events->source);
 }
 

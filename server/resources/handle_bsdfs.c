@@ -47,7 +47,7 @@ static void hash_upload(struct orl_request *request)
 }
 
 /* Stores the file. For a known BSDF this only repairs damage in the store. */
-static void keep(struct orl_request *request)
+static void store_file(struct orl_request *request)
 {
     struct upload *upload = request->state;
     const struct orl_folders *folders = &request->server->folders;
@@ -79,7 +79,7 @@ static void check_and_keep(struct orl_request *request)
         upload->rc =
             orl_ask_bsdf(&upload->check.asking, file, upload->name, &upload->summary, &upload->err);
     if (upload->rc == 0)
-        keep(request);
+        store_file(request);
 }
 
 /* ---- On the loop ---------------------------------------------------------------------------- */
@@ -112,7 +112,7 @@ static void begin_check(struct orl_request *request)
 }
 
 /* Looks the BSDF up. *ret_found is true if it is stored. */
-static void is_here(struct orl_request *request, bool *ret_found)
+static void find_stored_bsdf(struct orl_request *request, bool *ret_found)
 {
     struct upload *upload = request->state;
     struct orl_stored_item item;
@@ -128,7 +128,7 @@ static void reply_known(struct orl_request *request)
     struct upload *upload = request->state;
     bool created = false, found = false;
     if (upload->rc == 0)
-        is_here(request, &found);
+        find_stored_bsdf(request, &found);
     if (upload->rc) {
         orl_reply_error(request, &upload->err);
     } else if (!found) {
@@ -139,12 +139,12 @@ static void reply_known(struct orl_request *request)
     }
 }
 
-static void look_up(struct orl_request *request)
+static void look_up_bsdf(struct orl_request *request)
 {
     struct upload *upload = request->state;
     bool found = false;
     if (upload->rc == 0)
-        is_here(request, &found);
+        find_stored_bsdf(request, &found);
     if (upload->rc == 0)
         upload->rc = orl_blobs_claim(request->server->blobs, upload->id, &upload->err);
     if (upload->rc) {
@@ -153,7 +153,7 @@ static void look_up(struct orl_request *request)
     }
     upload->blobs = request->server->blobs;
     if (found)
-        orl_request_work(request, keep, reply_known);
+        orl_request_work(request, store_file, reply_known);
     else
         begin_check(request);
 }
@@ -175,7 +175,7 @@ void orl_handle_bsdf_post(struct orl_request *request)
         return;
     }
     snprintf(upload->name, sizeof upload->name, "%s", name ? name : "bsdf.xml");
-    orl_request_work(request, hash_upload, look_up);
+    orl_request_work(request, hash_upload, look_up_bsdf);
 }
 
 void orl_handle_bsdf_delete(struct orl_request *request)

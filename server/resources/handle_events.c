@@ -43,7 +43,7 @@ static bool may_stream(struct orl_request *request)
     return false;
 }
 
-static void finish(struct orl_request *request)
+static void add_stream_headers(struct orl_request *request)
 {
     orl_reply_header(request, "Cache-Control", "no-store");
     orl_reply_header(request, "X-Accel-Buffering", "no");
@@ -64,7 +64,7 @@ void orl_handle_job_events(struct orl_request *request)
         return;
     orl_reply_stream(request, orl_events_stream(server->events, request, job, last_id),
                      "text/event-stream");
-    finish(request);
+    add_stream_headers(request);
 }
 
 /* ---- Events of all jobs --------------------------------------------------------------------- */
@@ -116,5 +116,5 @@ void orl_handle_all_events(struct orl_request *request)
                      orl_hub_stream(request->server->hub, request, &wanted.filter,
                                     orl_request_header(request, "Last-Event-ID")),
                      "text/event-stream");
-    finish(request);
+    add_stream_headers(request);
 }

@@ -110,8 +110,8 @@ struct list {
 };
 
 /* Returns the text of a job's document, borrowed or in *ret_made; NULL when out of memory. */
-static const char *show(struct orl_server *server, const struct orl_jobs_job *job, bool summary,
-                        char **ret_made, size_t *ret_size)
+static const char *job_text(struct orl_server *server, const struct orl_jobs_job *job, bool summary,
+                            char **ret_made, size_t *ret_size)
 {
     if (!summary && job->row.state >= ORL_JOB_SUCCEEDED)
         return orl_status_cache_text(server->statuses, server->jobs, job, ret_size);
@@ -128,7 +128,7 @@ static bool add_to_list(struct orl_server *server, const struct orl_jobs_job *jo
 {
     size_t size = 0;
     char *made = NULL;
-    const char *shown = show(server, job, list->summary, &made, &size);
+    const char *shown = job_text(server, job, list->summary, &made, &size);
     const long used = ftell(list->text);
     const bool fits = shown && (list->count == 0 || (size_t)used + size < ORL_SERVER_LIST_BYTES);
     if (fits) {
@@ -141,7 +141,7 @@ static bool add_to_list(struct orl_server *server, const struct orl_jobs_job *jo
 }
 
 /* Writes the jobs that match the filter. Returns true if there are more. */
-static bool fill(struct orl_server *server, const struct filter *filter, struct list *list)
+static bool write_jobs(struct orl_server *server, const struct filter *filter, struct list *list)
 {
     bool more = false;
     fputs("{\"jobs\":[", list->text);
@@ -183,7 +183,7 @@ void orl_handle_job_list(struct orl_request *request)
     list.summary = fields && strcmp(fields, "summary") == 0;
     list.text = open_memstream(&text, &size);
     if (list.text)
-        more = fill(request->server, &filter, &list);
+        more = write_jobs(request->server, &filter, &list);
     if (list.text && fclose(list.text) != 0) {
         free(text);
         text = NULL;

@@ -192,8 +192,8 @@ enum { MEASURED_ROW = 400 };
 
 /* Adds the scene's quantities to the memory estimate, and checks that the scene suits this kind of
  * job. */
-static int note_needs(struct orl_server *server, struct job_post *post,
-                      const struct orl_bundle *bundle)
+static int estimate_memory(struct orl_server *server, struct job_post *post,
+                           const struct orl_bundle *bundle)
 {
     struct orl_stored_item scene = {.summary = NULL};
     bool found = false;
@@ -244,7 +244,7 @@ static int check_references(struct orl_server *server, struct job_post *post)
     if (rc == 0)
         rc = orl_job_inputs_check(brief, &bundle, &post->err);
     if (rc == 0)
-        rc = note_needs(server, post, &bundle);
+        rc = estimate_memory(server, post, &bundle);
     if (rc == 0 && post->inputs.files.count == 0)
         rc = orl_job_inputs_note(brief, &bundle, &post->inputs, &post->err);
     orl_bundle_done(&bundle);
@@ -253,7 +253,7 @@ static int check_references(struct orl_server *server, struct job_post *post)
 
 /* Cancels a job whose id could not be sent (out of memory). The client will retry, and only a key
  * would lead it to this job. */
-static void withdraw(struct orl_server *server, const struct orl_jobs_job *job)
+static void cancel_unreported(struct orl_server *server, const struct orl_jobs_job *job)
 {
     struct orl_error err = {0};
     if (orl_jobs_cancel(server->jobs, job->row.id, &err))
@@ -261,7 +261,7 @@ static void withdraw(struct orl_server *server, const struct orl_jobs_job *job)
                       "why", err.message);
 }
 
-static void submit(struct orl_request *request)
+static void submit_job(struct orl_request *request)
 {
     struct job_post *post = request->state;
     const struct orl_jobs_job *job = NULL;
@@ -298,10 +298,10 @@ static void submit(struct orl_request *request)
     }
     reply_accepted(request, job);
     if (request->status != 202 && !order.request_key)
-        withdraw(request->server, job);
+        cancel_unreported(request->server, job);
 }
 
-static void admit(struct orl_request *request)
+static void check_capacity(struct orl_request *request)
 {
     struct job_post *post = request->state;
     struct orl_server *server = request->server;
@@ -314,7 +314,7 @@ static void admit(struct orl_request *request)
     post->blobs = server->blobs;
     const uint64_t bytes = post->brief.result_bytes + (here ? 0 : request->body.size);
     if (!orl_reply_if_full(request, bytes))
-        orl_request_work(request, keep_document, submit);
+        orl_request_work(request, keep_document, submit_job);
 }
 
 static void inputs_checked(struct orl_request *request)
@@ -325,10 +325,10 @@ static void inputs_checked(struct orl_request *request)
     if (post->rc)
         orl_reply_error(request, &post->err);
     else
-        admit(request);
+        check_capacity(request);
 }
 
-static void look_up(struct orl_request *request)
+static void look_up_references(struct orl_request *request)
 {
     struct job_post *post = request->state;
     if (*post->document && answer_by_key(request))
@@ -346,7 +346,7 @@ static void look_up(struct orl_request *request)
         orl_check_begin(&request->server->checks, &post->check, request, check_inputs,
                         inputs_checked);
     else
-        admit(request);
+        check_capacity(request);
 }
 
 /* Reads the key, in quotes (a structured string) or without. Returns false after a 400. */
@@ -367,11 +367,11 @@ static bool read_key(struct orl_request *request, const char *key,
     return good;
 }
 
-static void look_up_checked(struct orl_request *request)
+static void look_up_checked_document(struct orl_request *request)
 {
     struct job_post *post = request->state;
     if (orl_check_ended(&post->check, &post->rc, &post->err))
-        look_up(request);
+        look_up_references(request);
 }
 
 void orl_handle_job_post(struct orl_request *request)
@@ -393,10 +393,10 @@ void orl_handle_job_post(struct orl_request *request)
     if (!orl_client_name(request, post->client) || !read_key(request, key, post->key))
         return;
     if (request->body.size <= ORL_SERVER_SMALL_JSON)
-        orl_request_work(request, read_document, look_up);
+        orl_request_work(request, read_document, look_up_references);
     else
         orl_check_begin(&request->server->checks, &post->check, request, check_document,
-                        look_up_checked);
+                        look_up_checked_document);
 }
 
 void orl_handle_job_get(struct orl_request *request)

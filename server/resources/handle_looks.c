@@ -83,8 +83,8 @@ static void check_bsdf(struct orl_request *request)
 /* ---- On the loop ---------------------------------------------------------------------------- */
 
 /* Looks the object up. err is set on failure only. */
-static int find(struct orl_request *request, const struct orl_item_kind *kind, bool *ret_found,
-                struct orl_error *err)
+static int find_object(struct orl_request *request, const struct orl_item_kind *kind,
+                       bool *ret_found, struct orl_error *err)
 {
     struct orl_stored_item item = {.summary = NULL};
     const int rc = kind->find(&request->server->db, request->params[0], &item, ret_found, err);
@@ -97,7 +97,7 @@ static int find(struct orl_request *request, const struct orl_item_kind *kind, b
 
 /* Turns an error into ORL_ERR_CORRUPT. The stored object was valid once, so it is damaged, or the
  * daemon has a fault; the client has none. */
-static void blame_us(struct orl_error *err)
+static void mark_corrupt(struct orl_error *err)
 {
     if (err->code != ORL_ERR_LIMIT && err->code != ORL_ERR_NOMEM && err->code != ORL_ERR_IO)
         err->code = ORL_ERR_CORRUPT;
@@ -110,8 +110,8 @@ static void reply_look(struct orl_request *request)
         return;
     if (look->rc) {
         bool found = true;
-        blame_us(&look->err);
-        if (find(request, look->kind, &found, &look->err) == 0 && !found)
+        mark_corrupt(&look->err);
+        if (find_object(request, look->kind, &found, &look->err) == 0 && !found)
             orl_reply_not_found(request, look->kind->name); /* it was removed meanwhile */
         else
             orl_reply_error(request, &look->err);
@@ -123,11 +123,11 @@ static void reply_look(struct orl_request *request)
 }
 
 /* Makes the request's state. Returns NULL after a reply: the object does not exist, or an error. */
-static struct look *begin(struct orl_request *request, const struct orl_item_kind *kind)
+static struct look *make_look(struct orl_request *request, const struct orl_item_kind *kind)
 {
     struct orl_error err;
     bool found = false;
-    if (find(request, kind, &found, &err)) {
+    if (find_object(request, kind, &found, &err)) {
         orl_reply_error(request, &err);
         return NULL;
     }
@@ -160,8 +160,8 @@ static bool take_number(struct orl_request *request, const char *name, double lo
 }
 
 /* Claims the request's BSDF while it is read, and starts its check. */
-static void begin_bsdf(struct orl_request *request, void (*work)(struct orl_request *request),
-                       void (*done)(struct orl_request *request))
+static void start_bsdf_check(struct orl_request *request, void (*work)(struct orl_request *request),
+                             void (*done)(struct orl_request *request))
 {
     struct orl_server *server = request->server;
     struct look *look = request->state;
@@ -177,7 +177,7 @@ static void begin_bsdf(struct orl_request *request, void (*work)(struct orl_requ
 void orl_handle_scene_outline(struct orl_request *request)
 {
     struct orl_server *server = request->server;
-    struct look *look = begin(request, &orl_item_scene);
+    struct look *look = make_look(request, &orl_item_scene);
     if (!look)
         return;
     look->height = NAN;
@@ -193,7 +193,7 @@ void orl_handle_scene_outline(struct orl_request *request)
 
 void orl_handle_bsdf_polar(struct orl_request *request)
 {
-    struct look *look = begin(request, &orl_item_bsdf);
+    struct look *look = make_look(request, &orl_item_bsdf);
     if (!look)
         return;
     const char *from = orl_request_query(request, "from");
@@ -206,7 +206,7 @@ void orl_handle_bsdf_polar(struct orl_request *request)
     if (!take_number(request, "theta_deg", 0, most_theta_deg, &look->from.theta_deg) ||
         !take_number(request, "phi_deg", 0, most_phi_deg, &look->from.phi_deg))
         return;
-    begin_bsdf(request, look_at_bsdf, reply_look);
+    start_bsdf_check(request, look_at_bsdf, reply_look);
 }
 
 /* Replies for a BSDF of a scene. A scene may contain XML files that are not BSDFs. */
@@ -248,9 +248,9 @@ void orl_handle_bsdf_get(struct orl_request *request)
     }
     if (orl_reply_if_none_match(request, request->params[0]))
         return;
-    struct look *look = begin(request, &orl_item_bsdf);
+    struct look *look = make_look(request, &orl_item_bsdf);
     if (look) {
         look->of_scene = of_scene;
-        begin_bsdf(request, check_bsdf, reply_bsdf);
+        start_bsdf_check(request, check_bsdf, reply_bsdf);
     }
 }

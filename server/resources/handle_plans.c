@@ -125,7 +125,7 @@ static void plan_made(struct orl_request *request)
     orl_reply_header(request, "Cache-Control", "no-store");
 }
 
-static void look_up(struct orl_request *request)
+static void start_plan(struct orl_request *request)
 {
     struct plan_post *post = request->state;
     if (post->rc == 0)
@@ -136,11 +136,11 @@ static void look_up(struct orl_request *request)
         orl_check_begin(&request->server->checks, &post->check, request, make_plan, plan_made);
 }
 
-static void look_up_checked(struct orl_request *request)
+static void start_plan_after_check(struct orl_request *request)
 {
     struct plan_post *post = request->state;
     if (orl_check_ended(&post->check, &post->rc, &post->err))
-        look_up(request);
+        start_plan(request);
 }
 
 void orl_handle_plan_post(struct orl_request *request)
@@ -153,8 +153,8 @@ void orl_handle_plan_post(struct orl_request *request)
     request->state = post;
     request->free_state = plan_post_free;
     if (request->body.size <= ORL_SERVER_SMALL_JSON)
-        orl_request_work(request, read_document, look_up);
+        orl_request_work(request, read_document, start_plan);
     else
         orl_check_begin(&request->server->checks, &post->check, request, check_document,
-                        look_up_checked);
+                        start_plan_after_check);
 }

@@ -113,13 +113,13 @@ static void send_final(struct orl_request *request, struct final_file *file)
 }
 
 /* Verifies the file on the pool. */
-static void verify(struct orl_request *request)
+static void verify_file(struct orl_request *request)
 {
     struct final_file *file = request->state;
     file->rc = orl_verify_file(file->fd, file->sha, &file->err);
 }
 
-static void verified(struct orl_request *request)
+static void send_verified(struct orl_request *request)
 {
     struct final_file *file = request->state;
     if (file->rc) {
@@ -157,7 +157,7 @@ static void reply_final(struct orl_request *request, const struct orl_jobs_job *
     if (!sha || orl_verified_has(&request->server->verified, st))
         send_final(request, file);
     else
-        orl_request_work(request, verify, verified);
+        orl_request_work(request, verify_file, send_verified);
 }
 
 /* ---- All results ---------------------------------------------------------------------------- */
@@ -208,7 +208,7 @@ static void send_file(struct orl_request *request, const struct shown *shown, co
 }
 
 /* Replies 410: the results have been evicted. */
-static void tell_evicted(struct orl_request *request, const struct orl_jobs_job *job)
+static void reply_evicted(struct orl_request *request, const struct orl_jobs_job *job)
 {
     char when[ORL_TIME_TEXT];
     orl_time_format(job->row.evicted_ms, when);
@@ -258,7 +258,7 @@ static void send_results(struct orl_request *request, const char *name)
         return;
     const json_t *entry = find_listed(&shown, name);
     if (entry && !shown.running && shown.job->row.evicted_ms > 0)
-        tell_evicted(request, shown.job);
+        reply_evicted(request, shown.job);
     else if (entry)
         send_file(request, &shown, entry);
     else if (shown.running && strcmp(name, "result.json") == 0)

@@ -47,7 +47,7 @@ static enum MHD_Result add_main(void *ctx, enum MHD_ValueKind kind, const char *
     return post->rc ? MHD_NO : MHD_YES;
 }
 
-static void take_apart(struct orl_request *request)
+static void split_upload(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     const struct orl_folders held = orl_request_folders(request), *folders = &held;
@@ -140,7 +140,7 @@ static void begin_check(struct orl_request *request)
 }
 
 /* Looks the scene up. *ret_found is true if it is stored. */
-static void is_here(struct orl_request *request, bool *ret_found)
+static void find_stored_scene(struct orl_request *request, bool *ret_found)
 {
     struct scene_post *post = request->state;
     struct orl_stored_item item;
@@ -151,7 +151,7 @@ static void is_here(struct orl_request *request, bool *ret_found)
 }
 
 /* Stores the files of a known scene again, which only repairs damage in the store. */
-static void keep_again(struct orl_request *request)
+static void store_files_again(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     post->rc = orl_scene_upload_keep(&post->upload, &request->server->folders, &post->err);
@@ -163,7 +163,7 @@ static void reply_known(struct orl_request *request)
     struct scene_post *post = request->state;
     bool created = false, found = false;
     if (post->rc == 0)
-        is_here(request, &found);
+        find_stored_scene(request, &found);
     if (post->rc) {
         orl_reply_error(request, &post->err);
     } else if (!found) {
@@ -175,21 +175,21 @@ static void reply_known(struct orl_request *request)
 }
 
 /* Looks the scene up. A scene that is stored already is not checked again. */
-static void look_up(struct orl_request *request)
+static void look_up_scene(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     bool found = false;
     if (!orl_check_ended(&post->check, &post->rc, &post->err))
         return;
     if (post->rc == 0)
-        is_here(request, &found);
+        find_stored_scene(request, &found);
     post->blobs = request->server->blobs;
     if (post->rc == 0)
         post->rc = claim_files(&request->server->folders, post);
     if (post->rc)
         orl_reply_error(request, &post->err);
     else if (found)
-        orl_request_work(request, keep_again, reply_known);
+        orl_request_work(request, store_files_again, reply_known);
     else
         begin_check(request);
 }
@@ -203,7 +203,7 @@ void orl_handle_scene_post(struct orl_request *request)
     }
     request->state = post;
     request->free_state = scene_post_free;
-    orl_check_begin(&request->server->checks, &post->check, request, take_apart, look_up);
+    orl_check_begin(&request->server->checks, &post->check, request, split_upload, look_up_scene);
 }
 
 void orl_handle_scene_get(struct orl_request *request)

@@ -63,7 +63,7 @@ static void free_event(struct event *event)
     free(event);
 }
 
-static void append(struct orl_hub *hub, struct event *event)
+static void append_event(struct orl_hub *hub, struct event *event)
 {
     event->older = hub->newest;
     event->newer = NULL;
@@ -77,7 +77,7 @@ static void append(struct orl_hub *hub, struct event *event)
 }
 
 /* Drops the oldest events until the limits hold. Keeps the newest. */
-static void bound(struct orl_hub *hub)
+static void drop_oldest_events(struct orl_hub *hub)
 {
     struct event *event = hub->oldest;
     while (event && event->newer &&
@@ -90,7 +90,7 @@ static void bound(struct orl_hub *hub)
     }
 }
 
-static struct event *find(const struct orl_hub *hub, const char *job)
+static struct event *find_event(const struct orl_hub *hub, const char *job)
 {
     struct event *event = hub->newest;
     while (event && strcmp(event->job, job) != 0)
@@ -101,7 +101,7 @@ static struct event *find(const struct orl_hub *hub, const char *job)
 /* Returns the job's event, taken out of the list; NULL when out of memory. */
 static struct event *take_event(struct orl_hub *hub, const struct orl_jobs_job *job)
 {
-    struct event *event = find(hub, job->row.id);
+    struct event *event = find_event(hub, job->row.id);
     if (event) {
         unlink_event(hub, event);
         return event;
@@ -125,8 +125,8 @@ static void name_event(const struct orl_hub *hub, uint64_t serial, char ret_id[I
 
 /* Records an event. Takes ownership of data. Without memory, the streams that miss it are cut off,
  * and start again with a reset. */
-static void note(struct orl_hub *hub, const struct orl_jobs_job *job, const char *name,
-                 json_t *data)
+static void record_event(struct orl_hub *hub, const struct orl_jobs_job *job, const char *name,
+                         json_t *data)
 {
     char id[ID];
     struct event *event = take_event(hub, job);
@@ -143,8 +143,8 @@ static void note(struct orl_hub *hub, const struct orl_jobs_job *job, const char
     event->text = text;
     event->serial = hub->serial;
     orl_job_event_id(job->jobs, job, event->seen);
-    append(hub, event);
-    bound(hub);
+    append_event(hub, event);
+    drop_oldest_events(hub);
 }
 
 /* ---- News ----------------------------------------------------------------------------------- */
@@ -153,13 +153,13 @@ static void look_at_job(void *ctx, const struct orl_jobs_job *job)
 {
     struct orl_hub *hub = ctx;
     char seen[ORL_JOB_EVENT_ID];
-    const struct event *event = find(hub, job->row.id);
+    const struct event *event = find_event(hub, job->row.id);
     orl_job_event_id(job->jobs, job, seen);
     if (!event || strcmp(event->seen, seen) != 0)
-        note(hub, job, "job", orl_job_summary(job->jobs, job));
+        record_event(hub, job, "job", orl_job_summary(job->jobs, job));
 }
 
-static void look(struct orl_event_source *source)
+static void check_running_jobs(struct orl_event_source *source)
 {
     if (source->server->jobs)
         orl_jobs_running(source->server->jobs, look_at_job, source);
@@ -169,7 +169,7 @@ void orl_hub_changed(struct orl_hub *hub, const struct orl_jobs_job *job)
 {
     if (!hub)
         return;
-    note(hub, job, "job", orl_job_summary(job->jobs, job));
+    record_event(hub, job, "job", orl_job_summary(job->jobs, job));
     orl_event_source_wake(&hub->source);
 }
 
@@ -177,7 +177,7 @@ void orl_hub_forget(struct orl_hub *hub, const struct orl_jobs_job *job)
 {
     if (!hub)
         return;
-    note(hub, job, "removed", json_pack("{s:s}", "id", job->row.id));
+    record_event(hub, job, "removed", json_pack("{s:s}", "id", job->row.id));
     orl_event_source_wake(&hub->source);
 }
 
@@ -279,7 +279,8 @@ size_t orl_hub_count(const struct orl_hub *hub)
 
 int orl_hub_open(struct orl_server *server, struct orl_hub **ret_hub, struct orl_error *err)
 {
-    static const struct orl_event_calls calls = {look, has_news, next_text, free_stream};
+    static const struct orl_event_calls calls = {check_running_jobs, has_news, next_text,
+                                                 free_stream};
     unsigned char start[8];
     struct orl_hub *hub = calloc(1, sizeof *hub);
     if (!hub)

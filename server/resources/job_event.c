@@ -34,7 +34,7 @@ static bool final_warnings(const struct orl_jobs_job *job, json_t **ret_warnings
     return outcome || !job->outcome;
 }
 
-static struct event take(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
+static struct event read_event(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
     struct event event = {.permille = -1, .eta_s = NAN};
     struct orl_job_progress progress;
@@ -64,7 +64,7 @@ static struct event take(const struct orl_jobs *jobs, const struct orl_jobs_job 
 void orl_job_event_id(const struct orl_jobs *jobs, const struct orl_jobs_job *job,
                       char ret_id[ORL_JOB_EVENT_ID])
 {
-    const struct event event = take(jobs, job);
+    const struct event event = read_event(jobs, job);
     snprintf(ret_id, ORL_JOB_EVENT_ID, "%s-%d-%s-%d-%u-%zu-%zu-%zu-%zu-%zu-%llu.%llu.%llu",
              orl_jobs_state_name(job), job->row.attempts, event.stage ? event.stage : "",
              event.permille, event.rounds, event.views, event.skies, event.points, event.n_warnings,
@@ -85,7 +85,7 @@ static bool list_warnings(const struct orl_jobs_job *job, json_t **ret_warnings)
 
 json_t *orl_job_event(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
-    const struct event event = take(jobs, job);
+    const struct event event = read_event(jobs, job);
     const bool runs = job->row.state == ORL_JOB_RUNNING;
     json_t *doc =
         json_pack("{s:s, s:s, s:s?, s:o, s:o}", "id", job->row.id, "state",

@@ -21,8 +21,8 @@ void orl_scene_upload_done(struct orl_scene_upload *upload)
     upload->choice = NULL;
 }
 
-static int choose(struct orl_scene_upload *upload, const char *group, size_t length,
-                  const char *state, struct orl_error *err)
+static int add_choice(struct orl_scene_upload *upload, const char *group, size_t length,
+                      const char *state, struct orl_error *err)
 {
     if (!upload->choice)
         upload->choice = json_pack("{s:{}}", "states");
@@ -38,7 +38,7 @@ int orl_scene_upload_choose_state(struct orl_scene_upload *upload, const char *c
 {
     const char *state = strchr(choice, '=');
     if (state)
-        return choose(upload, choice, (size_t)(state - choice), state + 1, err);
+        return add_choice(upload, choice, (size_t)(state - choice), state + 1, err);
     orl_error_set(err, ORL_ERR_INVALID, "a state is chosen by GROUP=STATE");
     orl_error_at(err, NULL, 0, "state");
     return ORL_ERR_INVALID;
@@ -47,7 +47,7 @@ int orl_scene_upload_choose_state(struct orl_scene_upload *upload, const char *c
 int orl_scene_upload_choose_sky(struct orl_scene_upload *upload, const char *name,
                                 struct orl_error *err)
 {
-    return choose(upload, NULL, 0, name, err);
+    return add_choice(upload, NULL, 0, name, err);
 }
 
 /* Returns the choices of a project, empty if none were made; NULL if main files are named. */
@@ -201,7 +201,7 @@ static int refuse_without_mains(struct orl_bundle *bundle, struct orl_error *err
 
 /* Completes every form of upload: checks that there are main files and none is empty, sorts the
  * files, and computes the id. */
-static int finish(struct orl_scene_upload *upload, struct orl_error *err)
+static int finish_upload(struct orl_scene_upload *upload, struct orl_error *err)
 {
     const int rc = choose_mains(upload, err);
     if (rc)
@@ -309,7 +309,7 @@ int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Conne
         json_decref(bsdfs);
     }
     orl_multipart_done(&parts);
-    return rc ? rc : finish(upload, err);
+    return rc ? rc : finish_upload(upload, err);
 }
 
 int orl_scene_upload_zip(struct orl_scene_upload *upload, const char *path,
@@ -318,7 +318,7 @@ int orl_scene_upload_zip(struct orl_scene_upload *upload, const char *path,
 {
     const int rc = orl_ask_unzip(asking, path, folders, choice_of(upload), &upload->bundle, err);
     upload->listed = upload->guessed = !upload->mains;
-    return rc ? rc : finish(upload, err);
+    return rc ? rc : finish_upload(upload, err);
 }
 
 int orl_scene_upload_json(struct orl_scene_upload *upload, const char *path,
@@ -332,13 +332,13 @@ int orl_scene_upload_json(struct orl_scene_upload *upload, const char *path,
     if (rc == 0 && bsdfs)
         rc = add_bsdfs(upload, bsdfs, folders, err);
     json_decref(bsdfs);
-    return rc ? rc : finish(upload, err);
+    return rc ? rc : finish_upload(upload, err);
 }
 
 /* ---- Checking and keeping ------------------------------------------------------------------- */
 
 /* Adds to an error's hint the main files, if they were guessed and not named. */
-static void say_what_was_read(const struct orl_scene_upload *upload, struct orl_error *err)
+static void add_mains_hint(const struct orl_scene_upload *upload, struct orl_error *err)
 {
     char names[ORL_ERROR_TEXT_MAX / 2] = "", hint[ORL_ERROR_TEXT_MAX];
     list_names(&upload->bundle, true, names, sizeof names);
@@ -353,7 +353,7 @@ int orl_scene_upload_check(struct orl_scene_upload *upload, struct orl_asking *a
     const int rc = orl_ask_scene(asking, &upload->bundle, upload->listed ? upload->choice : NULL,
                                  &upload->summary, err);
     if (rc && upload->guessed && rc != ORL_ERR_NOMEM && rc != ORL_ERR_IO && rc != ORL_ERR_CANCELLED)
-        say_what_was_read(upload, err);
+        add_mains_hint(upload, err);
     return rc;
 }
 

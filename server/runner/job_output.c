@@ -69,11 +69,11 @@ void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL
     snprintf(ret_path, ORL_PATH_MAX, "%.*s/%.400s", ORL_PATH_MAX - 512, folder, name);
 }
 
-static _Thread_local const atomic_bool *heeded;
+static _Thread_local const atomic_bool *cancel_flag;
 
 void orl_job_output_heed(const atomic_bool *cancel)
 {
-    heeded = cancel;
+    cancel_flag = cancel;
 }
 
 /* Computes the digest in steps and polls the cancel flag between them: a gigabyte takes some
@@ -86,7 +86,7 @@ static int find_digest(const struct orl_file *file, char ret_sha[ORL_SHA_HEX],
     struct orl_sha256 hash;
     orl_sha256_init(&hash);
     for (size_t at = 0; at < file->size; at += STEP) {
-        if (orl_is_cancelled(heeded))
+        if (orl_is_cancelled(cancel_flag))
             return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while listing results");
         orl_sha256_add(&hash, file->data + at, file->size - at < STEP ? file->size - at : STEP);
     }

@@ -73,7 +73,7 @@ struct outcome {
 
 /* Summarises the BSDF like POST /v1/bsdfs does. No child is needed, since the daemon wrote the
  * text. */
-static int examine(const struct outcome *made, char **ret_summary, struct orl_error *err)
+static int summarise_bsdf(const struct outcome *made, char **ret_summary, struct orl_error *err)
 {
     struct orl_bsdf *bsdf = NULL;
     struct orl_bsdf_check *check = calloc(1, sizeof *check);
@@ -113,7 +113,7 @@ static int write_file(struct orl_worker *worker, const struct outcome *made, str
     orl_sha256_hex(made->xml, made->size, bsdf->id);
     bsdf->bytes = made->size;
     name_bsdf(made->name, bsdf);
-    const int rc = examine(made, &bsdf->summary, err);
+    const int rc = summarise_bsdf(made, &bsdf->summary, err);
     orl_job_output_path(worker->output, ORL_BSDF_MADE_FILE, path);
     return rc ? rc : orl_write_file(path, made->xml, made->size, err);
 }

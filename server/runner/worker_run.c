@@ -114,7 +114,7 @@ static int run_document(struct orl_worker *worker, struct orl_error *err)
 }
 
 /* Moves the work folder to the results. */
-static int publish(const struct orl_worker *worker, struct orl_error *err)
+static int publish_results(const struct orl_worker *worker, struct orl_error *err)
 {
     char final[ORL_PATH_MAX];
     orl_folders_path(worker->spec.folders, final, "results/%s", worker->spec.job_id);
@@ -128,9 +128,9 @@ static int publish(const struct orl_worker *worker, struct orl_error *err)
 
 /* Publishes the finished results of a cancelled job. If that fails, the job is cancelled without
  * results. */
-static void publish_done(struct orl_worker *worker)
+static void publish_cancelled(struct orl_worker *worker)
 {
-    if (!worker->outcome.summary || publish(worker, NULL) == 0)
+    if (!worker->outcome.summary || publish_results(worker, NULL) == 0)
         return;
     free(worker->outcome.summary);
     worker->outcome.summary = NULL;
@@ -144,9 +144,9 @@ int orl_worker_lead(struct orl_worker *worker, struct orl_error *err)
     int rc = run_document(worker, err);
     orl_job_output_heed(NULL);
     if (rc == 0)
-        rc = publish(worker, err);
+        rc = publish_results(worker, err);
     else if (rc == ORL_ERR_CANCELLED)
-        publish_done(worker);
+        publish_cancelled(worker);
     if (rc && !(rc == ORL_ERR_CANCELLED && worker->keeps && atomic_load(&worker->stopped)))
         orl_remove_tree(output, NULL);
     malloc_trim(0);

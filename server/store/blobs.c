@@ -42,7 +42,7 @@ static struct claim **find_claim(struct orl_blobs *blobs, const char *sha)
 }
 
 /* Returns the bytes of the blob; -1 if it does not exist. */
-static int64_t measure(const struct orl_blobs *blobs, const char *sha)
+static int64_t blob_size(const struct orl_blobs *blobs, const char *sha)
 {
     char path[ORL_PATH_MAX];
     struct stat st;
@@ -59,14 +59,14 @@ struct farewell {
     char sha[ORL_SHA_HEX];
 };
 
-static void settle(struct orl_blobs *blobs, const char *sha, bool counted);
+static void count_or_remove(struct orl_blobs *blobs, const char *sha, bool counted);
 
 static void on_row_gone(struct orl_settling_wait *wait, int rc, const struct orl_error *err)
 {
     struct farewell *farewell = (struct farewell *)wait;
     (void)err;
     if (rc == 0 && !*find_claim(farewell->blobs, farewell->sha))
-        settle(farewell->blobs, farewell->sha, true);
+        count_or_remove(farewell->blobs, farewell->sha, true);
     free(farewell);
 }
 
@@ -86,10 +86,10 @@ static void await_row_gone(struct orl_blobs *blobs, const char *sha)
 /* Counts or removes a blob without claims: counts it if a row names it, otherwise removes it. If
  * the database cannot be read, the blob stays for the next start to check. A blob that is not
  * counted never had a row. */
-static void settle(struct orl_blobs *blobs, const char *sha, bool counted)
+static void count_or_remove(struct orl_blobs *blobs, const char *sha, bool counted)
 {
     char path[ORL_PATH_MAX];
-    const int64_t bytes = measure(blobs, sha);
+    const int64_t bytes = blob_size(blobs, sha);
     bool named = true;
     if (bytes < 0)
         return;
@@ -120,7 +120,7 @@ int orl_blobs_claim(struct orl_blobs *blobs, const char *sha, struct orl_error *
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     snprintf(claim->sha, sizeof claim->sha, "%s", sha);
     claim->holders = 1;
-    claim->counted = measure(blobs, sha) >= 0;
+    claim->counted = blob_size(blobs, sha) >= 0;
     *at = claim;
     return 0;
 }
@@ -131,7 +131,7 @@ void orl_blobs_release(struct orl_blobs *blobs, const char *sha)
     if (!claim || --claim->holders > 0)
         return;
     *at = claim->next;
-    settle(blobs, sha, claim->counted);
+    count_or_remove(blobs, sha, claim->counted);
     free(claim);
 }
 
@@ -164,7 +164,7 @@ void orl_blobs_release_files(struct orl_blob_claims *claims)
 void orl_blobs_forget(struct orl_blobs *blobs, const char *sha)
 {
     if (!*find_claim(blobs, sha))
-        settle(blobs, sha, true);
+        count_or_remove(blobs, sha, true);
 }
 
 uint64_t orl_blobs_bytes(const struct orl_blobs *blobs)
@@ -177,7 +177,7 @@ uint64_t orl_blobs_bytes(const struct orl_blobs *blobs)
 static int sweep_file(struct orl_blobs *blobs, const char *sha, struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
-    const int64_t bytes = orl_is_sha256(sha) ? measure(blobs, sha) : -1;
+    const int64_t bytes = orl_is_sha256(sha) ? blob_size(blobs, sha) : -1;
     bool named = true;
     if (bytes < 0)
         return 0;
@@ -211,7 +211,7 @@ static int sweep_folder(struct orl_blobs *blobs, const char *name, struct orl_er
     return rc;
 }
 
-static int sweep(struct orl_blobs *blobs, struct orl_error *err)
+static int sweep_blobs(struct orl_blobs *blobs, struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
     int rc = 0;
@@ -237,7 +237,7 @@ int orl_blobs_open(uv_loop_t *loop, const struct orl_folders *folders, struct or
     blobs->folders = folders;
     blobs->db = db;
     blobs->settling = settling;
-    const int rc = sweep(blobs, err);
+    const int rc = sweep_blobs(blobs, err);
     if (rc)
         orl_blobs_close(blobs);
     else

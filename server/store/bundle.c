@@ -90,7 +90,7 @@ int orl_bundle_check_name(const char *name, struct orl_error *err)
     return ORL_ERR_INVALID;
 }
 
-static int grow(struct orl_bundle *bundle, struct orl_error *err)
+static int grow_bundle(struct orl_bundle *bundle, struct orl_error *err)
 {
     const size_t room = bundle->room ? 2 * bundle->room : 16;
     struct orl_bundle_file *files = realloc(bundle->files, room * sizeof *files);
@@ -116,7 +116,7 @@ int orl_bundle_add(struct orl_bundle *bundle, const char *name, bool resource, c
             orl_error_at(err, name, 0, NULL);
             return ORL_ERR_INVALID;
         }
-    if (bundle->count == bundle->room && grow(bundle, err))
+    if (bundle->count == bundle->room && grow_bundle(bundle, err))
         return ORL_ERR_NOMEM;
     struct orl_bundle_file file = {.bytes = bytes, .resource = resource, .temporary = temporary};
     file.name = strdup(name);

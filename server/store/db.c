@@ -80,7 +80,7 @@ int orl_db_open_existing(struct orl_db *db, const char *path, struct orl_error *
     return open_with(db, path, 0, err);
 }
 
-static int check(struct orl_db *db, const char *pragma, struct orl_error *err)
+static int run_check(struct orl_db *db, const char *pragma, struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, pragma, "");
     if (!stmt)
@@ -99,7 +99,7 @@ static int check(struct orl_db *db, const char *pragma, struct orl_error *err)
 
 int orl_db_check(struct orl_db *db, struct orl_error *err)
 {
-    return check(db, "PRAGMA integrity_check(1)", err);
+    return run_check(db, "PRAGMA integrity_check(1)", err);
 }
 
 /* Starts the write-ahead log with a commit that changes nothing. The first commit to a new log
@@ -120,7 +120,7 @@ static int begin_log(struct orl_db *db, struct orl_error *err)
 
 int orl_db_serve(struct orl_db *db, struct orl_error *err)
 {
-    int rc = check(db, "PRAGMA quick_check(1)", err);
+    int rc = run_check(db, "PRAGMA quick_check(1)", err);
     if (rc == 0)
         rc = begin_log(db, err);
     if (rc == 0)

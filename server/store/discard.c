@@ -19,7 +19,7 @@ struct later {
     char path[];
 };
 
-static void remove_it(uv_work_t *work)
+static void remove_discarded(uv_work_t *work)
 {
     enum { ATTEMPTS = 3 };
     const struct discard *discard = work->data;
@@ -28,7 +28,7 @@ static void remove_it(uv_work_t *work)
         nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
 }
 
-static void removed(uv_work_t *work, int status)
+static void free_discarded(uv_work_t *work, int status)
 {
     (void)status;
     free(work->data);
@@ -50,10 +50,10 @@ void orl_discard(uv_loop_t *loop, const struct orl_folders *folders, const char 
     }
     memcpy(discard->path, away, size);
     discard->work.data = discard;
-    uv_queue_work(loop, &discard->work, remove_it, removed);
+    uv_queue_work(loop, &discard->work, remove_discarded, free_discarded);
 }
 
-static void may_go(struct orl_settling_wait *wait, int rc, const struct orl_error *err)
+static void discard_later(struct orl_settling_wait *wait, int rc, const struct orl_error *err)
 {
     struct later *later = (struct later *)wait;
     (void)err;
@@ -69,7 +69,7 @@ void orl_discard_when_safe(struct orl_settling *settling, uv_loop_t *loop,
     struct later *later = malloc(sizeof *later + size);
     if (!later)
         return;
-    *later = (struct later){.wait.settled = may_go, .loop = loop, .folders = folders};
+    *later = (struct later){.wait.settled = discard_later, .loop = loop, .folders = folders};
     memcpy(later->path, path, size);
     orl_settling_ask(settling, &later->wait);
 }

@@ -33,7 +33,8 @@ static int add_name(struct names *names, const char *a, const char *b, struct or
     return 0;
 }
 
-static int gather(struct orl_db *db, const char *sql, struct names *names, struct orl_error *err)
+static int gather_names(struct orl_db *db, const char *sql, struct names *names,
+                        struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, sql, "");
     if (!stmt)
@@ -108,17 +109,18 @@ static int visit_results(struct orl_db *db, const struct name *name, orl_kept_vi
 int orl_kept_files(struct orl_db *db, orl_kept_visit visit, void *ctx, struct orl_error *err)
 {
     struct names blobs = {0}, jobs = {0}, maps = {0};
-    int rc = gather(db,
-                    "SELECT blob, '' FROM scene_files UNION SELECT id, '' FROM bsdfs UNION "
-                    "SELECT document, '' FROM jobs",
-                    &blobs, err);
+    int rc = gather_names(db,
+                          "SELECT blob, '' FROM scene_files UNION SELECT id, '' FROM bsdfs UNION "
+                          "SELECT document, '' FROM jobs",
+                          &blobs, err);
     if (rc == 0)
-        rc = gather(db,
-                    "SELECT id, '' FROM jobs WHERE outcome IS NOT NULL AND evicted_ms IS NULL "
-                    "AND state IN ('succeeded', 'cancelled')",
-                    &jobs, err);
+        rc =
+            gather_names(db,
+                         "SELECT id, '' FROM jobs WHERE outcome IS NOT NULL AND evicted_ms IS NULL "
+                         "AND state IN ('succeeded', 'cancelled')",
+                         &jobs, err);
     if (rc == 0)
-        rc = gather(db, "SELECT kind, key FROM maps", &maps, err);
+        rc = gather_names(db, "SELECT kind, key FROM maps", &maps, err);
     for (size_t i = 0; i < blobs.count && rc == 0; i++)
         rc = visit_blob(&blobs.names[i], visit, ctx, err);
     for (size_t i = 0; i < jobs.count && rc == 0; i++)

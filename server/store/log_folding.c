@@ -16,12 +16,12 @@ struct orl_folding {
     bool due, ending;
 };
 
-static void fold(struct orl_db *db)
+static void run_checkpoint(struct orl_db *db)
 {
     sqlite3_wal_checkpoint_v2(db->handle, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
 }
 
-static void *fold_when_called(void *ctx)
+static void *run_checkpoints(void *ctx)
 {
     struct orl_folding *folding = ctx;
     orl_signal_stack_install();
@@ -33,7 +33,7 @@ static void *fold_when_called(void *ctx)
         }
         folding->due = false;
         pthread_mutex_unlock(&folding->mutex);
-        fold(&folding->own);
+        run_checkpoint(&folding->own);
         pthread_mutex_lock(&folding->mutex);
     }
     pthread_mutex_unlock(&folding->mutex);
@@ -46,7 +46,7 @@ static int on_commit(void *ctx, sqlite3 *handle, const char *name, int pages)
     struct orl_folding *folding = ctx;
     (void)handle, (void)name;
     if (pages >= ORL_FOLD_AT_MOST)
-        fold(folding->db);
+        run_checkpoint(folding->db);
     if (pages < ORL_FOLD_PAGES)
         return SQLITE_OK;
     pthread_mutex_lock(&folding->mutex);
@@ -62,7 +62,7 @@ static int start_thread(struct orl_folding *folding, struct orl_error *err)
     sigset_t all, before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int failed = pthread_create(&folding->thread, NULL, fold_when_called, folding);
+    const int failed = pthread_create(&folding->thread, NULL, run_checkpoints, folding);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     return failed ? orl_error_set(err, ORL_ERR_NOMEM, "cannot start a thread") : 0;
 }

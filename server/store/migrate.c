@@ -111,8 +111,8 @@ static int check_unlisted(struct orl_db *db, struct orl_error *err)
     return rc;
 }
 
-static int apply(struct orl_db *db, const struct orl_migration *migration, size_t version,
-                 struct orl_error *err)
+static int apply_migration(struct orl_db *db, const struct orl_migration *migration, size_t version,
+                           struct orl_error *err)
 {
     char digest[DIGEST_HEX];
     digest_of(migration->sql, digest);
@@ -187,7 +187,7 @@ int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t c
     if (rc == 0 && applied > 0 && applied < count)
         rc = make_copy(db, applied, &copy, err);
     for (size_t i = applied; i < count && rc == 0; i++) {
-        rc = apply(db, &list[i], i + 1, err);
+        rc = apply_migration(db, &list[i], i + 1, err);
         if (i == applied) {
             const int named = name_copy(&copy, rc == 0, rc == 0 ? err : NULL);
             rc = rc ? rc : named;

@@ -87,8 +87,8 @@ static int set_database_aside(const struct orl_folders *folders, struct orl_erro
 }
 
 /* Checks the folder before SQLite makes a new database in place of a missing or empty file. */
-static int check_before(const struct orl_folders *folders, const char *path,
-                        enum orl_opening opening, struct orl_error *err)
+static int check_lost_database(const struct orl_folders *folders, const char *path,
+                               enum orl_opening opening, struct orl_error *err)
 {
     struct stat st;
     if ((stat(path, &st) == 0 && st.st_size > 0) || !has_kept_files(folders))
@@ -196,7 +196,7 @@ int orl_opening_database(const struct orl_folders *folders, enum orl_opening ope
     orl_folders_path(folders, path, "oriel.db");
     bool damaged = false;
     ret_db->handle = NULL;
-    int rc = check_before(folders, path, opening, err);
+    int rc = check_lost_database(folders, path, opening, err);
     if (rc == 0) {
         rc = orl_db_open(ret_db, path, err);
         damaged = rc == ORL_ERR_CORRUPT;

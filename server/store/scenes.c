@@ -181,8 +181,8 @@ int orl_bsdf_drop(struct orl_db *db, const char *id, bool *ret_removed, struct o
 }
 
 /* Runs a statement that yields one number for a digest; *ret_true is true if it is not 0. */
-static int ask(struct orl_db *db, const char *sql, const char *sha, bool *ret_true,
-               struct orl_error *err)
+static int query_bool(struct orl_db *db, const char *sql, const char *sha, bool *ret_true,
+                      struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, sql, "s", sha);
     if (!stmt)
@@ -198,15 +198,15 @@ static int ask(struct orl_db *db, const char *sql, const char *sha, bool *ret_tr
 
 int orl_blob_is_named(struct orl_db *db, const char *sha, bool *ret_named, struct orl_error *err)
 {
-    return ask(db,
-               "SELECT EXISTS (SELECT 1 FROM scene_files WHERE blob = ?1) OR "
-               "EXISTS (SELECT 1 FROM bsdfs WHERE id = ?1) OR "
-               "EXISTS (SELECT 1 FROM jobs WHERE document = ?1)",
-               sha, ret_named, err);
+    return query_bool(db,
+                      "SELECT EXISTS (SELECT 1 FROM scene_files WHERE blob = ?1) OR "
+                      "EXISTS (SELECT 1 FROM bsdfs WHERE id = ?1) OR "
+                      "EXISTS (SELECT 1 FROM jobs WHERE document = ?1)",
+                      sha, ret_named, err);
 }
 
 int orl_blob_in_scene(struct orl_db *db, const char *sha, bool *ret_named, struct orl_error *err)
 {
-    return ask(db, "SELECT EXISTS (SELECT 1 FROM scene_files WHERE blob = ?1)", sha, ret_named,
-               err);
+    return query_bool(db, "SELECT EXISTS (SELECT 1 FROM scene_files WHERE blob = ?1)", sha,
+                      ret_named, err);
 }

@@ -48,7 +48,7 @@ struct orl_settling {
 /* ---- On the thread -------------------------------------------------------------------------- */
 
 /* Runs a checkpoint. Retries while another connection runs one. */
-static int fold(struct orl_settling *settling, int *ret_in_log, int *ret_folded)
+static int checkpoint_with_retries(struct orl_settling *settling, int *ret_in_log, int *ret_folded)
 {
     int code = SQLITE_BUSY;
     for (int i = 0; i < FOLD_TRIES && code == SQLITE_BUSY; i++) {
@@ -61,10 +61,10 @@ static int fold(struct orl_settling *settling, int *ret_in_log, int *ret_folded)
 }
 
 /* Copies the whole log into the database, which SQLite syncs. */
-static int fold_all(struct orl_settling *settling, struct orl_error *err)
+static int checkpoint_all(struct orl_settling *settling, struct orl_error *err)
 {
     int in_log = 0, folded = 0;
-    if (fold(settling, &in_log, &folded) != SQLITE_OK)
+    if (checkpoint_with_retries(settling, &in_log, &folded) != SQLITE_OK)
         return orl_db_error(&settling->own, "its log cannot be synced", err);
     if (folded < in_log)
         return orl_error_set(err, ORL_ERR_IO,
@@ -76,16 +76,16 @@ static int fold_all(struct orl_settling *settling, struct orl_error *err)
     return 0;
 }
 
-static int make_safe(struct orl_settling *settling, struct orl_error *err)
+static int sync_log(struct orl_settling *settling, struct orl_error *err)
 {
     if (!settling->doubted && fdatasync(settling->log_fd) != 0) {
         settling->doubted = true;
         settling->doubted_frames = 0;
     }
-    return settling->doubted ? fold_all(settling, err) : 0;
+    return settling->doubted ? checkpoint_all(settling, err) : 0;
 }
 
-static void *settle_when_asked(void *ctx)
+static void *sync_when_asked(void *ctx)
 {
     struct orl_settling *settling = ctx;
     orl_signal_stack_install();
@@ -97,7 +97,7 @@ static void *settle_when_asked(void *ctx)
             continue;
         }
         pthread_mutex_unlock(&settling->mutex);
-        verdict.rc = make_safe(settling, &verdict.err);
+        verdict.rc = sync_log(settling, &verdict.err);
         pthread_mutex_lock(&settling->mutex);
         settling->verdict = verdict;
         uv_async_send(&settling->woken);
@@ -116,7 +116,7 @@ static int on_commit(void *ctx)
     return 0;
 }
 
-static void tell(struct orl_settling *settling, const struct verdict *verdict)
+static void report_verdict(struct orl_settling *settling, const struct verdict *verdict)
 {
     while (settling->first && settling->first->ticket <= verdict->ticket) {
         struct orl_settling_wait *wait = settling->first;
@@ -135,7 +135,7 @@ static void on_woken(uv_async_t *woken)
     pthread_mutex_lock(&settling->mutex);
     const struct verdict verdict = settling->verdict;
     pthread_mutex_unlock(&settling->mutex);
-    tell(settling, &verdict);
+    report_verdict(settling, &verdict);
     if (!settling->first)
         settling->quiet(settling->ctx);
 }
@@ -185,12 +185,12 @@ static int start_thread(struct orl_settling *settling, struct orl_error *err)
     sigset_t all, before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int failed = pthread_create(&settling->thread, NULL, settle_when_asked, settling);
+    const int failed = pthread_create(&settling->thread, NULL, sync_when_asked, settling);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     return failed ? orl_error_set(err, ORL_ERR_NOMEM, "cannot start a thread") : 0;
 }
 
-static void release(struct orl_settling *settling)
+static void free_settling(struct orl_settling *settling)
 {
     if (settling->log_fd >= 0)
         close(settling->log_fd);
@@ -217,7 +217,7 @@ int orl_settling_open(uv_loop_t *loop, struct orl_db *db, const char *path,
     if (rc == 0)
         rc = start_thread(settling, err);
     if (rc) {
-        release(settling);
+        free_settling(settling);
         return rc;
     }
     uv_async_init(loop, &settling->woken, on_woken);
@@ -244,5 +244,5 @@ void orl_settling_free(struct orl_settling *settling)
     if (!settling)
         return;
     sqlite3_commit_hook(settling->db->handle, NULL, NULL);
-    release(settling);
+    free_settling(settling);
 }

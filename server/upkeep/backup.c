@@ -133,7 +133,7 @@ static int forget_blob(struct orl_db *db, const char *sha, struct orl_error *err
     return rc;
 }
 
-static int visit(void *ctx, const struct orl_kept_file *file, struct orl_error *err)
+static int copy_listed_file(void *ctx, const struct orl_kept_file *file, struct orl_error *err)
 {
     const struct copy *copy = ctx;
     enum fate fate = COPIED;
@@ -175,7 +175,7 @@ static int copy_all(struct copy *copy, const char *db_path, struct orl_error *er
     if (rc == 0)
         rc = orl_db_exec(&db, "DELETE FROM maps", err);
     if (rc == 0)
-        rc = orl_kept_files(&db, visit, copy, err);
+        rc = orl_kept_files(&db, copy_listed_file, copy, err);
     copy->db = NULL;
     orl_db_close(&db);
     return rc;

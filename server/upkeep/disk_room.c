@@ -31,7 +31,7 @@ static bool is_reserved(const struct orl_disk_room *room)
 }
 
 /* Allocates the reserve. Removes the file if there is no space for it. */
-static bool allocate(const struct orl_disk_room *room, int64_t bytes)
+static bool allocate_reserve(const struct orl_disk_room *room, int64_t bytes)
 {
     char path[ORL_PATH_MAX];
     reserve_path(room, path);
@@ -49,7 +49,7 @@ static bool allocate(const struct orl_disk_room *room, int64_t bytes)
 static void make_reserve(struct orl_disk_room *room)
 {
     if (!room->reserved && free_bytes(room) >= ORL_RESERVE_BYTES + 2 * ORL_DISK_LEAST)
-        room->reserved = allocate(room, ORL_RESERVE_BYTES);
+        room->reserved = allocate_reserve(room, ORL_RESERVE_BYTES);
 }
 
 void orl_disk_room_open(struct orl_disk_room *room, const struct orl_folders *folders,
@@ -100,5 +100,5 @@ void orl_disk_room_close(struct orl_disk_room *room)
     /* Reserve the space that the log had, or as much of it as is left. */
     for (int64_t bytes = ORL_RESERVE_BYTES; room->folders && !room->reserved && bytes >= SMALLEST;
          bytes /= 2)
-        room->reserved = allocate(room, bytes);
+        room->reserved = allocate_reserve(room, bytes);
 }

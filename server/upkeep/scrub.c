@@ -27,8 +27,8 @@ struct pass {
     struct orl_scrub_totals *totals;
 };
 
-static int look_at(const struct orl_kept_file *file, const char *path, uint64_t *ret_bytes,
-                   struct orl_error *err)
+static int check_file(const struct orl_kept_file *file, const char *path, uint64_t *ret_bytes,
+                      struct orl_error *err)
 {
     struct stat st;
     const int fd = orl_open_regular(path, O_RDONLY);
@@ -44,7 +44,7 @@ static int look_at(const struct orl_kept_file *file, const char *path, uint64_t 
     return rc;
 }
 
-static int look_at_file(void *ctx, const struct orl_kept_file *file, struct orl_error *err)
+static int check_listed_file(void *ctx, const struct orl_kept_file *file, struct orl_error *err)
 {
     const struct pass *pass = ctx;
     struct orl_error why;
@@ -52,7 +52,7 @@ static int look_at_file(void *ctx, const struct orl_kept_file *file, struct orl_
     uint64_t bytes = 0;
     bool named = true;
     orl_folders_path(pass->folders, path, "%s", file->path);
-    if (look_at(file, path, &bytes, &why)) {
+    if (check_file(file, path, &bytes, &why)) {
         /* The file may have been removed since it was listed. */
         const int rc = orl_kept_is_named(pass->db, file, &named, err);
         if (rc)
@@ -71,7 +71,7 @@ int orl_scrub(struct orl_db *db, const struct orl_folders *folders,
               struct orl_error *err)
 {
     struct pass pass = {db, folders, scrubber, totals};
-    const int rc = orl_kept_files(db, look_at_file, &pass, err);
+    const int rc = orl_kept_files(db, check_listed_file, &pass, err);
     return rc == ORL_ERR_CANCELLED ? 0 : rc;
 }
 
@@ -115,7 +115,7 @@ static struct timespec to_timespec(double steady_s)
 }
 
 /* Waits. Returns false at once if the thread must stop. */
-static bool rest(struct orl_scrubbing *scrubbing, double seconds)
+static bool wait_seconds(struct orl_scrubbing *scrubbing, double seconds)
 {
     const struct timespec until = to_timespec(orl_time_steady_s() + seconds);
     int rc = 0;
@@ -127,14 +127,14 @@ static bool rest(struct orl_scrubbing *scrubbing, double seconds)
     return go_on;
 }
 
-static bool slowly(void *ctx, uint64_t bytes)
+static bool limit_rate(void *ctx, uint64_t bytes)
 {
     struct orl_scrubbing *scrubbing = ctx;
     pthread_mutex_lock(&scrubbing->mutex);
     scrubbing->totals.files++;
     scrubbing->totals.bytes += bytes;
     pthread_mutex_unlock(&scrubbing->mutex);
-    return rest(scrubbing, (double)bytes / (double)scrubbing->bytes_per_s);
+    return wait_seconds(scrubbing, (double)bytes / (double)scrubbing->bytes_per_s);
 }
 
 static void lower_priority(void)
@@ -148,17 +148,17 @@ static void lower_priority(void)
 static void scrub_daily(struct orl_scrubbing *scrubbing)
 {
     const struct orl_folders *folders = &scrubbing->folders;
-    const struct orl_scrubber scrubber = {note_finding, slowly, scrubbing};
+    const struct orl_scrubber scrubber = {note_finding, limit_rate, scrubbing};
     char path[ORL_PATH_MAX];
     orl_folders_path(folders, path, "oriel.db");
-    while (rest(scrubbing, 1)) {
+    while (wait_seconds(scrubbing, 1)) {
         const double until_s = orl_time_steady_s() + PASS_S;
         struct orl_scrub_totals totals = {0};
         struct orl_db db = {NULL};
         if (orl_db_open_existing(&db, path, NULL) == 0)
             orl_scrub(&db, folders, &scrubber, &totals, NULL);
         orl_db_close(&db);
-        if (!rest(scrubbing, until_s - orl_time_steady_s()))
+        if (!wait_seconds(scrubbing, until_s - orl_time_steady_s()))
             break;
     }
 }
@@ -233,7 +233,7 @@ void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)
     scrubbing_free(scrubbing);
 }
 
-static void tell(const struct orl_scrubbing *scrubbing, const struct finding *finding)
+static void log_finding(const struct orl_scrubbing *scrubbing, const struct finding *finding)
 {
     const struct orl_kept_file *file = &finding->file;
     enum orl_map_removal removal;
@@ -259,7 +259,7 @@ void orl_scrubbing_look(struct orl_scrubbing *scrubbing)
     }
     pthread_mutex_unlock(&scrubbing->mutex);
     for (size_t i = 0; i < count; i++)
-        tell(scrubbing, &findings[i]);
+        log_finding(scrubbing, &findings[i]);
     free(findings);
 }
 

@@ -89,8 +89,8 @@ static struct candidate *list_candidates(const struct orl_storage *storage,
 }
 
 /* Deletes a candidate's row. *ret_leaves is false for a map that has come into use, which stays. */
-static int leave(struct orl_storage *storage, const struct candidate *candidate, bool *ret_leaves,
-                 struct orl_error *err)
+static int delete_row(struct orl_storage *storage, const struct candidate *candidate,
+                      bool *ret_leaves, struct orl_error *err)
 {
     enum orl_map_removal removal = ORL_MAP_REMOVED;
     const struct orl_map_info *map = candidate->map;
@@ -101,7 +101,7 @@ static int leave(struct orl_storage *storage, const struct candidate *candidate,
 }
 
 /* Deletes a candidate's file if its row is safely gone; otherwise the candidate stays. */
-static void settle(struct orl_storage *storage, const struct candidate *candidate, bool gone)
+static void end_eviction(struct orl_storage *storage, const struct candidate *candidate, bool gone)
 {
     const struct orl_map_info *map = candidate->map;
     enum orl_stored kind = ORL_STORED_RESULTS;
@@ -123,7 +123,8 @@ static void settle(struct orl_storage *storage, const struct candidate *candidat
  * with one sync; then their files. If the database refuses, all of them stay, and more recently
  * used ones are not evicted in their place.
  */
-static void evict(struct orl_storage *storage, struct candidate *list, size_t count, uint64_t bytes)
+static void evict_first(struct orl_storage *storage, struct candidate *list, size_t count,
+                        uint64_t bytes)
 {
     struct orl_error err = {0};
     size_t n_leaving = 0;
@@ -132,7 +133,7 @@ static void evict(struct orl_storage *storage, struct candidate *list, size_t co
     const bool begun = rc == 0;
     for (size_t i = 0; i < count && leaving < bytes && rc == 0; i++) {
         bool leaves = false;
-        rc = leave(storage, &list[i], &leaves, &err);
+        rc = delete_row(storage, &list[i], &leaves, &err);
         if (!leaves)
             continue;
         leaving += list[i].bytes;
@@ -143,7 +144,7 @@ static void evict(struct orl_storage *storage, struct candidate *list, size_t co
     if (rc)
         orl_log_event(storage->log, ORL_LOG_ERROR, "eviction-failed", "s", "why", err.message);
     for (size_t i = 0; i < n_leaving; i++)
-        settle(storage, &list[i], rc == 0);
+        end_eviction(storage, &list[i], rc == 0);
 }
 
 enum shrink_how { SHRINK_AS_FAR_AS_IT_GOES, SHRINK_OR_LEAVE };
@@ -152,7 +153,7 @@ enum shrink_how { SHRINK_AS_FAR_AS_IT_GOES, SHRINK_OR_LEAVE };
  * Shrinks the data to at most that many bytes; returns the bytes left. SHRINK_OR_LEAVE evicts
  * nothing if evicting everything would not be enough.
  */
-static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_how how)
+static uint64_t shrink_to(struct orl_storage *storage, uint64_t most, enum shrink_how how)
 {
     uint64_t used = orl_storage_total(storage), stays = used;
     struct orl_stored_map *maps = NULL;
@@ -164,7 +165,7 @@ static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_h
     for (size_t i = 0; list && i < count; i++)
         stays -= list[i].bytes;
     if (list && count > 0 && (how == SHRINK_AS_FAR_AS_IT_GOES || stays <= most))
-        evict(storage, list, count, used - most);
+        evict_first(storage, list, count, used - most);
     free(list);
     free(maps);
     return orl_storage_total(storage);
@@ -200,7 +201,8 @@ static void set_room(struct orl_storage *storage)
 void orl_storage_trim(struct orl_storage *storage)
 {
     const uint64_t held = atomic_load(&storage->room.held);
-    shrink(storage, storage->budget > held ? storage->budget - held : 0, SHRINK_AS_FAR_AS_IT_GOES);
+    shrink_to(storage, storage->budget > held ? storage->budget - held : 0,
+              SHRINK_AS_FAR_AS_IT_GOES);
     set_room(storage);
 }
 
@@ -222,7 +224,7 @@ bool orl_storage_admit(struct orl_storage *storage, const struct orl_hold *hold,
     const uint64_t promised = (bytes > own ? bytes - own : 0) + atomic_load(&storage->room.held) +
                               orl_job_results_expected(storage->jobs);
     if (promised <= budget &&
-        shrink(storage, budget - promised, SHRINK_OR_LEAVE) <= budget - promised) {
+        shrink_to(storage, budget - promised, SHRINK_OR_LEAVE) <= budget - promised) {
         set_room(storage);
         return true;
     }

@@ -56,7 +56,7 @@ static struct field *find_field(struct splitter *s, const char *name)
 }
 
 /* Makes space for that many more bytes and a NUL. */
-static bool reserve(struct field *field, size_t more)
+static bool reserve_space(struct field *field, size_t more)
 {
     size_t room = field->room ? field->room : 256;
     while (room < field->length + more + 1)
@@ -84,7 +84,7 @@ static int append_to_field(struct splitter *s, const char *name, const char *dat
     }
     if (field->length + size > ORL_SERVER_FIELD_BYTES)
         return orl_error_set(s->err, ORL_ERR_LIMIT, "the form field '%s' is too long", name);
-    if (!reserve(field, size))
+    if (!reserve_space(field, size))
         return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
     if (size > 0)
         memcpy(*field->text + field->length, data, size);
@@ -117,8 +117,8 @@ static enum MHD_Result on_data(void *ctx, enum MHD_ValueKind kind, const char *f
     return s->rc == 0 ? MHD_YES : MHD_NO;
 }
 
-static int feed(struct splitter *s, struct MHD_PostProcessor *processor,
-                const struct orl_file *body)
+static int feed_body(struct splitter *s, struct MHD_PostProcessor *processor,
+                     const struct orl_file *body)
 {
     size_t at = 0;
     while (at < body->size && s->rc == 0) {
@@ -151,7 +151,7 @@ int orl_multipart_split(struct MHD_Connection *connection, const struct orl_file
         return orl_error_set(err, ORL_ERR_SYNTAX,
                              "the Content-Type of the multipart body names no boundary, or one of "
                              "a single character");
-    feed(&s, processor, body);
+    feed_body(&s, processor, body);
     if (MHD_destroy_post_processor(processor) != MHD_YES && s.rc == 0)
         s.rc = orl_error_set(err, ORL_ERR_SYNTAX, "the multipart/form-data body ends too early");
     orl_incoming_end(&s.file);

@@ -38,7 +38,7 @@ bool orl_is_zip_type(const char *type)
     return false;
 }
 
-static int refuse(struct orl_error *err, int code, const char *name, const char *what)
+static int refuse_entry(struct orl_error *err, int code, const char *name, const char *what)
 {
     orl_error_set(err, code, "the zip's entry '%.200s' is refused: %s", name, what);
     orl_error_at(err, name, 0, NULL);
@@ -109,14 +109,14 @@ static int check_kind(const struct unpacking *u, struct archive_entry *entry, co
     const char *format = archive_format_name(u->archive);
     if (archive_entry_symlink(entry) || archive_entry_hardlink(entry) ||
         archive_entry_filetype(entry) == AE_IFLNK)
-        return refuse(err, ORL_ERR_INVALID, name, "it is a link");
+        return refuse_entry(err, ORL_ERR_INVALID, name, "it is a link");
     if (archive_entry_filetype(entry) != AE_IFREG && archive_entry_filetype(entry) != AE_IFDIR)
-        return refuse(err, ORL_ERR_INVALID, name, "it is neither a file nor a folder");
+        return refuse_entry(err, ORL_ERR_INVALID, name, "it is neither a file nor a folder");
     if (archive_entry_is_encrypted(entry))
-        return refuse(err, ORL_ERR_UNSUPPORTED, name, "it is encrypted");
+        return refuse_entry(err, ORL_ERR_UNSUPPORTED, name, "it is encrypted");
     if (archive_entry_filetype(entry) == AE_IFREG && format && !strstr(format, "(deflation)") &&
         !strstr(format, "(uncompressed)"))
-        return refuse(err, ORL_ERR_UNSUPPORTED, name, "only deflate is known here");
+        return refuse_entry(err, ORL_ERR_UNSUPPORTED, name, "only deflate is known here");
     return 0;
 }
 
@@ -124,9 +124,10 @@ static int take_bytes(struct unpacking *u, const char *name, size_t size, struct
 {
     u->bytes += size;
     if (u->before + u->bytes > ORL_SERVER_SCENE_BYTES)
-        return refuse(err, ORL_ERR_LIMIT, name, "the upload unpacks to more than a scene may have");
+        return refuse_entry(err, ORL_ERR_LIMIT, name,
+                            "the upload unpacks to more than a scene may have");
     if (u->bytes > u->most_bytes)
-        return refuse(err, ORL_ERR_LIMIT, name, "the zip unpacks to too many times its size");
+        return refuse_entry(err, ORL_ERR_LIMIT, name, "the zip unpacks to too many times its size");
     return orl_incoming_append(&u->incoming, u->buffer, size, err);
 }
 
