@@ -299,8 +299,7 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
         rc = server->checks.lanes ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     orl_memory_open(&server->memory, server->config.memory_bytes);
-    server->shelf =
-        orl_shelf_new(server->config.shelf_bytes); /* NULL: jobs are slower without it */
+    server->shelf = orl_shelf_new(server->config.shelf_bytes); /* NULL: jobs are slower */
     return rc;
 }
 

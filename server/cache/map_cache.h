@@ -12,8 +12,9 @@
  * that is still being built.
  *
  * Durability: commit moves the synced file into maps/ first; the row follows on the loop thread
- * (flush). A crash in between leaves a file without a row, which the next start removes. The next
- * start also drops rows without files. A map that is removed loses its row first.
+ * (flush). A crash in between leaves a file without a row, which the next start sets aside
+ * (orphans.h). The next start also drops rows without files. A map that is removed loses its row
+ * first.
  *
  * Threads: one mutex; the store's functions from any worker, everything else on the loop thread.
  * Workers call wake, with the mutex released, when flush has something to do.

@@ -56,10 +56,10 @@ void orl_checks_open(struct orl_checks *checks, uv_loop_t *loop);
 void orl_checks_close(struct orl_checks *checks);
 
 /*
- * Like orl_request_work, once the check has its turn. run executes on the pool: it sends requests
- * to children by check->asking (ask.h). then must call orl_check_ended before anything else. run
- * may execute up to three times: once more with more memory, and once more after the check has
- * yielded.
+ * Begins a check, like orl_request_work, once it has its turn. `run` executes on the pool: it sends
+ * requests to children by check->asking (ask.h). `then` must call orl_check_ended before anything
+ * else. `run` may execute up to three times: once more with more memory, and once more after the
+ * check has yielded.
  */
 void orl_check_begin(struct orl_checks *checks, struct orl_check *check,
                      struct orl_request *request, orl_request_step run, orl_request_step then);

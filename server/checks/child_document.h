@@ -1,6 +1,7 @@
 /*
- * Checks a job's document together with its scene's files: the scenes that the states of shades
- * make, their schedules, matrices of other scenes, and glare masks (README.md has the table).
+ * Checks a job's document together with its scene's files (README.md has the table). These are the
+ * scenes that the states of shades make, their schedules, matrices of other scenes, and glare
+ * masks.
  */
 #ifndef ORL_SERVER_CHECKS_CHILD_DOCUMENT_H
 #define ORL_SERVER_CHECKS_CHILD_DOCUMENT_H

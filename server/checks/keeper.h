@@ -1,8 +1,8 @@
 /*
- * The keeper is a fork server: a process of the daemon's own program that only forks children, one
- * at a time, each for one check of untrusted data (child_checks.h). It is small, has one thread,
- * and has its libraries loaded, so a child costs a millisecond or two. It reads nothing of the data
- * that its children receive.
+ * The keeper is a fork server: a process of the daemon's own program that only forks children. Each
+ * child runs one check of untrusted data (child_checks.h); there is one child at a time. The keeper
+ * is small, has one thread, and has its libraries loaded, so a child costs a millisecond or two. It
+ * reads nothing of the data that its children receive.
  *
  * The daemon starts keepers and talks to them through lanes.h. A keeper ends with the daemon, and
  * its children end with the keeper.

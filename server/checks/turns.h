@@ -2,13 +2,13 @@
  * The scheduler of checks. It keeps long or large uploads of one client from delaying others:
  *
  * - The waiting client with the fewest running checks goes first, then the one that came first. If
- * there are several clients, none gets all the lanes.
+ *   there are several clients, none gets all the lanes.
  * - A check gets a small memory grant at first (ORL_SERVER_CHECK_FIRST, or its lane's share of the
- * free memory). If that is not enough, its larger grant still leaves some memory for the others.
+ *   free memory). If that is not enough, its larger grant still leaves some memory for the others.
  * - A check is long if it has run for more than ORL_SERVER_CHECK_QUICK_MS, or has the larger grant.
- * One lane is reserved for quick checks. If long checks hold all lanes while another check waits,
- * the last one started yields. It runs again from its start, in one of the other lanes, and yields
- * no more.
+ *   One lane is reserved for quick checks. If long checks hold all lanes while another check waits,
+ *   the last one started yields. It runs again from its start, in one of the other lanes, and
+ *   yields no more.
  *
  * If n clients have checks waiting, the quick check of another client waits for about n *
  * ORL_SERVER_CHECK_QUICK_MS at most.

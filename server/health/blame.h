@@ -1,14 +1,14 @@
 /*
- * Records why the daemon ended without a message: a page of the data folder (oriel.running) that
- * outlives the process, since the kernel keeps what has been stored to it.
+ * Records why the daemon ended without a message. The record is a page of the data folder
+ * (oriel.running). It outlives the process, since the kernel keeps what has been stored to it.
  *
  * Some signals end a process for a fault of its own. C++'s terminate is another such end: Embree
  * calls it when memory runs out where it cannot return an error. Their handlers store the job of
  * the faulting thread, and write two lines to the log: the job, and the place in the program.
  * SIGKILL, as from a kernel without memory, cannot be caught. It leaves the values that were stored
- * last: resident memory, number of running checks, and the number of processes that the kernel had
- * killed for lack of memory. They show that a restart of the machine, or a kill by another program,
- * is no job's fault.
+ * last: resident memory, number of running checks, and the kernel's count of processes killed for
+ * lack of memory. They show that a restart of the machine, or a kill by another program, is no
+ * job's fault.
  *
  * Threads: begin and end on any; the rest on the loop's. One daemon per process.
  */

@@ -11,8 +11,7 @@
 enum { MOST_FRAMES = 24, LINE_MAX_BYTES = 1024 };
 
 static bool lines_are_json;
-static int probe[2] = {-1,
-                       -1}; /* a pipe: write() to it fails for addresses that are not readable */
+static int probe[2] = {-1, -1}; /* a pipe: write() to it fails for unreadable addresses */
 
 static _Thread_local struct {
     uint64_t id;

@@ -7,7 +7,7 @@
 
 enum { ORL_BOOT_ID = 40 };
 
-/* The id of this boot; "" where the kernel does not say. */
+/* Writes the id of this boot; "" if the kernel does not report it. */
 void orl_machine_boot(char ret_id[ORL_BOOT_ID]);
 /* Returns the number of processes that the kernel has killed for memory since the boot, including
  * those killed by limits of control groups. UINT64_MAX if the kernel does not report it. */

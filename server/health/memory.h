@@ -2,11 +2,11 @@
  * The memory account of the daemon and its children: capacity, and the amounts promised to jobs and
  * checks.
  *
- * The capacity is --memory. By default it is nine tenths of the control group's limit (version 2
- * and 1, including the groups above) or of the memory available at the start, whichever is less. In
- * use are, first, the larger of two amounts: the daemon's own resident memory, or the estimates of
- * running jobs (job_memory.h) plus what was resident when none ran. Second, the grants of checks.
- * Work that does not fit now waits; work that can never fit is refused.
+ * The capacity is --memory. The default is the smaller of two amounts: nine tenths of the control
+ * group's limit (version 2 and 1, including the groups above), and the memory available at the
+ * start. Memory in use is the grants of checks plus the larger of two amounts. One is the daemon's
+ * own resident memory. The other is the estimates of running jobs (job_memory.h) plus what was
+ * resident when none ran. Work that does not fit now waits; work that can never fit is refused.
  *
  * Estimates of jobs are no bounds: a job that takes more is not ended. Grants of checks are bounds.
  * Threads: the loop thread only.

@@ -240,10 +240,10 @@ static bool count_read(const struct orl_connection *one, uint64_t *ret_taken, ui
 }
 
 /*
- * Returns true if the client keeps sending, but no body. The test is that two sweeps found the same
- * amount of body, and bytes lie unread although the connection is not suspended, or more bytes were
- * read than a chunk's first line has. It must hold twice in a row, since a sweep may come just
- * before bytes are read.
+ * Returns true if the client keeps sending data that is not body. Between two sweeps the amount of
+ * body has not changed. In addition, either bytes lie unread although the connection is not
+ * suspended, or more bytes were read than a chunk's first line has. It must hold twice in a row,
+ * since a sweep may come just before bytes are read.
  */
 static bool is_stuck(struct orl_connection *one)
 {

@@ -55,9 +55,9 @@ static void count_header(struct framing *framing, const char *name, const char *
 
 /*
  * Returns true if this header follows directly after the previous one. libmicrohttpd 0.9 ends a
- * value at a NUL, ends the headers at a line that begins with a NUL, and turns a continuation line
- * into another header. The bytes that it skipped show as a gap: it parses in place, so a line
- * begins one or two bytes (LF or CRLF, which it has overwritten) after the end of the previous
+ * value at a NUL, and the headers at a line that begins with a NUL. It turns a continuation line
+ * into another header. The bytes that it skipped show as a gap, since it parses in place. A line
+ * must begin one or two bytes (LF or CRLF, which it has overwritten) after the end of the previous
  * line. Later versions refuse all of this themselves.
  */
 static bool is_contiguous(const struct framing *framing, const char *at)

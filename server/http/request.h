@@ -82,8 +82,8 @@ void orl_request_work(struct orl_request *request, orl_request_step run, orl_req
 
 /*
  * The parts of orl_request_work, for operations that start later or not on the pool. wait makes the
- * operation pending and returns false, changing nothing, if one is pending already; queue sends run
- * to the pool; go_on ends the operation: it calls `then` and resumes the connection.
+ * operation pending. If one is pending already, wait changes nothing and returns false. queue sends
+ * `run` to the pool. go_on ends the operation: it calls `then` and resumes the connection.
  */
 bool orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then);
 void orl_request_queue(struct orl_request *request);

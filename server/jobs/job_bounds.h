@@ -7,9 +7,9 @@
 
 #include "jobs/jobs.h"
 
-/* Logs news of jobs' parts, stops jobs that run too long, and removes, a few at a time, the oldest
- * ended jobs that are too many or too old. Results that were not fetched yet are spared, as from
- * eviction (storage.h). Called about every second. */
+/* Enforces the bounds; called about every second. Logs news of jobs' parts, and stops jobs that run
+ * too long. Removes the oldest ended jobs that are too many or too old, a few at a time. Results
+ * that were not fetched yet are spared, as from eviction (storage.h). */
 void orl_jobs_bound(struct orl_jobs *jobs);
 
 #endif

@@ -14,8 +14,8 @@
 
 typedef void orl_job_bsdf_done(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome);
 
-/* Starts to store the BSDF. done is called in a later turn of the loop, with a copy of outcome
- * whose code and err report a failure, and without its bsdf. Returns false if the outcome has no
+/* Starts to store the BSDF. done is called in a later turn of the loop, with a copy of outcome. The
+ * copy has no bsdf, and its code and err report a failure. Returns false if the outcome has no
  * BSDF; done is not called then. */
 bool orl_job_bsdf_start(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
                         orl_job_bsdf_done *done);

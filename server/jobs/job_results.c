@@ -72,7 +72,7 @@ double orl_job_results_error(struct orl_jobs *jobs, const char *id)
     return job->achieved;
 }
 
-/* ---- Use ------------------------------------------------------------------------------------ */
+/* ---- Last use ------------------------------------------------------------------------------- */
 
 void orl_job_results_fetched(struct orl_jobs *jobs, const char *id)
 {

@@ -88,7 +88,7 @@ static void recover_jobs(struct orl_jobs *jobs)
 }
 
 /* Returns the job that continues a job's work: the job itself if it waits, or else the leader of
- * identical jobs, as after cancelling a leader with followers. */
+ * identical jobs. The latter occurs after a leader with followers was cancelled. */
 static const char *heir_of(void *ctx, const char *id, bool *ret_known)
 {
     const struct orl_jobs *jobs = ctx;

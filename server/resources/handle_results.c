@@ -90,8 +90,7 @@ struct final_file {
     struct stat st;
     char sha[ORL_SHA_HEX], tag[TAG_MAX];
     const char *type;
-    uint64_t
-        commit; /* commit of the job's end, which must be on disk before its results are sent */
+    uint64_t commit; /* commit of the job's end, waited for before its results are sent */
     int rc;
     struct orl_error err;
 };

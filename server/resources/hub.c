@@ -147,7 +147,7 @@ static void record_event(struct orl_hub *hub, const struct orl_jobs_job *job, co
     drop_oldest_events(hub);
 }
 
-/* ---- News ----------------------------------------------------------------------------------- */
+/* ---- Changes of jobs ------------------------------------------------------------------------ */
 
 static void look_at_job(void *ctx, const struct orl_jobs_job *job)
 {

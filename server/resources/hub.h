@@ -3,8 +3,7 @@
  *
  *     event: job        a JobSummary (job_summary.h): the job is new, or has changed
  *     event: removed    {"id"}
- *     event: reset      {}: earlier events are not known here, so the client must fetch its lists
- *     again
+ *     event: reset      {}: earlier events are not known here, so fetch all lists again
  *
  * The latest event of each job is kept, in order of arrival, up to ORL_SERVER_HUB_EVENTS events and
  * ORL_SERVER_HUB_BYTES. Ids are "<this daemon's start>-<serial>". A stream (event_stream.h) is a

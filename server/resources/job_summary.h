@@ -6,7 +6,7 @@
  *
  * error is the relative error so far of a job with accuracy. error, name, stage, percent and eta_s
  * are null if unknown or not applicable. queue_position is present while it waits. percent is
- * rounded to a tenth, eta_s to a second, so that smaller changes give an equal text and ETag.
+ * rounded to a tenth, eta_s to a second. Smaller changes give an equal text and an equal ETag.
  */
 #ifndef ORL_SERVER_RESOURCES_JOB_SUMMARY_H
 #define ORL_SERVER_RESOURCES_JOB_SUMMARY_H

@@ -7,9 +7,10 @@
  * removed before the folder becomes the job's results. The folder is removed with a job that fails
  * or is cancelled, and stays with one that is queued again.
  *
- * A folder is valid if its "+key" is the job's: the digest of the request, of the scene, and of the
- * program with all of its libraries (program.h), since another program might render other pictures.
- * So one job may continue with another's folder. A part is valid if its files match its note.
+ * A folder is valid if its "+key" is the job's. The key is a digest of the request, of the scene,
+ * and of the program with all of its libraries (program.h), since another program might render
+ * other pictures. So one job may continue with another's folder. A part is valid if its files match
+ * its note.
  *
  * Threads: any, one per folder.
  */

@@ -370,7 +370,7 @@ int orl_bsdf_output_write(const struct orl_bsdf_output *output, const char *fold
     return rc;
 }
 
-/* ---- Years ----------------------------------------------------------------------------------- */
+/* ---- Annual jobs ---------------------------------------------------------------------------- */
 
 static json_t *copy_or_null(const json_t *object, const char *key)
 {

@@ -122,7 +122,7 @@ static void study_needs(const struct orl_task *task, struct orl_job_memory *ret_
             ret_needs->photons = 2 * study->photons[i];
 }
 
-/* ---- Years ----------------------------------------------------------------------------------- */
+/* ---- Annual jobs ---------------------------------------------------------------------------- */
 
 /* Limits the pictures: one for every metric of every grid. */
 static int admit_annual(const struct orl_task *task, struct orl_error *err)

@@ -36,10 +36,8 @@
 
 struct orl_worker;
 
-enum {
-    ORL_WORKER_SKY = 80,
-    ORL_WORKER_WARNINGS = 32
-}; /* equals ORL_JOB_WARNINGS of job_output.h */
+/* ORL_WORKER_WARNINGS equals ORL_JOB_WARNINGS of job_output.h. */
+enum { ORL_WORKER_SKY = 80, ORL_WORKER_WARNINGS = 32 };
 
 /* A BSDF that a job has made, which scenes can name by its id. Owns its summary. */
 #define ORL_BSDF_MADE_FILE "bsdf.xml" /* its file in the results */
@@ -106,7 +104,7 @@ struct orl_job_progress {
     size_t n_points;
     struct orl_annual_refinement year; /* accuracy of an annual job with a goal, after its first
                                         * round */
-    /* If jobs can be split into parts; otherwise "". */
+    /* Set only where jobs can be split into parts; otherwise "". */
     char why_here[ORL_WHY_MAX]; /* reason why this one is split, or is not */
     bool in_parts;
     struct orl_parts_count parts;

@@ -63,8 +63,7 @@ struct orl_worker {
 /* Does the lead's work. Returns the job's code. */
 int orl_worker_lead(struct orl_worker *worker, struct orl_error *err);
 
-/* ---- What kinds of jobs do, by worker_run.c's table --------------------------------------------
- */
+/* ---- Runners of each kind of job, for worker_run.c's table ---------------------------------- */
 
 /* Defined in worker_study.c, worker_annual.c and worker_bsdf.c; render jobs use the functions
  * below. */

@@ -53,8 +53,7 @@ static int64_t blob_size(const struct orl_blobs *blobs, const char *sha)
 /* A blob whose row was deleted. Once that is safe on disk, the blob is removed unless it was
  * claimed meanwhile. */
 struct farewell {
-    struct orl_settling_wait
-        wait; /* must be the first member: the struct is found by its address */
+    struct orl_settling_wait wait; /* first member, whose address is the struct's */
     struct orl_blobs *blobs;
     char sha[ORL_SHA_HEX];
 };

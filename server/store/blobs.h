@@ -1,9 +1,9 @@
 /*
  * Reference counts of blobs, and their total size.
  *
- * A blob stays while a row names it (a file of a scene, a BSDF, a job's document), or while a
- * request that is about to write such a row claims it. When the last claim or row goes, a blob
- * without either is removed. So a failed upload leaves no blobs, and no blob is removed that
+ * A blob stays while a row names it: a file of a scene, a BSDF, a job's document. It also stays
+ * while a request that is about to write such a row claims it. When the last claim or row goes, a
+ * blob without either is removed. So a failed upload leaves no blobs, and no blob is removed that
  * another upload of identical bytes needs. If its row was deleted, the blob stays until that is
  * safe on disk (settling.h). A start sets blobs without a row aside (orphans.h).
  *

@@ -56,7 +56,7 @@ int orl_db_end(struct orl_db *db, int rc, struct orl_error *err);
 sqlite3_stmt *orl_db_prepare(struct orl_db *db, struct orl_error *err, const char *sql,
                              const char *types, ...);
 
-/* orl_db_prepare, one step that must yield no row, finalize. *ret_changes may be NULL. */
+/* Runs orl_db_prepare, one step that must yield no row, and finalize. *ret_changes may be NULL. */
 int orl_db_run(struct orl_db *db, struct orl_error *err, int *ret_changes, const char *sql,
                const char *types, ...);
 

@@ -12,8 +12,7 @@ struct discard {
 
 /* A file that is removed once its row's deletion is safe. */
 struct later {
-    struct orl_settling_wait
-        wait; /* must be the first member: the struct is found by its address */
+    struct orl_settling_wait wait; /* first member, whose address is the struct's */
     uv_loop_t *loop;
     const struct orl_folders *folders;
     char path[];

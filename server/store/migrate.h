@@ -3,7 +3,7 @@
  *
  * Migrations are numbered from 1 without gaps, append-only, each run in one transaction together
  * with the row that records its number and digest. A database with a later number than the
- * program's is refused (ORL_ERR_VERSION), as is one with a different recorded digest
+ * program's is refused (ORL_ERR_VERSION). So is one with a different recorded digest
  * (ORL_ERR_CORRUPT): a migration that has been applied somewhere may never be edited.
  *
  * Before the first new migration, a copy of the database is left beside it, as

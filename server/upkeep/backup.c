@@ -153,7 +153,7 @@ static int copy_listed_file(void *ctx, const struct orl_kept_file *file, struct 
     return rc;
 }
 
-/* ---- The whole ------------------------------------------------------------------------------ */
+/* ---- The copy ------------------------------------------------------------------------------- */
 
 static int copy_db(const char *data, const char *to, struct orl_error *err)
 {

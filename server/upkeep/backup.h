@@ -1,8 +1,8 @@
 /*
- * Makes a consistent copy of a data folder, with or without a running daemon: the database at one
- * moment, and the files that its rows name, each checked against its digest. Files that were
- * removed during the copy, or are damaged, are removed from the copy's database too. Photon maps
- * and loaded BSDFs are left out, since they can be made again.
+ * Makes a consistent copy of a data folder, with or without a running daemon. It copies the
+ * database at one moment, and the files that its rows name, each checked against its digest. Files
+ * that were removed during the copy, or are damaged, are removed from the copy's database too.
+ * Photon maps and loaded BSDFs are left out, since they can be made again.
  *
  * The copy is a data folder: a daemon started on it (better: on a copy of it) continues from there.
  */
