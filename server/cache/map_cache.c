@@ -157,7 +157,7 @@ static int cache_commit(void *ctx, const struct orl_map_info *info, struct orl_e
     if (rc == 0)
         rc = orl_rename_synced(building, path, err);
     if (rc) {
-        /* Gives up the build here, or the jobs that wait for it would wait forever. */
+        /* Gives up the build here; otherwise jobs would wait for it forever. */
         cache_abandon(cache, info->kind, info->key);
         return rc;
     }

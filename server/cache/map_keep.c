@@ -11,8 +11,7 @@
 #include "store/discard.h"
 #include "store/orphans.h"
 
-/* Returns true if the entry can be freed: the map is absent, unpinned, and its row is up to date.
- */
+/* Returns true if the entry can be freed: its map is absent and unpinned, its row up to date. */
 static bool is_spent(const struct orl_map_entry *entry)
 {
     return entry->state == ORL_MAP_IS_ABSENT && entry->pins == 0 && !entry->dirty;
@@ -220,8 +219,7 @@ int orl_map_cache_open(uv_loop_t *loop, const struct orl_folders *folders, struc
     *cache = (struct orl_map_cache){
         .loop = loop, .folders = folders, .db = db, .wake = wake, .wake_ctx = wake_ctx};
     pthread_mutex_init(&cache->mutex, NULL);
-    /* Waits use the monotonic clock, so that they do not lengthen when the wall clock is set back.
-     */
+    /* Waits use the monotonic clock, so a wall clock set back does not lengthen them. */
     pthread_condattr_t steady;
     pthread_condattr_init(&steady);
     pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);

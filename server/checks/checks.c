@@ -68,8 +68,7 @@ static void restart_check(struct orl_checks *checks, struct orl_check *check)
         wait_for_turn(checks, check);
 }
 
-/* Restarts the check with the largest memory grant if it ran out of memory. Returns true if it did.
- */
+/* Restarts the check with the largest memory grant if memory ran out. Returns true if it did. */
 static bool retry_with_more_memory(struct orl_checks *checks, struct orl_check *check)
 {
     const uint64_t most = orl_check_most(checks);

@@ -29,8 +29,7 @@ struct orl_check {
     struct orl_asking asking; /* request to a child, used on the pool */
     atomic_bool cancel;
     atomic_llong started_ms; /* on the monotonic clock; 0: still waiting */
-    bool late, starved;      /* why it was cancelled: late: it ran too long; starved: it waited too
-                              * long */
+    bool late, starved;      /* cancelled because it ran, or waited, for too long */
     bool yields;             /* cancelled to let another check have its turn */
     bool whole;              /* true if it has the largest memory grant of a single check */
     bool is_long;            /* true if it has yielded before */
@@ -71,8 +70,7 @@ void orl_check_begin(struct orl_checks *checks, struct orl_check *check,
  */
 bool orl_check_ended(struct orl_check *check, int *rc, struct orl_error *err);
 
-/* Cancels checks that ran or waited too long. Called about every second, and when the daemon stops.
- */
+/* Cancels checks that ran or waited too long. Called about every second, and at a stop. */
 void orl_checks_sweep(struct orl_checks *checks);
 
 #endif

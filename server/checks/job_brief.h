@@ -25,13 +25,11 @@ struct orl_job_brief {
     int priority;
     struct orl_labels labels;
     char scene[ORL_SHA_HEX], identity[ORL_SHA_HEX]; /* identity: job_share.h */
-    uint64_t result_bytes;                          /* estimated size of the results without the
-                                                     * following two */
-    uint64_t sensor_bytes, hour_bytes; /* further result bytes for each sensor of a file, and for
-                                        * each daylight hour of a year */
-    struct orl_job_memory needs;       /* estimated from the document alone */
-    bool whole; /* true if the files are checked with the document and all of the scene's files:
-                 * states of shades, matrices of other scenes, masks (child_document.h) */
+    uint64_t result_bytes;                          /* estimate, without the following two */
+    uint64_t sensor_bytes,
+        hour_bytes;               /* result bytes for each sensor of a file, each daylight hour */
+    struct orl_job_memory needs;  /* estimated from the document alone */
+    bool whole;                   /* checked with all of the scene's files (child_document.h) */
     struct orl_named_file *files; /* owned */
     size_t n_files, room;
 };

@@ -10,8 +10,7 @@
 
 struct orl_job_inputs {
     struct orl_bundle files; /* each file once */
-    bool whole;              /* true if the files are all of the scene's, and the document is read
-                              * with them */
+    bool whole;              /* files has the whole scene; read with the document */
     json_t *uses;            /* [name, role, entry or null] for each file to read; NULL: none */
 };
 void orl_job_inputs_done(struct orl_job_inputs *inputs); /* all zeros are allowed */

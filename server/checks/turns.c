@@ -68,8 +68,7 @@ static unsigned count_of(const struct orl_checks *checks, const struct orl_clien
 
 /* ---- Waiting checks ------------------------------------------------------------------------- */
 
-/* Returns true if one more check would give this client all the lanes, while several clients exist.
- */
+/* Returns true if one more check would give this client all the lanes, and others may exist. */
 static bool has_its_share(const struct orl_checks *checks, const struct orl_check *check)
 {
     return checks->config->needs_token &&

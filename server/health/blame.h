@@ -31,8 +31,7 @@ struct orl_past {
     uint64_t resident, capacity;
     char boot[ORL_BOOT_ID]; /* machine.h; "": unknown */
     uint64_t oom_kills;     /* the machine's count when last recorded */
-    bool rebooted, not_oom; /* since then: the machine has rebooted; the kernel has killed no
-                             * process for memory */
+    bool rebooted, not_oom; /* since then: a reboot; no process killed for memory */
 };
 
 /* The signum of a daemon that was ended because it did not stop when asked to. */
@@ -46,8 +45,7 @@ void orl_blame_close(void);
 /* Records memory and the number of checks. Called when they change, and about every second. */
 void orl_blame_note(const struct orl_memory *memory, uint32_t checks);
 
-/* Attributes the work of this thread to the job from now on. job is borrowed until orl_blame_end.
- */
+/* Attributes this thread's work to the job from now on. job is borrowed until orl_blame_end. */
 void orl_blame_begin(const char *job);
 void orl_blame_end(void);
 

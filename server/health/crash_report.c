@@ -30,8 +30,7 @@ void orl_crash_request_end(void)
     current.method = current.path = NULL;
 }
 
-/* ---- Lines, without the C library's formatted output ------------------------------------------
- */
+/* ---- Lines, without the C library's formatted output ---------------------------------------- */
 
 struct line {
     char text[LINE_MAX_BYTES];
@@ -137,8 +136,7 @@ static void end_line(struct line *line)
         return;
 }
 
-/* ---- The report -------------------------------------------------------------------------------
- */
+/* ---- The report ----------------------------------------------------------------------------- */
 
 static void write_request(void)
 {

@@ -39,8 +39,7 @@ struct orl_metrics {
     struct orl_histogram http[ORL_METRICS_ROUTES][ORL_METRICS_CLASSES];
     uint64_t ended[ORL_JOB_STATE_COUNT]; /* jobs that ran, by their final state */
     struct orl_health health;
-    struct orl_parts_count parts; /* counts of jobs that no longer run, so counts of waiting or
-                                   * running parts are 0 */
+    struct orl_parts_count parts; /* counts of ended jobs; waiting and running are 0 */
 };
 
 /* Upper bounds of the buckets in seconds, for requests and for stages. */

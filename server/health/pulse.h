@@ -20,7 +20,7 @@ struct orl_pulse {
     struct orl_histogram turns;
     double longest_s; /* longest turn so far */
     uv_work_t ping;
-    bool asked;    /* true while the pool has not started the ping */
+    bool asked;    /* true while a ping is pending */
     double at_s;   /* time of the ping */
     double last_s; /* latency of the last finished ping */
 };
@@ -32,7 +32,7 @@ void orl_pulse_turn(struct orl_pulse *pulse);
 /* Queues a ping on the pool. Called about every second. */
 void orl_pulse_ask(struct orl_pulse *pulse);
 
-/* Returns the age of the pending ping or the latency of the last one, in seconds. */
+/* Returns the larger of the pending ping's age and the last one's latency, in seconds. */
 double orl_pulse_pool_s(const struct orl_pulse *pulse);
 
 #endif

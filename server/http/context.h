@@ -34,8 +34,7 @@ struct orl_http_calls {
     /* Returns the number of jobs of a token, by its id, that wait or run. */
     uint64_t (*jobs_of)(const struct orl_server *server, const char *owner);
     void (*swept)(struct orl_server *server);  /* called every second */
-    void (*worked)(struct orl_server *server); /* called when a request's work has come back from
-                                                * the pool */
+    void (*worked)(struct orl_server *server); /* after each work of a request on the pool */
 };
 
 /* State of the HTTP layer. Borrows its pointers. */

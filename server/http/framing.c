@@ -12,8 +12,7 @@
 struct framing {
     unsigned hosts, lengths, codings;
     bool chunked;      /* the last transfer coding is chunked */
-    const char *end;   /* end of the previous version or value; the next header begins after that
-                        * line's end */
+    const char *end;   /* end of the previous version or value */
     const char *fault; /* first fault found */
 };
 

@@ -5,8 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Returns how specific a matching range is: 3 the full name, 2 its type, 1 anything; 0: no match.
- */
+/* Returns how specific a matching range is: 3 the name, 2 its type, 1 anything; 0: no match. */
 static int closeness(const char *range, size_t length, const char *name)
 {
     const char *slash = strchr(name, '/');

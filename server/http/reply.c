@@ -38,8 +38,7 @@ void orl_reply_header(struct orl_request *request, const char *name, const char 
         MHD_add_response_header(request->response, name, value);
 }
 
-/* Ten digits are enough for reading seconds and percents; results are files, with full precision.
- */
+/* Ten digits suffice for seconds and percents; results are files, with full precision. */
 char *orl_reply_text_of(json_t *json)
 {
     char *text = json ? orl_json_text(json, JSON_COMPACT | JSON_REAL_PRECISION(10)) : NULL;

@@ -252,8 +252,7 @@ static enum MHD_Result call_handler(struct orl_request *request)
     if (request->response && !request->working)
         return send_response(request);
     if (!request->working)
-        return MHD_NO; /* the handler neither replied nor started work: a bug; the connection is
-                        * closed */
+        return MHD_NO; /* the handler neither replied nor started work: a bug */
     MHD_suspend_connection(request->connection);
     return MHD_YES;
 }

@@ -71,8 +71,7 @@ static gnutls_datum_t datum_of(char *text)
     return (gnutls_datum_t){(unsigned char *)text, (unsigned)strlen(text)};
 }
 
-/* Checks that the chain's first certificate has the public half of the key. Returns a GnuTLS code.
- */
+/* Checks that the first certificate has the key's public half. Returns a GnuTLS code. */
 static int check_pair(const struct orl_certificate *certificate)
 {
     unsigned char of_key[64], of_cert[64];

@@ -30,8 +30,7 @@ void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state);
  * goal. The value is remembered. */
 double orl_job_results_error(struct orl_jobs *jobs, const char *id);
 
-/* fetched: records that a client read the results. flush: writes these times for all jobs at once.
- */
+/* fetched: records that a client read the results. flush: writes these times to the rows. */
 void orl_job_results_fetched(struct orl_jobs *jobs, const char *id);
 void orl_job_results_flush(struct orl_jobs *jobs);
 /* Returns when the results were last used, milliseconds since 1970. */

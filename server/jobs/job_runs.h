@@ -15,8 +15,7 @@ struct orl_jobs {
     struct orl_queue *queue;
     struct orl_jobs_job *leaders; /* leaders that wait or run */
     uint32_t n_workers;
-    bool alone;                                 /* true if no other job may start beside the running
-                                                 * one */
+    bool alone;                                 /* no other job may start beside the running one */
     const struct orl_jobs_job *short_of_memory; /* the next job, if it waits for memory */
     struct orl_jobs_job *buckets[ORL_JOBS_BUCKETS];
     size_t counts[ORL_JOB_STATE_COUNT];
@@ -24,8 +23,7 @@ struct orl_jobs {
     uint64_t expected_bytes; /* expected size of results of jobs that wait or run */
     size_t n_unsaved;        /* jobs whose rows could not be written, or are about to be */
     bool batch;              /* true while rows are gathered for one transaction */
-    struct orl_settling_wait settling; /* wait for the rows of ended jobs; in use while settles is
-                                        * true */
+    struct orl_settling_wait settling; /* wait for ended jobs' rows, if settles is true */
     bool settles;
     bool stopping, held; /* stopping or held: no job starts */
 };

@@ -53,8 +53,7 @@ struct orl_jobs_job {
     bool late;                 /* stopped by the time limit */
     bool settling;             /* a leader whose results are being copied to its followers */
     bool unsaved;              /* the row in the database is out of date */
-    uint64_t commit;           /* number of the commit that wrote the row, or of a later one:
-                                * settling.h */
+    uint64_t commit;           /* commit with the row, or a later one: settling.h */
     bool fetched;              /* the last fetch time is not yet saved to the row */
     /* job_share.h. leader is NULL in a leader. */
     struct orl_jobs_job *leader, *followers, *next_follower, *next_leader;
@@ -70,8 +69,7 @@ struct orl_jobs_env {
     struct orl_map_cache *maps;
     struct orl_shelf *shelf;              /* memory cache shared by all jobs; or NULL */
     const struct orl_shared_place *place; /* NULL: no job is split into parts */
-    const struct orl_past *past;          /* how the previous daemon ended; used while jobs are
-                                           * opened */
+    const struct orl_past *past;          /* end of the previous daemon; for orl_jobs_open */
     struct orl_memory *memory;            /* account of the memory of running jobs */
     char program[ORL_SHA_HEX];            /* program.h */
     const struct orl_log *log;
@@ -85,8 +83,7 @@ struct orl_jobs_env {
     /* Called when a job is new, its state has changed, or it was asked to stop. */
     void (*changed)(void *ctx, const struct orl_jobs_job *job);
     void (*leaving)(void *ctx, const struct orl_jobs_job *job); /* called before a job is removed */
-    void (*idle)(void *ctx); /* called after orl_jobs_stop or orl_jobs_drain, when no job runs any
-                              * more */
+    void (*idle)(void *ctx); /* called once no job runs after a stop or drain */
     void *ctx;
 };
 

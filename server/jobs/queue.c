@@ -111,8 +111,7 @@ void orl_queue_remove(struct orl_queue *queue, struct orl_queue_entry *entry)
         client_is_idle(queue);
 }
 
-/* Compares the first entries of two clients, which have one priority: returns true if a goes first.
- */
+/* Compares the first entries, of one priority, of two clients: returns true if a goes first. */
 static bool goes_first(const struct orl_queue_entry *a, const struct orl_queue_entry *b)
 {
     return a->client->turn != b->client->turn ? a->client->turn < b->client->turn

@@ -64,8 +64,7 @@ bool orl_time_parse(const char *text, int64_t *ret_ms)
             fraction += scale * (*rest - '0');
     }
     const struct tm given = utc;
-    const int64_t seconds = timegm(&utc); /* timegm turns the 30th of February into March, so the
-                                           * fields are compared below */
+    const int64_t seconds = timegm(&utc); /* makes the 30th of February March: compared below */
     *ret_ms = 1000 * seconds + fraction;
     return strcmp(rest, "Z") == 0 && seconds >= 0 && utc.tm_mon == given.tm_mon &&
            utc.tm_mday == given.tm_mday && given.tm_sec < 60;

@@ -220,8 +220,7 @@ static int estimate_memory(struct orl_server *server, struct job_post *post,
     return orl_kinds[post->brief.kind].suits(&contents, &post->err);
 }
 
-/* Refuses a job that can never fit in memory. Called before its sensors' file is read, and after.
- */
+/* Refuses a job that can never fit in memory. Called before and after reading its sensors. */
 static int check_memory(const struct orl_server *server, struct job_post *post)
 {
     const uint64_t most = orl_memory_most(&server->memory);

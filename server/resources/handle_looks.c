@@ -146,8 +146,7 @@ static struct look *make_look(struct orl_request *request, const struct orl_item
     return look;
 }
 
-/* Reads a number from an argument, if given. Returns false after a reply: the argument is invalid.
- */
+/* Reads a number from an argument, if given. Returns false after a reply: it is invalid. */
 static bool take_number(struct orl_request *request, const char *name, double low, double high,
                         double *number)
 {

@@ -242,8 +242,7 @@ static double resident_bytes(void)
         return 0;
     const char *line = fgets(text, sizeof text, statm);
     fclose(statm);
-    const char *second = line ? strchr(line, ' ') : NULL; /* resident pages; the first number is the
-                                                           * total */
+    const char *second = line ? strchr(line, ' ') : NULL; /* resident pages follow the total */
     return second ? (double)strtol(second, NULL, 10) * (double)sysconf(_SC_PAGESIZE) : 0;
 }
 

@@ -185,8 +185,7 @@ static void send_file(struct orl_request *request, const struct shown *shown, co
     if (!shown->running && orl_reply_if_none_match(request, tag))
         return;
     const int fd = open_file(request, shown, name);
-    if (fd < 0 && errno == ENOENT && shown->running) { /* the files of a cancelled job are removed
-                                                        * when it stops */
+    if (fd < 0 && errno == ENOENT && shown->running) { /* a cancelled job has removed its files */
         refuse_for_now(request, shown->job);
         return;
     }
@@ -229,7 +228,7 @@ static char *find_summary(struct orl_request *request, struct shown *shown)
     return job->row.state != ORL_JOB_FAILED && job->outcome ? strdup(job->outcome) : NULL;
 }
 
-/* Finds the job's results. Returns false after a 404 or 409. A job has results after its first
+/* Finds the job's results. Returns false after a 404, 409 or 503. A job has results after its first
  * round or view, when it has succeeded, and when it was cancelled with some skies finished. */
 static bool find_results(struct orl_request *request, struct shown *ret_shown)
 {

@@ -15,8 +15,7 @@ void orl_handle_metrics(struct orl_request *request); /* handle_metrics.c */
 void orl_handle_openapi(struct orl_request *request);
 void orl_handle_limits(struct orl_request *request);
 
-/* handle_dashboard.c: is_wanted: true if the client prefers the page to the index; reply: sends it
- */
+/* handle_dashboard.c: is_wanted returns true if the client prefers the page to the index */
 bool orl_dashboard_is_wanted(const struct orl_request *request);
 void orl_dashboard_reply(struct orl_request *request);
 void orl_handle_dashboard_file(struct orl_request *request);
@@ -31,8 +30,7 @@ void orl_handle_bsdf_post(struct orl_request *request);
 void orl_handle_bsdf_get(struct orl_request *request);
 void orl_handle_bsdf_delete(struct orl_request *request);
 
-/* handle_looks.c: previews: a scene's floor plan, the directions into which a BSDF scatters light
- */
+/* handle_looks.c: previews: a scene's floor plan, directions of light from a BSDF */
 void orl_handle_scene_outline(struct orl_request *request);
 void orl_handle_bsdf_polar(struct orl_request *request);
 

@@ -36,8 +36,7 @@ struct orl_hub {
     char start[17]; /* random; identifies this run of the daemon */
     struct event *oldest, *newest;
     size_t count, bytes;
-    uint64_t serial, let_go; /* serial: of the newest event so far; let_go: of the newest dropped
-                              * event */
+    uint64_t serial, let_go; /* newest event so far; newest dropped event */
 };
 
 /* ---- Events --------------------------------------------------------------------------------- */

@@ -16,8 +16,7 @@ struct orl_scene_upload {
     json_t *choice; /* choices of a project: {"states", "sky"}; NULL: no choice */
     bool listed;    /* the summary must list what the project contains */
     bool guessed;   /* main files were not named (main_files.h) */
-    char *mains;    /* names of the main files, in order, one per line; NULL: by the rules of each
-                     * form */
+    char *mains;    /* main files in order, one per line; NULL: by each form's rules */
     char *summary;  /* JSON text, once checked */
 };
 

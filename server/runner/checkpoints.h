@@ -35,8 +35,7 @@ void orl_checkpoint_folder(const struct orl_folders *folders, const char *job_id
                            char ret_path[ORL_PATH_MAX]);
 /* Makes the folder. Keeps its contents if they were made with that key. */
 int orl_checkpoint_open(const char *folder, const char *key, struct orl_error *err);
-/* Removes the files that are not for users, including photon maps of rounds and half-written files.
- */
+/* Removes the files that are not for users, such as photon maps of rounds. */
 void orl_checkpoint_forget(const char *folder);
 /* Moves a job's work folder to a job that continues its work. Returns false if that job has its own
  * folder. */
@@ -65,8 +64,7 @@ bool orl_checkpoint_find(const char *folder, const char *part, json_t **ret_file
 json_t *orl_checkpoint_view_to_json(const struct orl_view_result *view);
 bool orl_checkpoint_view_from_json(const json_t *json, struct orl_view_result *ret_view);
 
-/* Write the sensors' numbers to a file, synced, and read them into a result that has room for them.
- */
+/* Write the sensors' numbers to a synced file, and read them into a result with room for them. */
 int orl_checkpoint_sensors_write(const char *folder, const char *name,
                                  const struct orl_result *result, struct orl_error *err);
 bool orl_checkpoint_sensors_read(const char *folder, const char *name, struct orl_result *result);

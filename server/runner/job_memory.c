@@ -53,8 +53,7 @@ static void list_parts(const struct orl_job_memory *needs, struct part ret_parts
     /* Sums of a block of sensors, and maps of sunlight. Behind windows with BSDFs the peak of an
      * annual job of 570 sensors rose by 42 MB for each set. */
     enum { SUN_NODES = 48 << 20 };
-    /* A tenth more: on a busy machine, the peak of the process was 2 MB above the 19 MB of values.
-     */
+    /* A tenth more: on a busy machine, the process's peak was 2 MB above 19 MB of values. */
     const uint64_t values = needs->array_bytes * (needs->sensors + needs->file_sensors);
     const uint64_t arrays = values + values / 10;
     const uint64_t hours = orl_job_memory_hours(needs);

@@ -31,8 +31,7 @@ struct orl_job_memory {
     uint64_t seats;        /* glare viewpoints of an annual job: the most that are rated together */
     uint64_t matrix_bytes; /* matrices read from files, with their products */
     uint64_t window_groups; /* window groups of an annual job with shades */
-    uint64_t sun_nodes;     /* sets of the default number of sun nodes in an annual job, beyond
-                             * the first */
+    uint64_t sun_nodes;     /* sets of sun nodes of an annual job, beyond the first */
 };
 
 /* Files of matrices have this many floats for each value in memory. */

@@ -102,8 +102,7 @@ struct orl_job_progress {
     size_t n_settings;                    /* points that it will have */
     const struct orl_study_point *points; /* finished points; valid until the loop's next turn */
     size_t n_points;
-    struct orl_annual_refinement year; /* accuracy of an annual job with a goal, after its first
-                                        * round */
+    struct orl_annual_refinement year; /* accuracy of an annual job after its first round */
     /* Set only where jobs can be split into parts; otherwise "". */
     char why_here[ORL_WHY_MAX]; /* reason why this one is split, or is not */
     bool in_parts;

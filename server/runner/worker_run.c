@@ -25,8 +25,7 @@ static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
     else
         rc = orl_error_set(err, ORL_ERR_CORRUPT, "the job's document is damaged in the store");
     orl_json_heed(NULL);
-    /* Parsing leaves many times the needed memory free in small pieces, so return it to the system.
-     */
+    /* Parsing leaves many small pieces of memory free, so return them to the system. */
     if (file.size > ORL_SERVER_SMALL_JSON)
         malloc_trim(0);
     orl_unmap_file(&file);

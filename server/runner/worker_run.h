@@ -29,8 +29,7 @@ struct orl_worker {
     struct orl_crew *crew;
     struct orl_worker_member *members;
     uint32_t queued;                   /* pool works that have not come back; loop thread */
-    struct orl_worker_outcome outcome; /* written by the lead, then by the loop once all works are
-                                        * back */
+    struct orl_worker_outcome outcome; /* the lead's, then the loop's once all are back */
     atomic_bool cancel, stopped;
     bool keeps; /* true if checkpoints stay when stopped; used by the lead */
     atomic_int stage, stage_ppm, job_ppm, technique;
@@ -76,8 +75,7 @@ int orl_worker_run_bsdf(struct orl_worker *worker, struct orl_task *task,
 int orl_worker_run_fit(struct orl_worker *worker, struct orl_task *task,
                        const struct orl_files *files, struct orl_error *err);
 
-/* ---- worker_render.c ---------------------------------------------------------------------------
- */
+/* ---- worker_render.c ------------------------------------------------------------------------ */
 
 /* Returns the callbacks of orl_run, for a job without several skies and for one sky. */
 struct orl_run_env orl_worker_env(struct orl_worker *worker, const struct orl_files *files);
@@ -92,8 +90,7 @@ void orl_worker_add_times(struct orl_worker *worker, const struct orl_result *re
 int orl_worker_render(struct orl_worker *worker, const struct orl_job *job,
                       const struct orl_files *files, struct orl_error *err);
 
-/* ---- worker_shared.c ---------------------------------------------------------------------------
- */
+/* ---- worker_shared.c ------------------------------------------------------------------------ */
 
 /* Decides if the job is split into parts, and sets up its shared folder. The caller must call
  * orl_worker_unshare, even after an error. */
@@ -102,8 +99,7 @@ int orl_worker_share(struct orl_worker *worker, const struct orl_task *task, str
  * for the restart. */
 void orl_worker_unshare(struct orl_worker *worker, int code);
 
-/* ---- worker_skies.c ----------------------------------------------------------------------------
- */
+/* ---- worker_skies.c ------------------------------------------------------------------------- */
 
 int orl_worker_render_skies(struct orl_worker *worker, const struct orl_job *job,
                             const struct orl_files *files, struct orl_error *err);

@@ -78,8 +78,7 @@ int orl_bundle_check_name(const char *name, struct orl_error *err)
     const char *fault = name_fault(name);
     if (!fault)
         return 0;
-    /* The message repeats the name, so characters that JSON or a terminal cannot show are replaced.
-     */
+    /* The message repeats the name without characters that JSON or terminals cannot show. */
     char shown[81];
     snprintf(shown, sizeof shown, "%s", name);
     for (char *c = shown; *c; c++)
@@ -162,8 +161,7 @@ static bool comes_after(const struct orl_bundle_file *a, const struct orl_bundle
 
 void orl_bundle_sort(struct orl_bundle *bundle)
 {
-    /* Insertion sort is stable, which keeps the order of main files; there are at most 512 files.
-     */
+    /* Insertion sort keeps the order of main files; there are at most 512 files. */
     for (size_t i = 1; i < bundle->count; i++) {
         const struct orl_bundle_file file = bundle->files[i];
         size_t k = i;

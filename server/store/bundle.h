@@ -58,8 +58,7 @@ void orl_bundle_remove(struct orl_bundle *bundle, size_t place);
 /* Moves the temporary files of `from` to bundle, which then owns them. */
 int orl_bundle_move(struct orl_bundle *from, struct orl_bundle *bundle, struct orl_error *err);
 
-/* sort: puts main files first, and sorts resources. id: computes the id. Every sha must be known.
- */
+/* sort: puts main files first, and sorts resources. id: computes the id; needs every sha. */
 void orl_bundle_sort(struct orl_bundle *bundle);
 int orl_bundle_id(const struct orl_bundle *bundle, char ret_id[ORL_SHA_HEX], struct orl_error *err);
 

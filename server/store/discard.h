@@ -12,8 +12,7 @@
 #include "store/folders.h"
 #include "store/settling.h"
 
-/* Removes a file or a folder; a missing one is no error. Borrows folders until the loop has ended.
- */
+/* Removes a file or a folder, if it exists. Borrows folders until the loop has ended. */
 void orl_discard(uv_loop_t *loop, const struct orl_folders *folders, const char *path);
 /* Removes it later, once all commits so far are safe on disk. So no power cut can bring back a row
  * that names it. If that fails, the file stays for the next start. */

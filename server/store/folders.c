@@ -204,8 +204,7 @@ int orl_blob_keep(const struct orl_folders *folders, const char *temporary, cons
     orl_folders_path(folders, folder, "blobs/%.2s", sha);
     if (is_whole(folders, sha)) {
         unlink(temporary);
-        /* Another upload may have put it there a moment ago, without having synced its folder yet.
-         */
+        /* Another upload may have just put it there, without having synced its folder yet. */
         rc = orl_sync_path(folder, err);
         orl_folders_path(folders, folder, "blobs");
         return rc ? rc : orl_sync_path(folder, err);

@@ -28,8 +28,7 @@ struct orl_hold;
 struct orl_folders {
     char root[ORL_ROOT_MAX];
     int lock_fd;
-    int64_t start_ms;      /* time of opening, milliseconds since 1970: names the folder for orphans
-                            * (orphans.h) */
+    int64_t start_ms;      /* time of opening, ms since 1970: names the orphans' folder */
     struct orl_hold *hold; /* reservation for a request's files in tmp/ (hold.h), or NULL */
 };
 

@@ -17,8 +17,7 @@ static struct orl_stored_place read_place(sqlite3_stmt *stmt)
     return place;
 }
 
-/* Ends the iteration after the last step. Returns visit's code, or the error that ended the rows.
- */
+/* Ends the iteration after the last step. Returns visit's code, or the database's error. */
 static int end_rows(struct orl_db *db, sqlite3_stmt *stmt, int rc, int step, struct orl_error *err)
 {
     if (rc == 0 && step != SQLITE_DONE)

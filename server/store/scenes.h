@@ -17,8 +17,7 @@ struct orl_stored_item {
     char *summary; /* JSON text, owned; free() */
 };
 
-/* Inserts a scene in one transaction. If a scene of that id exists already, *ret_created is false.
- */
+/* Inserts a scene in one transaction. *ret_created is false if a scene of that id exists. */
 int orl_scene_insert(struct orl_db *db, const char *id, const struct orl_bundle *bundle,
                      const char *summary, bool *ret_created, struct orl_error *err);
 int orl_scene_find(struct orl_db *db, const char *id, struct orl_stored_item *ret_scene,

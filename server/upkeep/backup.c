@@ -116,8 +116,7 @@ static int copy_file(const struct copy *copy, const struct orl_kept_file *file, 
 
 /* ---- Rows of missing files ------------------------------------------------------------------ */
 
-/* Deletes the rows of a blob. Jobs that need it can never run and are cancelled; ended jobs stay.
- */
+/* Deletes the rows of a blob. Cancels jobs that need it; ended jobs stay. */
 static int forget_blob(struct orl_db *db, const char *sha, struct orl_error *err)
 {
     static const char *const statements[] = {

@@ -119,9 +119,9 @@ static void end_eviction(struct orl_storage *storage, const struct candidate *ca
 }
 
 /*
- * Evicts the first of the list until so many bytes are freed. Their rows go in one transaction,
- * with one sync; then their files. If the database refuses, all of them stay, and more recently
- * used ones are not evicted in their place.
+ * Evicts the first of the list until so many bytes are freed. Their rows go in one transaction;
+ * then their files. If the database refuses, all of them stay, and more recently used ones are not
+ * evicted in their place.
  */
 static void evict_first(struct orl_storage *storage, struct candidate *list, size_t count,
                         uint64_t bytes)

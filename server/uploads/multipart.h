@@ -11,8 +11,7 @@
 #include "store/bundle.h"
 
 struct orl_multipart {
-    struct orl_bundle files; /* in the order sent; temporary, so that orl_multipart_done removes
-                              * them */
+    struct orl_bundle files; /* in the order sent; temporary */
     struct orl_bundle zips;  /* likewise: zips to be unpacked */
     char *bsdfs;             /* the field "bsdfs", NUL-terminated, or NULL */
     char *mains;             /* the fields "main", one per line, or NULL */

@@ -23,8 +23,7 @@ struct unpacking {
     struct archive *archive;
     struct orl_bundle files; /* so far; all are resources */
     struct orl_incoming incoming;
-    uint64_t before, bytes, most_bytes; /* before: bytes of the upload's other files; bytes:
-                                         * unpacked */
+    uint64_t before, bytes, most_bytes; /* before: bytes of other files; bytes: unpacked */
     char *buffer;
 };
 
