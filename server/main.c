@@ -45,7 +45,7 @@ static void raise_file_limit(void)
     }
 }
 
-static int complain(const struct orl_error *err, int status)
+static int print_error(const struct orl_error *err, int status)
 {
     char text[3 * ORL_ERROR_TEXT_MAX];
     orl_error_format(err, text, sizeof text);
@@ -72,7 +72,7 @@ int main(int argc, char **argv)
     if (argc > 1 && strcmp(argv[1], "token") == 0)
         return orl_token_command(argc - 1, argv + 1);
     if (orl_config_parse(argc, argv, &config, &action, &err))
-        return complain(&err, 2);
+        return print_error(&err, 2);
     if (action == ORL_CONFIG_HELP) {
         orl_config_help(stdout);
         return 0;
@@ -90,6 +90,6 @@ int main(int argc, char **argv)
     orl_signal_ignore(SIGHUP);
     signal(SIGXFSZ, SIG_IGN); /* so does a write that grows a file beyond ulimit -f */
     if (orl_server_run(&config, &orl_routes, announce, &err))
-        return complain(&err, 1);
+        return print_error(&err, 1);
     return 0;
 }

@@ -74,7 +74,7 @@ static void on_jobs_idle(void *ctx)
     stop_if_quiet(server);
 }
 
-static void look_at_disk(struct orl_server *server)
+static void check_disk(struct orl_server *server)
 {
     if (!orl_disk_room_look(&server->disk))
         return;
@@ -85,7 +85,7 @@ static void look_at_disk(struct orl_server *server)
 static void on_saving(uv_timer_t *timer)
 {
     struct orl_server *server = timer->data;
-    look_at_disk(server);
+    check_disk(server);
     orl_jobs_save(server->jobs);
     orl_blame_note(&server->memory, server->checks.count);
     orl_jobs_bound(server->jobs);
@@ -303,7 +303,7 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     return rc;
 }
 
-static int note_token(void *ctx, const struct orl_token_row *row)
+static int record_any_token(void *ctx, const struct orl_token_row *row)
 {
     (void)row;
     *(bool *)ctx = true;
@@ -316,7 +316,7 @@ static int open_tokens(struct orl_server *server, struct orl_error *err)
     bool any = false;
     if (!server->config.needs_token)
         return 0;
-    int rc = orl_token_rows(&server->db, note_token, &any, err);
+    int rc = orl_token_rows(&server->db, record_any_token, &any, err);
     if (rc == 0) {
         server->context.token_finder = orl_token_finder(&server->db, err);
         rc = server->context.token_finder ? 0 : ORL_ERR_IO;

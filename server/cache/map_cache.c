@@ -43,7 +43,7 @@ struct orl_map_entry *orl_map_add(struct orl_map_cache *cache, const char *kind,
 
 /* Waits up to 50 ms for an entry to change. The wait is short because the cancel flag does not
  * signal the condition variable. */
-static void wait_a_moment(struct orl_map_cache *cache)
+static void wait_for_change(struct orl_map_cache *cache)
 {
     enum { MOMENT_NS = 50 * 1000 * 1000 };
     struct timespec until;
@@ -56,7 +56,7 @@ static void wait_a_moment(struct orl_map_cache *cache)
     pthread_cond_timedwait(&cache->changed, &cache->mutex, &until);
 }
 
-static void note_hit(struct orl_map_cache *cache, struct orl_map_entry *entry)
+static void record_hit(struct orl_map_cache *cache, struct orl_map_entry *entry)
 {
     cache->hits++;
     entry->pins++;
@@ -91,14 +91,14 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
             rc = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while another job built the map");
             break;
         }
-        wait_a_moment(cache);
+        wait_for_change(cache);
         entry = orl_map_add(cache, kind, key);
         if (!entry)
             rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     if (rc == 0 && is_ready(cache, entry)) {
         hit = true;
-        note_hit(cache, entry);
+        record_hit(cache, entry);
         *ret_info = entry->map.info;
         ret_info->cached = true;
         orl_map_path(cache, kind, key, ret_path);
@@ -204,7 +204,7 @@ static int cache_find_smaller(void *ctx, const char *kind, const char *family, u
             best = entry;
     }
     if (best) {
-        note_hit(cache, best);
+        record_hit(cache, best);
         *ret_info = best->map.info;
         orl_map_path(cache, kind, ret_info->key, ret_path);
     }

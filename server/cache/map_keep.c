@@ -33,7 +33,8 @@ static void drop_spent(struct orl_map_cache *cache)
 
 /* Copies the next entry whose row must be written, since the database is too slow to hold the
  * workers' mutex meanwhile. Returns false if there is none. */
-static bool take_dirty(struct orl_map_cache *cache, struct orl_stored_map *ret_map, bool *ret_ready)
+static bool copy_dirty_row(struct orl_map_cache *cache, struct orl_stored_map *ret_map,
+                           bool *ret_ready)
 {
     pthread_mutex_lock(&cache->mutex);
     struct orl_map_entry *entry = cache->entries;
@@ -57,7 +58,7 @@ int orl_map_cache_flush(struct orl_map_cache *cache, struct orl_error *err)
     struct orl_stored_map map;
     bool ready = false, begun = false;
     int rc = 0;
-    while (rc == 0 && take_dirty(cache, &map, &ready)) {
+    while (rc == 0 && copy_dirty_row(cache, &map, &ready)) {
         if (!begun)
             rc = orl_db_begin(cache->db, err);
         begun = rc == 0;
@@ -83,7 +84,7 @@ void orl_map_cache_totals(struct orl_map_cache *cache, struct orl_map_cache_tota
     pthread_mutex_unlock(&cache->mutex);
 }
 
-static int by_last_use(const void *a, const void *b)
+static int compare_last_use(const void *a, const void *b)
 {
     const struct orl_stored_map *x = a, *y = b;
     if (x->last_used_ms != y->last_used_ms)
@@ -107,7 +108,7 @@ int orl_map_cache_list(struct orl_map_cache *cache, struct orl_stored_map **ret_
     pthread_mutex_unlock(&cache->mutex);
     if (!maps)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    qsort(maps, count, sizeof *maps, by_last_use);
+    qsort(maps, count, sizeof *maps, compare_last_use);
     *ret_maps = maps;
     *ret_count = count;
     return 0;

@@ -33,8 +33,8 @@ void orl_job_inputs_done(struct orl_job_inputs *inputs)
     *inputs = (struct orl_job_inputs){0};
 }
 
-static int note_use(const struct orl_named_file *named, const char *name,
-                    struct orl_job_inputs *inputs, struct orl_error *err)
+static int add_use(const struct orl_named_file *named, const char *name,
+                   struct orl_job_inputs *inputs, struct orl_error *err)
 {
     if (!inputs->uses)
         inputs->uses = json_array();
@@ -88,7 +88,7 @@ int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bund
         const bool again =
             rc == 0 && named->role == ORL_FILE_WEATHER && is_same_year(weather[at], named);
         if (rc == 0 && !again)
-            rc = note_use(named, file->name, inputs, err);
+            rc = add_use(named, file->name, inputs, err);
         if (named->role == ORL_FILE_WEATHER)
             weather[at] = named;
     }

@@ -203,7 +203,7 @@ static int refuse_packet(struct talk *t)
     return orl_error_set(t->err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
 }
 
-static int take_packet(struct talk *t, char kind, char *data, size_t size)
+static int handle_packet(struct talk *t, char kind, char *data, size_t size)
 {
     struct orl_asking *asking = t->asking;
     switch (kind) {
@@ -241,7 +241,7 @@ static int receive_verdict(struct talk *t)
             break;
         const ssize_t n = recv(t->lane->fd, packet, ORL_FRAME_BYTES + 1, 0);
         if (n > 0)
-            rc = take_packet(t, packet[0], packet + 1, (size_t)n - 1);
+            rc = handle_packet(t, packet[0], packet + 1, (size_t)n - 1);
         else if (n == 0 || errno != EINTR)
             rc = orl_error_set(t->err, ORL_ERR_INTERNAL, "a check's keeper ended");
     }

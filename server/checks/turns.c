@@ -69,7 +69,7 @@ static unsigned count_of(const struct orl_checks *checks, const struct orl_clien
 /* ---- Waiting checks ------------------------------------------------------------------------- */
 
 /* Returns true if one more check would give this client all the lanes, and others may exist. */
-static bool has_its_share(const struct orl_checks *checks, const struct orl_check *check)
+static bool has_full_share(const struct orl_checks *checks, const struct orl_check *check)
 {
     return checks->config->needs_token &&
            count_of(checks, check->request->client) + 1 >= ORL_SERVER_CHECKS;
@@ -83,7 +83,7 @@ static bool may_start(const struct orl_checks *checks, const struct orl_check *c
 {
     const struct orl_memory *memory = checks->memory;
     const unsigned n_long = count_long(checks);
-    if (checks->count >= ORL_SERVER_CHECKS || has_its_share(checks, check))
+    if (checks->count >= ORL_SERVER_CHECKS || has_full_share(checks, check))
         return false;
     if (!may_yield(check) && n_long + 1 >= ORL_SERVER_CHECKS)
         return false;
@@ -183,7 +183,7 @@ void orl_check_leave(struct orl_checks *checks, struct orl_check *check)
 static bool has_blocked_check(const struct orl_checks *checks)
 {
     for (const struct orl_check *check = checks->waiting; check; check = check->next)
-        if (may_yield(check) && !has_its_share(checks, check))
+        if (may_yield(check) && !has_full_share(checks, check))
             return true;
     return false;
 }

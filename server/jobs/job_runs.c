@@ -16,8 +16,8 @@
 
 /* ---- Leaders and followers ------------------------------------------------------------------- */
 
-static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
-                    const struct orl_giving *giving);
+static void end_jobs(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
+                     const struct orl_giving *giving);
 
 static void add_leader(struct orl_jobs_job *job)
 {
@@ -85,7 +85,7 @@ static void raise_priority(struct orl_jobs_job *leader, const struct orl_jobs_jo
     leader->waiting.priority = job->row.priority;
     failed.code = orl_queue_add(queue, &leader->waiting, orl_jobs_turn_key(job), &failed.err);
     if (failed.code)
-        end_all(leader, &failed, NULL);
+        end_jobs(leader, &failed, NULL);
 }
 
 void orl_runs_enqueue(struct orl_jobs_job *job)
@@ -118,7 +118,7 @@ static struct orl_jobs_job *next_job(const struct orl_jobs *jobs)
 
 /* Copies the list of results into the job. Returns false if there is no memory; the job then has no
  * results. */
-static bool take_outcome(struct orl_jobs_job *job, const char *summary)
+static bool copy_outcome(struct orl_jobs_job *job, const char *summary)
 {
     char *outcome = summary ? strdup(summary) : NULL;
     free(job->outcome);
@@ -136,7 +136,7 @@ static bool take_outcome(struct orl_jobs_job *job, const char *summary)
 static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
 {
     const bool cancelled = outcome->code == ORL_ERR_CANCELLED && job->cancelled;
-    const bool taken = (outcome->code != 0 && !cancelled) || take_outcome(job, outcome->summary);
+    const bool taken = (outcome->code != 0 && !cancelled) || copy_outcome(job, outcome->summary);
     struct orl_error err;
     if (!taken && !cancelled) {
         orl_error_set(&err, ORL_ERR_NOMEM, "out of memory for the job's results");
@@ -175,8 +175,8 @@ static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job 
 }
 
 /* Ends the leader, unless it was cancelled before, and all its followers. */
-static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
-                    const struct orl_giving *giving)
+static void end_jobs(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
+                     const struct orl_giving *giving)
 {
     const bool requeue = leader->requeue, ended = leader->row.state >= ORL_JOB_SUCCEEDED;
     struct orl_jobs_job *followers = leader->followers;
@@ -221,7 +221,7 @@ static void finish_computation(struct orl_jobs_job *job, const struct orl_worker
     jobs->alone = false;
     if (job->followers)
         orl_jobs_batch_begin(jobs);
-    end_all(job, &own, giving);
+    end_jobs(job, &own, giving);
     if (jobs->batch)
         orl_jobs_batch_end(jobs);
     orl_jobs_settle(jobs);
@@ -373,7 +373,7 @@ void orl_runs_start_next(struct orl_jobs *jobs)
         orl_queue_take(jobs->queue);
         failed.code = start_job(job, &failed.err);
         if (failed.code)
-            end_all(job, &failed, NULL);
+            end_jobs(job, &failed, NULL);
         else
             jobs->alone = suspect;
     }

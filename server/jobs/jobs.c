@@ -126,7 +126,7 @@ static void cancel_queued(struct orl_jobs_job *job)
     orl_runs_start_next(job->jobs);
 }
 
-static bool is_last_to_want(const struct orl_jobs_job *leader, const struct orl_jobs_job *job)
+static bool is_last_active(const struct orl_jobs_job *leader, const struct orl_jobs_job *job)
 {
     const bool leader_wants = leader != job && leader->row.state != ORL_JOB_CANCELLED;
     return !leader_wants && leader->followers == job && !job->next_follower;
@@ -137,7 +137,7 @@ static bool is_last_to_want(const struct orl_jobs_job *leader, const struct orl_
 static void cancel_sharing(struct orl_jobs_job *job)
 {
     struct orl_jobs_job *leader = job->leader ? job->leader : job;
-    if (is_last_to_want(leader, job)) {
+    if (is_last_active(leader, job)) {
         job->cancelled = true;
         if (leader->worker)
             orl_worker_cancel(leader->worker);

@@ -26,7 +26,7 @@ int orl_log_level_from_name(const char *name, enum orl_log_level *ret_level)
 
 /* Returns the next character of UTF-8 text and advances. For an invalid byte, returns 0 and skips
  * that byte. */
-static uint32_t take_character(const char **at)
+static uint32_t next_character(const char **at)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
     const unsigned char *bytes = (const unsigned char *)*at;
@@ -62,7 +62,7 @@ static void clean_text(char *text)
     char *to = text;
     while (*from) {
         const char *start = from;
-        if (is_control(take_character(&from))) {
+        if (is_control(next_character(&from))) {
             *to++ = '?';
             continue;
         }

@@ -14,7 +14,7 @@ static struct handled {
     void *ctx;
 } table[SIGNALS];
 
-static void note_signal(int signum)
+static void record_signal(int signum)
 {
     for (int i = 0; i < SIGNALS; i++)
         if (atomic_load(&table[i].signum) == signum) {
@@ -56,7 +56,7 @@ int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *
     table[i].ctx = ctx;
     table[i].arrival.data = &table[i];
     atomic_store(&table[i].signum, signum);
-    set_handler(signum, note_signal);
+    set_handler(signum, record_signal);
     return 0;
 }
 

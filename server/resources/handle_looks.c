@@ -50,7 +50,7 @@ static void look_free(void *state)
 
 /* ---- On the pool ---------------------------------------------------------------------------- */
 
-static void look_at_scene(struct orl_request *request)
+static void make_floor_plan(struct orl_request *request)
 {
     struct look *look = request->state;
     free(look->text);
@@ -59,7 +59,7 @@ static void look_at_scene(struct orl_request *request)
         orl_ask_outline(&look->check.asking, &look->scene, look->height, &look->text, &look->err);
 }
 
-static void look_at_bsdf(struct orl_request *request)
+static void make_polar(struct orl_request *request)
 {
     struct look *look = request->state;
     char path[ORL_PATH_MAX];
@@ -69,7 +69,7 @@ static void look_at_bsdf(struct orl_request *request)
     look->rc = orl_ask_polar(&look->check.asking, path, &look->from, &look->text, &look->err);
 }
 
-static void check_bsdf(struct orl_request *request)
+static void check_scene_bsdf(struct orl_request *request)
 {
     struct look *look = request->state;
     char path[ORL_PATH_MAX];
@@ -147,8 +147,8 @@ static struct look *make_look(struct orl_request *request, const struct orl_item
 }
 
 /* Reads a number from an argument, if given. Returns false after a reply: it is invalid. */
-static bool take_number(struct orl_request *request, const char *name, double low, double high,
-                        double *number)
+static bool read_argument(struct orl_request *request, const char *name, double low, double high,
+                          double *number)
 {
     const char *text = orl_request_query(request, name);
     if (!text || orl_query_number(text, low, high, number))
@@ -180,14 +180,14 @@ void orl_handle_scene_outline(struct orl_request *request)
     if (!look)
         return;
     look->height = NAN;
-    if (!take_number(request, "height", -highest, highest, &look->height))
+    if (!read_argument(request, "height", -highest, highest, &look->height))
         return;
     if (orl_scene_files(&server->db, &server->folders, request->params[0], &look->scene,
                         &look->err) ||
         orl_blobs_claim_files(server->blobs, &look->scene, &look->claims, &look->err))
         orl_reply_error(request, &look->err);
     else
-        orl_check_begin(&server->checks, &look->check, request, look_at_scene, reply_look);
+        orl_check_begin(&server->checks, &look->check, request, make_floor_plan, reply_look);
 }
 
 void orl_handle_bsdf_polar(struct orl_request *request)
@@ -202,10 +202,10 @@ void orl_handle_bsdf_polar(struct orl_request *request)
         return;
     }
     look->from.front = !from || strcmp(from, "front") == 0;
-    if (!take_number(request, "theta_deg", 0, most_theta_deg, &look->from.theta_deg) ||
-        !take_number(request, "phi_deg", 0, most_phi_deg, &look->from.phi_deg))
+    if (!read_argument(request, "theta_deg", 0, most_theta_deg, &look->from.theta_deg) ||
+        !read_argument(request, "phi_deg", 0, most_phi_deg, &look->from.phi_deg))
         return;
-    start_bsdf_check(request, look_at_bsdf, reply_look);
+    start_bsdf_check(request, make_polar, reply_look);
 }
 
 /* Replies for a BSDF of a scene. A scene may contain XML files that are not BSDFs. */
@@ -250,6 +250,6 @@ void orl_handle_bsdf_get(struct orl_request *request)
     struct look *look = make_look(request, &orl_item_bsdf);
     if (look) {
         look->of_scene = of_scene;
-        start_bsdf_check(request, check_bsdf, reply_bsdf);
+        start_bsdf_check(request, check_scene_bsdf, reply_bsdf);
     }
 }

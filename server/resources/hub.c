@@ -148,7 +148,7 @@ static void record_event(struct orl_hub *hub, const struct orl_jobs_job *job, co
 
 /* ---- Changes of jobs ------------------------------------------------------------------------ */
 
-static void look_at_job(void *ctx, const struct orl_jobs_job *job)
+static void check_job(void *ctx, const struct orl_jobs_job *job)
 {
     struct orl_hub *hub = ctx;
     char seen[ORL_JOB_EVENT_ID];
@@ -161,7 +161,7 @@ static void look_at_job(void *ctx, const struct orl_jobs_job *job)
 static void check_running_jobs(struct orl_event_source *source)
 {
     if (source->server->jobs)
-        orl_jobs_running(source->server->jobs, look_at_job, source);
+        orl_jobs_running(source->server->jobs, check_job, source);
 }
 
 void orl_hub_changed(struct orl_hub *hub, const struct orl_jobs_job *job)

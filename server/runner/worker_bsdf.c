@@ -34,7 +34,7 @@ static double now_s(void *ctx)
 
 /* Returns the finished fraction of the job. If the number of rounds is unknown, each round counts
  * as half of the rest. */
-static double of_whole(const struct told *told, uint32_t round, double fraction)
+static double job_fraction(const struct told *told, uint32_t round, double fraction)
 {
     const double before = 1 - ldexp(1, 1 - (int)round);
     return told->in_rounds ? before + (1 - before) * 0.5 * fraction : fraction;
@@ -44,7 +44,7 @@ static void on_progress(void *ctx, uint32_t round, double fraction)
 {
     const struct told *told = ctx;
     struct orl_worker *worker = told->worker;
-    const double done = of_whole(told, round, fraction), least = 0.01;
+    const double done = job_fraction(told, round, fraction), least = 0.01;
     const double spent_s = orl_time_steady_s() - told->began_s;
     atomic_store(&worker->stage, (int)ORL_STAGE_RENDER);
     atomic_store(&worker->stage_ppm, (int)(ORL_WORKER_WHOLE * fraction));

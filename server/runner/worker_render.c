@@ -93,7 +93,7 @@ static void name_part(const struct orl_worker *worker, const char *name, char re
 }
 
 /* Adds files of a view that can be fetched. */
-static void take_view(struct orl_worker *worker, json_t *files)
+static void add_view_files(struct orl_worker *worker, json_t *files)
 {
     json_array_extend(worker->part.files, files);
     if (worker->part.files != worker->files)
@@ -114,7 +114,7 @@ static void on_view_written(void *ctx, size_t index, const struct orl_view_resul
     name_part(worker, view->name, part);
     if (orl_job_output_list_view(view, worker->output, files, &worker->part.lost) == 0) {
         orl_checkpoint_add(worker->output, part, files, orl_checkpoint_view_to_json(view), NULL);
-        take_view(worker, files);
+        add_view_files(worker, files);
     }
     json_decref(files);
 }
@@ -129,7 +129,7 @@ static bool on_view_kept(void *ctx, size_t index, struct orl_view_result *ret_vi
         return false;
     const bool kept = orl_checkpoint_view_from_json(about, ret_view);
     if (kept)
-        take_view(worker, files);
+        add_view_files(worker, files);
     json_decref(files);
     json_decref(about);
     return kept;

@@ -68,7 +68,8 @@ static int visit_map(const struct name *name, orl_kept_visit visit, void *ctx,
 }
 
 /* Reads the list of a job's files; NULL if the job was removed meanwhile. */
-static int files_of(struct orl_db *db, const char *job, json_t **ret_outcome, struct orl_error *err)
+static int read_outcome(struct orl_db *db, const char *job, json_t **ret_outcome,
+                        struct orl_error *err)
 {
     const char *text = NULL;
     sqlite3_stmt *stmt = orl_db_prepare(
@@ -89,7 +90,7 @@ static int visit_results(struct orl_db *db, const struct name *name, orl_kept_vi
     json_t *outcome = NULL;
     const json_t *entry;
     size_t i;
-    int rc = files_of(db, name->a, &outcome, err);
+    int rc = read_outcome(db, name->a, &outcome, err);
     json_array_foreach(json_object_get(outcome, "files"), i, entry)
     {
         const char *one = json_string_value(json_object_get(entry, "name"));

@@ -98,7 +98,7 @@ struct orl_scrubbing {
     size_t count;
 };
 
-static void note_finding(void *ctx, const struct orl_kept_file *file, const struct orl_error *why)
+static void record_finding(void *ctx, const struct orl_kept_file *file, const struct orl_error *why)
 {
     struct orl_scrubbing *scrubbing = ctx;
     pthread_mutex_lock(&scrubbing->mutex);
@@ -148,7 +148,7 @@ static void lower_priority(void)
 static void scrub_daily(struct orl_scrubbing *scrubbing)
 {
     const struct orl_folders *folders = &scrubbing->folders;
-    const struct orl_scrubber scrubber = {note_finding, limit_rate, scrubbing};
+    const struct orl_scrubber scrubber = {record_finding, limit_rate, scrubbing};
     char path[ORL_PATH_MAX];
     orl_folders_path(folders, path, "oriel.db");
     while (wait_seconds(scrubbing, 1)) {

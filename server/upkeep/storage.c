@@ -48,7 +48,7 @@ struct candidate {
     const char *job;
 };
 
-static int by_use(const void *a, const void *b)
+static int compare_use(const void *a, const void *b)
 {
     const struct candidate *x = a, *y = b;
     return (x->used_ms > y->used_ms) - (x->used_ms < y->used_ms);
@@ -83,7 +83,7 @@ static struct candidate *list_candidates(const struct orl_storage *storage,
             list[count++] = (struct candidate){.used_ms = orl_job_results_used_ms(job),
                                                .bytes = job->row.result_bytes,
                                                .job = job->row.id};
-    qsort(list, count, sizeof *list, by_use);
+    qsort(list, count, sizeof *list, compare_use);
     *ret_count = count;
     return list;
 }

@@ -49,7 +49,7 @@ static bool keep_going(void *ctx, uint64_t bytes)
     return true;
 }
 
-static int scrub(const char *data)
+static int run_scrub(const char *data)
 {
     const struct orl_scrubber scrubber = {report_damage, keep_going, NULL};
     struct orl_scrub_totals totals = {0};
@@ -72,7 +72,7 @@ static int scrub(const char *data)
     return totals.damaged ? STATUS_FAILED : 0;
 }
 
-static int backup(const char *data, const char *to)
+static int run_backup(const char *data, const char *to)
 {
     struct orl_backup_totals totals;
     struct orl_error err;
@@ -108,5 +108,5 @@ int orl_store_command(int argc, char **argv)
         fputs(usage, stderr);
         return STATUS_USAGE;
     }
-    return is_backup ? backup(data, to) : scrub(data);
+    return is_backup ? run_backup(data, to) : run_scrub(data);
 }

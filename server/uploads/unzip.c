@@ -119,7 +119,7 @@ static int check_kind(const struct unpacking *u, struct archive_entry *entry, co
     return 0;
 }
 
-static int take_bytes(struct unpacking *u, const char *name, size_t size, struct orl_error *err)
+static int add_bytes(struct unpacking *u, const char *name, size_t size, struct orl_error *err)
 {
     u->bytes += size;
     if (u->before + u->bytes > ORL_SERVER_SCENE_BYTES)
@@ -137,7 +137,7 @@ static int unpack_file(struct unpacking *u, const char *name, struct orl_error *
         const la_ssize_t n = archive_read_data(u->archive, u->buffer, CHUNK);
         if (n == 0)
             break;
-        rc = n < 0 ? refuse_damaged(u, name, err) : take_bytes(u, name, (size_t)n, err);
+        rc = n < 0 ? refuse_damaged(u, name, err) : add_bytes(u, name, (size_t)n, err);
     }
     orl_incoming_end(&u->incoming);
     return rc;
