@@ -1,6 +1,4 @@
-/*
- * orield: reads its settings, prepares the process, serves until a signal says stop.
- */
+/* orield: reads its settings, prepares the process, and serves until a signal stops it. */
 #include <malloc.h>
 #include <signal.h>
 #include <sodium.h>
@@ -27,9 +25,9 @@ static void announce(const char *url)
 }
 
 /*
- * What a job has taken it gives back: large blocks are mappings of their own, always. By default
- * glibc counts blocks of up to 32 MiB to the heap once one such has been freed, and what lies
- * between them then stays: hundreds of MiB after a few dozen jobs.
+ * Makes free return large blocks to the system: they are always mappings of their own. By default,
+ * glibc allocates blocks of up to 32 MiB on the heap once one such block has been freed. The gaps
+ * between them then stay allocated: hundreds of MiB after a few dozen jobs.
  */
 static void give_memory_back(void)
 {
@@ -37,7 +35,7 @@ static void give_memory_back(void)
     mallopt(M_MMAP_THRESHOLD, LARGE);
 }
 
-/* As many descriptors as the system allows: every client holds one. */
+/* Raises the limit of descriptors to the maximum, since every client takes one. */
 static void raise_file_limit(void)
 {
     struct rlimit files;
@@ -47,7 +45,7 @@ static void raise_file_limit(void)
     }
 }
 
-static int complain(const struct orl_error *err, int status)
+static int print_error(const struct orl_error *err, int status)
 {
     char text[3 * ORL_ERROR_TEXT_MAX];
     orl_error_format(err, text, sizeof text);
@@ -61,8 +59,8 @@ int main(int argc, char **argv)
     struct orl_error err;
     enum orl_config_action action;
     char pool[16];
-    setvbuf(stdout, NULL, _IOLBF, 0); /* in a log of both outputs lines keep their order */
-    umask(077);                       /* what is kept is nobody else's to read */
+    setvbuf(stdout, NULL, _IOLBF, 0); /* keeps lines in order if stdout and stderr go to one log */
+    umask(077);                       /* stored data is private to the daemon's user */
     if (sodium_init() < 0) {
         fprintf(stderr, "orield: no source of random numbers\n");
         return 1;
@@ -74,7 +72,7 @@ int main(int argc, char **argv)
     if (argc > 1 && strcmp(argv[1], "token") == 0)
         return orl_token_command(argc - 1, argv + 1);
     if (orl_config_parse(argc, argv, &config, &action, &err))
-        return complain(&err, 2);
+        return print_error(&err, 2);
     if (action == ORL_CONFIG_HELP) {
         orl_config_help(stdout);
         return 0;
@@ -88,10 +86,10 @@ int main(int argc, char **argv)
     setenv("UV_THREADPOOL_SIZE", pool, 1);
     raise_file_limit();
     give_memory_back();
-    signal(SIGPIPE, SIG_IGN); /* a client that hangs up is an error of write, not of ours */
+    signal(SIGPIPE, SIG_IGN); /* a write to a client that has disconnected then returns an error */
     orl_signal_ignore(SIGHUP);
-    signal(SIGXFSZ, SIG_IGN); /* so is a file that grows beyond ulimit -f */
+    signal(SIGXFSZ, SIG_IGN); /* so does a write that grows a file beyond ulimit -f */
     if (orl_server_run(&config, &orl_routes, announce, &err))
-        return complain(&err, 1);
+        return print_error(&err, 1);
     return 0;
 }

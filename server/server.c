@@ -21,7 +21,7 @@ enum { SAVING_MS = 1000 };
 
 /* ---- Stopping ------------------------------------------------------------------------------- */
 
-/* Once neither jobs nor requests are on the pool, everything can be closed. */
+/* Closes everything once neither jobs nor requests are on the pool. */
 static void stop_if_quiet(struct orl_server *server)
 {
     if (!server->context.stopping || !server->jobs_idle || server->context.working > 0 ||
@@ -47,14 +47,14 @@ static void on_settled(void *ctx)
     stop_if_quiet(ctx);
 }
 
-/* When stopping, this may have been what the stop waited for. */
+/* Resumes the request's connection. When stopping, this may have been the last work. */
 static void on_worked(struct orl_server *server)
 {
     orl_http_kick(server->http);
     stop_if_quiet(server);
 }
 
-static void stop(struct orl_server *server)
+static void stop_server(struct orl_server *server)
 {
     if (server->context.stopping)
         return;
@@ -70,11 +70,11 @@ static void on_jobs_idle(void *ctx)
 {
     struct orl_server *server = ctx;
     server->jobs_idle = true;
-    stop(server);
+    stop_server(server);
     stop_if_quiet(server);
 }
 
-static void look_at_disk(struct orl_server *server)
+static void check_disk(struct orl_server *server)
 {
     if (!orl_disk_room_look(&server->disk))
         return;
@@ -85,7 +85,7 @@ static void look_at_disk(struct orl_server *server)
 static void on_saving(uv_timer_t *timer)
 {
     struct orl_server *server = timer->data;
-    look_at_disk(server);
+    check_disk(server);
     orl_jobs_save(server->jobs);
     orl_blame_note(&server->memory, server->checks.count);
     orl_jobs_bound(server->jobs);
@@ -99,7 +99,7 @@ static void on_saving(uv_timer_t *timer)
 
 static void on_drain_over(uv_timer_t *timer)
 {
-    stop(timer->data);
+    stop_server(timer->data);
 }
 
 static void on_job_changed(void *ctx, const struct orl_jobs_job *job)
@@ -126,7 +126,7 @@ static void on_signal(int signum, void *ctx)
     orl_log_event(&server->log, ORL_LOG_INFO, "stopping", "i", "signal", (int64_t)signum);
     orl_notify("STOPPING=1");
     if (server->draining || server->config.drain_s == 0) {
-        stop(server);
+        stop_server(server);
         return;
     }
     server->draining = true;
@@ -134,7 +134,7 @@ static void on_signal(int signum, void *ctx)
     orl_jobs_drain(server->jobs);
 }
 
-/* SIGHUP. Tokens are looked up with every request: there is nothing to read anew. */
+/* Handles SIGHUP. Tokens need no reload: they are read from the database for every request. */
 static void on_reload(int signum, void *ctx)
 {
     struct orl_server *server = ctx;
@@ -146,9 +146,9 @@ static void on_reload(int signum, void *ctx)
         orl_log_event(&server->log, ORL_LOG_INFO, "reloaded", "");
 }
 
-/* ---- What is kept has changed --------------------------------------------------------------- */
+/* ---- Changes of stored data ----------------------------------------------------------------- */
 
-/* Maps came or were let go, a job ended; later, on the loop's next turn, when all is settled. */
+/* Runs on the loop's next turn after maps were built or released, or a job ended. */
 static void on_kept_changed(uv_async_t *handle)
 {
     struct orl_server *server = handle->data;
@@ -158,7 +158,7 @@ static void on_kept_changed(uv_async_t *handle)
     orl_storage_trim(&server->storage);
 }
 
-/* From a worker. */
+/* Called from a worker. */
 static void wake_for_maps(void *ctx)
 {
     uv_async_send(ctx);
@@ -173,7 +173,7 @@ static void write_log(uv_prepare_t *handle)
     orl_pulse_turn(&server->pulse);
 }
 
-/* Lines of one turn of the loop go out together: a write for each would cost more than they do. */
+/* Buffers the log, so that the lines of one turn of the loop need only one write. */
 static void gather_log(struct orl_server *server)
 {
     static char lines[1 << 16];
@@ -183,8 +183,7 @@ static void gather_log(struct orl_server *server)
     uv_prepare_start(&server->log_lines, write_log);
 }
 
-/* ---- What others ask of the daemon ------------------------------------------------------------
- */
+/* ---- Callbacks into the daemon -------------------------------------------------------------- */
 
 static void on_memory_freed(void *ctx)
 {
@@ -201,22 +200,22 @@ static void open_checks(struct orl_server *server)
     orl_checks_open(&server->checks, &server->loop);
 }
 
-static bool receive(struct orl_server *server, struct orl_hold *hold, uint64_t bytes)
+static bool receive_body(struct orl_server *server, struct orl_hold *hold, uint64_t bytes)
 {
     return orl_storage_receive(&server->storage, hold, bytes);
 }
 
-static bool admit(struct orl_server *server, const struct orl_hold *hold, uint64_t bytes)
+static bool admit_bytes(struct orl_server *server, const struct orl_hold *hold, uint64_t bytes)
 {
     return orl_storage_admit(&server->storage, hold, bytes);
 }
 
-static struct orl_room *room(struct orl_server *server)
+static struct orl_room *upload_room(struct orl_server *server)
 {
     return &server->storage.room;
 }
 
-static uint64_t budget(const struct orl_server *server)
+static uint64_t storage_budget(const struct orl_server *server)
 {
     return server->storage.budget;
 }
@@ -234,10 +233,10 @@ static void on_swept(struct orl_server *server)
 static void open_context(struct orl_server *server, const struct orl_routes *routes)
 {
     static const struct orl_http_calls calls = {
-        .receive = receive,
-        .admit = admit,
-        .room = room,
-        .budget = budget,
+        .receive = receive_body,
+        .admit = admit_bytes,
+        .room = upload_room,
+        .budget = storage_budget,
         .jobs_of = jobs_of,
         .swept = on_swept,
         .worked = on_worked,
@@ -300,24 +299,24 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
         rc = server->checks.lanes ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     orl_memory_open(&server->memory, server->config.memory_bytes);
-    server->shelf = orl_shelf_new(server->config.shelf_bytes); /* without one, jobs are slower */
+    server->shelf = orl_shelf_new(server->config.shelf_bytes); /* NULL: jobs are slower */
     return rc;
 }
 
-static int note_token(void *ctx, const struct orl_token_row *row)
+static int record_any_token(void *ctx, const struct orl_token_row *row)
 {
     (void)row;
     *(bool *)ctx = true;
     return 0;
 }
 
-/* Prepares for tokens. A daemon that nobody may use is a mistake to be told at once. */
+/* Prepares the lookup of tokens. Reports a daemon without any tokens, which cannot be used. */
 static int open_tokens(struct orl_server *server, struct orl_error *err)
 {
     bool any = false;
     if (!server->config.needs_token)
         return 0;
-    int rc = orl_token_rows(&server->db, note_token, &any, err);
+    int rc = orl_token_rows(&server->db, record_any_token, &any, err);
     if (rc == 0) {
         server->context.token_finder = orl_token_finder(&server->db, err);
         rc = server->context.token_finder ? 0 : ORL_ERR_IO;
@@ -408,7 +407,7 @@ static void open_budget(struct orl_server *server)
     storage->budget = server->config.storage_bytes;
     if (storage->budget == 0)
         storage->budget = orl_storage_default(server->config.data, orl_storage_total(storage));
-    orl_storage_trim(storage); /* it may be less than the last time */
+    orl_storage_trim(storage); /* the budget may be smaller than in the last run */
 }
 
 static void announce_address(struct orl_server *server, void (*announce)(const char *url))
@@ -447,7 +446,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     uv_timer_init(&server.loop, &server.storage.notes);
     server.storage.notes.data = &server.storage;
     gather_log(&server);
-    /* HTTP before the jobs: nothing is served until the loop runs, and a port that is taken is
+    /* Starts HTTP before the jobs: nothing is served until the loop runs, and a port in use is
      * found before a job starts. */
     int rc = open_storage(&server, err);
     if (rc == 0 && config->runner.slurm)
@@ -494,7 +493,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     orl_shared_sweep_done(&server.sweep);
     close_storage(&server);
     uv_loop_close(&server.loop);
-    uv_library_shutdown(); /* the pool's threads end before what they use does */
+    uv_library_shutdown(); /* ends the pool's threads before the data they use is freed */
     orl_stop_limit_close();
     if (rc == 0)
         orl_log_event(&server.log, ORL_LOG_INFO, "stopped", "");

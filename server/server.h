@@ -1,12 +1,12 @@
 /*
- * The daemon: the loop, and everything that lives on it.
+ * The daemon: the loop, and everything that runs on it.
  *
  * Start: data folder -> database -> blobs, map cache -> jobs -> HTTP. Stop, on SIGTERM or SIGINT:
- * it drains first, that is, takes and starts no jobs, but answers for those it has, until none
- * runs, the time for that is over, or a second signal comes. Then: no new connections, jobs that
- * still run asked to stop and queued again, the answers under way sent, and all is closed in the
- * opposite order. Further signals change nothing (process/signals.h); a stop that takes longer than
- * health/stop_limit.h allows ends the process at once.
+ * it first drains. It accepts and starts no jobs, but still answers requests about those it has,
+ * until none runs, the time limit is over, or a second signal comes. Then it accepts no new
+ * connections, stops jobs that still run and queues them again, sends the pending answers, and
+ * closes everything in the opposite order. Further signals change nothing (process/signals.h). A
+ * stop that takes longer than health/stop_limit.h allows ends the process at once.
  */
 #ifndef ORL_SERVER_SERVER_H
 #define ORL_SERVER_SERVER_H
@@ -44,16 +44,16 @@ struct orl_server {
     uv_loop_t loop;
     uv_async_t kept_changed;
     uv_timer_t drain, saving;
-    uv_prepare_t log_lines;    /* written out before the loop sleeps */
+    uv_prepare_t log_lines;    /* writes buffered lines before the loop sleeps */
     char program[ORL_SHA_HEX]; /* program.h */
     struct orl_folders folders;
     struct orl_db db;
     struct orl_aging aging;
-    struct orl_folding *folding;   /* of its log */
-    struct orl_settling *settling; /* of what is committed to it */
+    struct orl_folding *folding;   /* checkpoints of the database's log */
+    struct orl_settling *settling; /* syncs of the database's commits */
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
-    struct orl_shared_place place; /* where jobs go in parts */
+    struct orl_shared_place place; /* shared folder of jobs in parts */
     struct orl_shared_sweep sweep;
     struct orl_shelf *shelf;
     struct orl_disk_room disk;
@@ -62,7 +62,7 @@ struct orl_server {
     struct orl_scrubbing *scrubbing; /* scrub.h; or NULL */
     struct orl_jobs *jobs;
     struct orl_status_cache *statuses;
-    struct orl_http_context context; /* of HTTP */
+    struct orl_http_context context; /* state of the HTTP layer */
     struct orl_http_server *http;
     struct orl_events *events;
     struct orl_hub *hub; /* events of all jobs */
@@ -76,8 +76,8 @@ struct orl_server {
 };
 
 /*
- * Serves until told to stop by a signal. UV_THREADPOOL_SIZE must have been set already. announce
- * is called with "http://127.0.0.1:8423" once connections are taken.
+ * Serves until a signal stops it. UV_THREADPOOL_SIZE must have been set already. announce is called
+ * with "http://127.0.0.1:8423" once connections are accepted.
  */
 int orl_server_run(const struct orl_config *config, const struct orl_routes *routes,
                    void (*announce)(const char *url), struct orl_error *err);

@@ -41,8 +41,9 @@ struct orl_map_entry *orl_map_add(struct orl_map_cache *cache, const char *kind,
 
 /* ---- The store, called by workers ----------------------------------------------------------- */
 
-/* Waits a moment for an entry to change; short, because the cancel flag has no condition. */
-static void wait_a_moment(struct orl_map_cache *cache)
+/* Waits up to 50 ms for an entry to change. The wait is short because the cancel flag does not
+ * signal the condition variable. */
+static void wait_for_change(struct orl_map_cache *cache)
 {
     enum { MOMENT_NS = 50 * 1000 * 1000 };
     struct timespec until;
@@ -55,7 +56,7 @@ static void wait_a_moment(struct orl_map_cache *cache)
     pthread_cond_timedwait(&cache->changed, &cache->mutex, &until);
 }
 
-static void note_hit(struct orl_map_cache *cache, struct orl_map_entry *entry)
+static void record_hit(struct orl_map_cache *cache, struct orl_map_entry *entry)
 {
     cache->hits++;
     entry->pins++;
@@ -65,7 +66,8 @@ static void note_hit(struct orl_map_cache *cache, struct orl_map_entry *entry)
     entry->dirty = true;
 }
 
-/* A file that someone removed, to make room perhaps, is built again rather than missed for ever. */
+/* Returns true if the map is ready and its file readable. A file that was deleted by hand is built
+ * again. */
 static bool is_ready(const struct orl_map_cache *cache, const struct orl_map_entry *entry)
 {
     char path[ORL_PATH_MAX];
@@ -89,14 +91,14 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
             rc = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while another job built the map");
             break;
         }
-        wait_a_moment(cache);
+        wait_for_change(cache);
         entry = orl_map_add(cache, kind, key);
         if (!entry)
             rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     if (rc == 0 && is_ready(cache, entry)) {
         hit = true;
-        note_hit(cache, entry);
+        record_hit(cache, entry);
         *ret_info = entry->map.info;
         ret_info->cached = true;
         orl_map_path(cache, kind, key, ret_path);
@@ -124,7 +126,8 @@ static void cache_abandon(void *ctx, const char *kind, const char *key)
         unlink(entry->building);
         entry->state = ORL_MAP_IS_ABSENT;
     } else if (entry && entry->state == ORL_MAP_IS_READY) {
-        /* A damaged file. Jobs that have it mapped keep their pages; nobody new gets it. */
+        /* The file is damaged. Jobs that have it mapped keep their pages; new jobs do not get it.
+         */
         orl_map_path(cache, kind, key, path);
         unlink(path);
         entry->state = ORL_MAP_IS_ABSENT;
@@ -148,13 +151,13 @@ static int cache_commit(void *ctx, const struct orl_map_info *info, struct orl_e
     pthread_mutex_unlock(&cache->mutex);
     if (!ours)
         return orl_error_set(err, ORL_ERR_INTERNAL, "a map was committed that nobody built");
-    /* Only the builder may touch a building entry, so the disk can be slow without the lock. */
+    /* Only the builder may touch a building entry, so the slow disk work needs no lock. */
     orl_map_path(cache, info->kind, info->key, path);
     int rc = orl_sync_path(building, err);
     if (rc == 0)
         rc = orl_rename_synced(building, path, err);
     if (rc) {
-        /* Given up here, lest those who wait for this build wait for ever. */
+        /* Gives up the build here; otherwise jobs would wait for it forever. */
         cache_abandon(cache, info->kind, info->key);
         return rc;
     }
@@ -182,7 +185,7 @@ static void cache_release(void *ctx, const char *kind, const char *key)
         entry->dirty = true;
     }
     pthread_mutex_unlock(&cache->mutex);
-    cache->wake(cache->wake_ctx); /* there may be somebody to whom it makes room */
+    cache->wake(cache->wake_ctx); /* the map can be removed now, which may free disk space */
 }
 
 static int cache_find_smaller(void *ctx, const char *kind, const char *family, uint64_t target,
@@ -201,7 +204,7 @@ static int cache_find_smaller(void *ctx, const char *kind, const char *family, u
             best = entry;
     }
     if (best) {
-        note_hit(cache, best);
+        record_hit(cache, best);
         *ret_info = best->map.info;
         orl_map_path(cache, kind, ret_info->key, ret_path);
     }

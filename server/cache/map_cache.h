@@ -1,20 +1,23 @@
 /*
- * The photon map cache: which maps are on disk, which are being built, who uses them.
+ * The photon map cache: records which maps are on disk, which are being built, and which jobs use
+ * them.
  *
  * Implements struct orl_map_store (oriel/run.h) for the workers. An entry is absent, building or
- * ready. The first job to acquire an absent map builds it; others that want it wait until it is
- * ready, or take over when the builder gives up, and poll their cancel flag meanwhile. A commit
- * that fails gives up the build; to abandon it once more does no harm. Pins count the jobs that use
- * a ready map; only one without pins is ever removed, by request or to make room (storage.h), and
- * whoever wants it meanwhile waits, and then builds it anew. A job that tops up a smaller map pins
- * and counts as a hit of that one; it waits for none that is still being built.
+ * ready. The first job to acquire an absent map builds it. Other jobs that want it wait until it is
+ * ready, or take over when the builder gives up; they poll their cancel flag meanwhile. A commit
+ * that fails gives up the build; abandoning it again is harmless. Pins count the jobs that use a
+ * ready map. Only a map without pins is ever removed, by request or to free disk space (storage.h).
+ * A job that wants the map during the removal waits, and then builds it anew. A job that tops up a
+ * smaller map pins that map and counts as a hit of it. Such a job does not wait for a smaller map
+ * that is still being built.
  *
  * Durability: commit moves the synced file into maps/ first; the row follows on the loop thread
- * (flush). A crash in between leaves a file without a row, removed at the next start; rows without
- * files are dropped then too. A map that is removed loses its row first.
+ * (flush). A crash in between leaves a file without a row, which the next start sets aside
+ * (orphans.h). The next start also drops rows without files. A map that is removed loses its row
+ * first.
  *
  * Threads: one mutex; the store's functions from any worker, everything else on the loop thread.
- * wake is called from workers, with the mutex released, when flush has something to do.
+ * Workers call wake, with the mutex released, when flush has something to do.
  */
 #ifndef ORL_SERVER_CACHE_MAP_CACHE_H
 #define ORL_SERVER_CACHE_MAP_CACHE_H
@@ -31,7 +34,7 @@ struct orl_map_cache;
 
 typedef void (*orl_map_cache_wake)(void *ctx);
 
-/* Borrows loop, folders and db, which must outlive it. */
+/* Opens the cache. Borrows loop, folders and db, which must outlive it. */
 int orl_map_cache_open(uv_loop_t *loop, const struct orl_folders *folders, struct orl_db *db,
                        orl_map_cache_wake wake, void *wake_ctx, struct orl_map_cache **ret_cache,
                        struct orl_error *err);
@@ -43,24 +46,25 @@ struct orl_map_store orl_map_cache_store(struct orl_map_cache *cache);
 int orl_map_cache_flush(struct orl_map_cache *cache, struct orl_error *err);
 
 struct orl_map_cache_totals {
-    uint64_t entries, bytes; /* that are ready */
-    uint64_t bsdf_bytes;     /* of these, those of loaded BSDFs */
+    uint64_t entries, bytes; /* ready maps */
+    uint64_t bsdf_bytes;     /* the part of bytes that is loaded BSDFs */
     uint64_t hits, misses;   /* since the cache was opened */
 };
 void orl_map_cache_totals(struct orl_map_cache *cache, struct orl_map_cache_totals *ret_totals);
 
-/* A copy of the ready maps, the latest used first; owned, free(). */
+/* Copies the list of ready maps, most recently used first. The caller owns it; free(). */
 int orl_map_cache_list(struct orl_map_cache *cache, struct orl_stored_map **ret_maps,
                        size_t *ret_count, struct orl_error *err);
 
 enum orl_map_removal { ORL_MAP_REMOVED, ORL_MAP_ABSENT, ORL_MAP_IN_USE };
-/* Removes a map that no job uses or builds; else *ret_removal says why not. */
+/* Removes a map if no job uses or builds it; *ret_removal is the outcome. */
 int orl_map_cache_remove(struct orl_map_cache *cache, const char *kind, const char *key,
                          enum orl_map_removal *ret_removal, struct orl_error *err);
 /*
- * The same in two steps, for several in one transaction: leave takes the row away, and whoever
- * wants the map waits. After one that took it, gone: the file goes, or the map stays, as its row
- * does.
+ * Removes a map in two steps, so that several can go in one transaction. orl_map_cache_leave
+ * deletes the row; jobs that want the map wait from then on. After each leave that returned
+ * ORL_MAP_REMOVED, call orl_map_cache_gone. gone is true: the file is deleted. gone is false (the
+ * transaction failed): the map stays, like its row.
  */
 int orl_map_cache_leave(struct orl_map_cache *cache, const char *kind, const char *key,
                         enum orl_map_removal *ret_removal, struct orl_error *err);

@@ -11,13 +11,13 @@
 #include "store/discard.h"
 #include "store/orphans.h"
 
-/* Is it of no more use? Nobody holds it, and the row is as it should be. */
+/* Returns true if the entry can be freed: its map is absent and unpinned, its row up to date. */
 static bool is_spent(const struct orl_map_entry *entry)
 {
     return entry->state == ORL_MAP_IS_ABSENT && entry->pins == 0 && !entry->dirty;
 }
 
-/* Those who wait look their entry up again, so that it may go. */
+/* Frees spent entries. Waiting jobs look their entry up again, so they hold no pointer to it. */
 static void drop_spent(struct orl_map_cache *cache)
 {
     for (struct orl_map_entry **at = &cache->entries; *at;) {
@@ -31,9 +31,10 @@ static void drop_spent(struct orl_map_cache *cache)
     }
 }
 
-/* The next whose row is to be written, as a copy: the database is slow and the mutex is the
- * workers'. False: there is none. */
-static bool take_dirty(struct orl_map_cache *cache, struct orl_stored_map *ret_map, bool *ret_ready)
+/* Copies the next entry whose row must be written, since the database is too slow to hold the
+ * workers' mutex meanwhile. Returns false if there is none. */
+static bool copy_dirty_row(struct orl_map_cache *cache, struct orl_stored_map *ret_map,
+                           bool *ret_ready)
 {
     pthread_mutex_lock(&cache->mutex);
     struct orl_map_entry *entry = cache->entries;
@@ -50,14 +51,14 @@ static bool take_dirty(struct orl_map_cache *cache, struct orl_stored_map *ret_m
     return entry != NULL;
 }
 
-/* No sync: a map whose row a power cut takes is built again, and a row that has lost its file goes
- * at the start. What of it cannot be written is written with the map's next change. */
+/* Does not sync: a map whose row is lost in a power cut is built again, and a row without a file is
+ * dropped at the start. A row that cannot be written is written with the map's next change. */
 int orl_map_cache_flush(struct orl_map_cache *cache, struct orl_error *err)
 {
     struct orl_stored_map map;
     bool ready = false, begun = false;
     int rc = 0;
-    while (rc == 0 && take_dirty(cache, &map, &ready)) {
+    while (rc == 0 && copy_dirty_row(cache, &map, &ready)) {
         if (!begun)
             rc = orl_db_begin(cache->db, err);
         begun = rc == 0;
@@ -83,7 +84,7 @@ void orl_map_cache_totals(struct orl_map_cache *cache, struct orl_map_cache_tota
     pthread_mutex_unlock(&cache->mutex);
 }
 
-static int by_last_use(const void *a, const void *b)
+static int compare_last_use(const void *a, const void *b)
 {
     const struct orl_stored_map *x = a, *y = b;
     if (x->last_used_ms != y->last_used_ms)
@@ -107,13 +108,13 @@ int orl_map_cache_list(struct orl_map_cache *cache, struct orl_stored_map **ret_
     pthread_mutex_unlock(&cache->mutex);
     if (!maps)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    qsort(maps, count, sizeof *maps, by_last_use);
+    qsort(maps, count, sizeof *maps, compare_last_use);
     *ret_maps = maps;
     *ret_count = count;
     return 0;
 }
 
-/* Takes a ready entry that nobody uses out of reach, until its row is gone. */
+/* Makes a ready, unused entry unavailable until its row is deleted. */
 static enum orl_map_removal begin_removal(struct orl_map_cache *cache, const char *kind,
                                           const char *key)
 {
@@ -167,7 +168,8 @@ int orl_map_cache_remove(struct orl_map_cache *cache, const char *kind, const ch
     return rc;
 }
 
-/* A row at start: kept when its file is there at its length, dropped otherwise. */
+/* Loads a row at the start. Keeps it if its file exists with the recorded length; drops it
+ * otherwise. */
 static int load_row(void *ctx, const struct orl_stored_map *map)
 {
     struct orl_map_cache *cache = ctx;
@@ -183,8 +185,8 @@ static int load_row(void *ctx, const struct orl_stored_map *map)
     return 0;
 }
 
-/* Files without a row: of a crash a moment after they were committed, or of another database. One
- * that cannot be moved, as on a full disk, stays for the next start. */
+/* Moves away files without a row, left by a crash just after a commit or by another database. A
+ * file that cannot be moved, as on a full disk, stays until the next start. */
 static int set_orphans_aside(struct orl_map_cache *cache, struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
@@ -218,7 +220,7 @@ int orl_map_cache_open(uv_loop_t *loop, const struct orl_folders *folders, struc
     *cache = (struct orl_map_cache){
         .loop = loop, .folders = folders, .db = db, .wake = wake, .wake_ctx = wake_ctx};
     pthread_mutex_init(&cache->mutex, NULL);
-    /* Whoever waits must not wait longer because the clock on the wall is put back. */
+    /* Waits use the monotonic clock, so a wall clock set back does not lengthen them. */
     pthread_condattr_t steady;
     pthread_condattr_init(&steady);
     pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);

@@ -7,11 +7,11 @@
 #include "process/limits.h"
 #include "uploads/unzip.h"
 
-/* ---- One question ---------------------------------------------------------------------------- */
+/* ---- One request ---------------------------------------------------------------------------- */
 
-/* Takes the request. */
-static int ask(struct orl_asking *asking, json_t *request, json_t **ret_result,
-               struct orl_error *err)
+/* Sends the request to a child. Takes ownership of the request. */
+static int run_request(struct orl_asking *asking, json_t *request, json_t **ret_result,
+                       struct orl_error *err)
 {
     json_t *bounds = json_pack("{s:I, s:I}", "memory", (json_int_t)asking->memory, "cpu_s",
                                (json_int_t)asking->cpu_s);
@@ -25,12 +25,12 @@ static int ask(struct orl_asking *asking, json_t *request, json_t **ret_result,
     return rc;
 }
 
-/* digits: of its numbers; 0: all. */
-static int ask_for_text(struct orl_asking *asking, json_t *request, int digits, char **ret_text,
+/* Returns the result as text. digits: significant digits of its numbers; 0: all. */
+static int request_text(struct orl_asking *asking, json_t *request, int digits, char **ret_text,
                         struct orl_error *err)
 {
     json_t *result = NULL;
-    const int rc = ask(asking, request, &result, err);
+    const int rc = run_request(asking, request, &result, err);
     if (rc)
         return rc;
     *ret_text = orl_json_text(result, JSON_COMPACT | JSON_REAL_PRECISION((size_t)digits));
@@ -41,7 +41,7 @@ static int ask_for_text(struct orl_asking *asking, json_t *request, int digits, 
 int orl_ask_scene(struct orl_asking *asking, const struct orl_bundle *bundle, const json_t *choice,
                   char **ret_summary, struct orl_error *err)
 {
-    return ask_for_text(asking,
+    return request_text(asking,
                         json_pack("{s:s, s:o, s:O*}", "kind", "scene", "files",
                                   orl_opened_to_json(bundle), "choice", choice),
                         0, ret_summary, err);
@@ -50,7 +50,7 @@ int orl_ask_scene(struct orl_asking *asking, const struct orl_bundle *bundle, co
 int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, char **ret_summary,
                  struct orl_error *err)
 {
-    return ask_for_text(asking,
+    return request_text(asking,
                         json_pack("{s:s, s:s, s:s}", "kind", "bsdf", "path", path, "name", name), 0,
                         ret_summary, err);
 }
@@ -58,7 +58,7 @@ int orl_ask_bsdf(struct orl_asking *asking, const char *path, const char *name, 
 int orl_ask_outline(struct orl_asking *asking, const struct orl_bundle *scene, double height,
                     char **ret_outline, struct orl_error *err)
 {
-    return ask_for_text(asking,
+    return request_text(asking,
                         json_pack("{s:s, s:o, s:o}", "kind", "outline", "height",
                                   orl_json_from_real(height), "files", orl_opened_to_json(scene)),
                         7, ret_outline, err);
@@ -67,7 +67,7 @@ int orl_ask_outline(struct orl_asking *asking, const struct orl_bundle *scene, d
 int orl_ask_polar(struct orl_asking *asking, const char *path, const struct orl_incidence *from,
                   char **ret_polar, struct orl_error *err)
 {
-    return ask_for_text(asking,
+    return request_text(asking,
                         json_pack("{s:s, s:s, s:b, s:f, s:f}", "kind", "polar", "path", path,
                                   "front", from->front, "theta_deg", from->theta_deg, "phi_deg",
                                   from->phi_deg),
@@ -77,7 +77,7 @@ int orl_ask_polar(struct orl_asking *asking, const char *path, const struct orl_
 int orl_ask_plan(struct orl_asking *asking, const struct orl_bundle *scene, const char *path,
                  char **ret_plans, struct orl_error *err)
 {
-    return ask_for_text(asking,
+    return request_text(asking,
                         json_pack("{s:s, s:s, s:o}", "kind", "plan", "path", path, "files",
                                   orl_opened_to_json(scene)),
                         0, ret_plans, err);
@@ -87,7 +87,8 @@ int orl_ask_job(struct orl_asking *asking, const char *path, struct orl_job_brie
                 struct orl_error *err)
 {
     json_t *result = NULL;
-    int rc = ask(asking, json_pack("{s:s, s:s}", "kind", "job", "path", path), &result, err);
+    int rc =
+        run_request(asking, json_pack("{s:s, s:s}", "kind", "job", "path", path), &result, err);
     if (rc == 0)
         rc = orl_job_brief_from_json(result, ret_brief, err);
     json_decref(result);
@@ -103,11 +104,11 @@ int orl_ask_inputs(struct orl_asking *asking, const struct orl_job_inputs *input
     uint64_t *const places[] = {&found.sensors, &found.year_rows, &found.surfaces, &found.triangles,
                                 &found.matrix_bytes};
     enum { PLACES = sizeof places / sizeof *places };
-    int rc =
-        ask(asking,
-            json_pack("{s:s, s:o, s:O*, s:s*}", "kind", "inputs", "files",
-                      orl_opened_to_json(&inputs->files), "uses", inputs->uses, "path", document),
-            &result, err);
+    int rc = run_request(asking,
+                         json_pack("{s:s, s:o, s:O*, s:s*}", "kind", "inputs", "files",
+                                   orl_opened_to_json(&inputs->files), "uses", inputs->uses, "path",
+                                   document),
+                         &result, err);
     bool good = rc == 0 && json_array_size(result) == PLACES;
     for (size_t i = 0; i < PLACES && good; i++) {
         const json_int_t value = json_integer_value(json_array_get(result, i));
@@ -126,19 +127,19 @@ int orl_ask_inputs(struct orl_asking *asking, const struct orl_job_inputs *input
 
 struct taking {
     const struct orl_folders *folders;
-    struct orl_bundle files; /* so far, all of them resources */
+    struct orl_bundle files; /* received so far; all are resources */
     struct orl_incoming incoming;
-    uint64_t bytes; /* with those of the upload's other files */
+    uint64_t bytes; /* includes the upload's other files */
 };
 
-static int take_file(void *ctx, const char *name, struct orl_error *err)
+static int receive_file(void *ctx, const char *name, struct orl_error *err)
 {
     struct taking *t = ctx;
     orl_incoming_end(&t->incoming);
     return orl_incoming_begin(&t->incoming, t->folders, name, true, err);
 }
 
-static int take_data(void *ctx, const char *data, size_t size, struct orl_error *err)
+static int receive_data(void *ctx, const char *data, size_t size, struct orl_error *err)
 {
     struct taking *t = ctx;
     t->bytes += size;
@@ -150,17 +151,18 @@ static int take_data(void *ctx, const char *data, size_t size, struct orl_error 
     return orl_incoming_append(&t->incoming, data, size, err);
 }
 
-/* Takes the request; its files are the caller's, whatever comes. */
-static int ask_for_files(struct orl_asking *asking, json_t *request,
+/* Receives the files that the child unpacks. Takes ownership of the request. The caller owns
+ * *ret_files, even after an error. */
+static int request_files(struct orl_asking *asking, json_t *request,
                          const struct orl_folders *folders, uint64_t before,
                          struct orl_bundle *ret_files, json_t **ret_result, struct orl_error *err)
 {
     struct taking t = {.folders = folders, .bytes = before};
     orl_incoming_init(&t.incoming, &t.files);
-    asking->file = take_file;
-    asking->data = take_data;
+    asking->file = receive_file;
+    asking->data = receive_data;
     asking->ctx = &t;
-    const int rc = ask(asking, request, ret_result, err);
+    const int rc = run_request(asking, request, ret_result, err);
     asking->file = NULL;
     asking->data = NULL;
     orl_incoming_end(&t.incoming);
@@ -170,21 +172,21 @@ static int ask_for_files(struct orl_asking *asking, json_t *request,
 
 /* ---- Zips ------------------------------------------------------------------------------------ */
 
-/* Who asks, and what for. */
+/* The request that guesses the roles of a zip's files. */
 struct guessing {
     struct orl_asking *asking;
     const json_t *choice; /* NULL: roles are not guessed */
 };
 
-static int ask_roles(void *ctx, struct orl_bundle *files, unsigned *ret_places,
-                     struct orl_error *err)
+static int request_roles(void *ctx, struct orl_bundle *files, unsigned *ret_places,
+                         struct orl_error *err)
 {
     const struct guessing *guessing = ctx;
     json_t *result = NULL;
-    int rc = ask(guessing->asking,
-                 json_pack("{s:s, s:o, s:O}", "kind", "roles", "files", orl_opened_to_json(files),
-                           "choice", guessing->choice),
-                 &result, err);
+    int rc = run_request(guessing->asking,
+                         json_pack("{s:s, s:o, s:O}", "kind", "roles", "files",
+                                   orl_opened_to_json(files), "choice", guessing->choice),
+                         &result, err);
     if (rc == 0 && json_array_size(result) != files->count)
         rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
     for (size_t i = 0; i < files->count && rc == 0; i++)
@@ -199,11 +201,11 @@ int orl_ask_unzip(struct orl_asking *asking, const char *path, const struct orl_
     struct guessing guessing = {asking, choice};
     struct orl_bundle files = {0};
     json_t *result = NULL;
-    int rc = ask_for_files(asking, json_pack("{s:s, s:s}", "kind", "unzip", "path", path), folders,
+    int rc = request_files(asking, json_pack("{s:s, s:s}", "kind", "unzip", "path", path), folders,
                            orl_bundle_bytes(bundle), &files, &result, err);
     json_decref(result);
     if (rc == 0)
-        rc = orl_unzip_settle(&files, choice ? ask_roles : NULL, &guessing, bundle, err);
+        rc = orl_unzip_settle(&files, choice ? request_roles : NULL, &guessing, bundle, err);
     orl_bundle_done(&files);
     return rc;
 }
@@ -217,11 +219,11 @@ int orl_ask_document(struct orl_asking *asking, const char *path, const struct o
     struct guessing guessing = {asking, choice};
     struct orl_bundle files = {0};
     json_t *rest = NULL;
-    int rc = ask_for_files(asking, json_pack("{s:s, s:s}", "kind", "files", "path", path), folders,
+    int rc = request_files(asking, json_pack("{s:s, s:s}", "kind", "files", "path", path), folders,
                            orl_bundle_bytes(bundle), &files, &rest, err);
     const json_t *resources = json_object_get(rest, "resources");
     if (rc == 0 && json_is_true(json_object_get(rest, "model"))) {
-        rc = orl_unzip_settle(&files, choice ? ask_roles : NULL, &guessing, bundle, err);
+        rc = orl_unzip_settle(&files, choice ? request_roles : NULL, &guessing, bundle, err);
         json_decref(rest);
         orl_bundle_done(&files);
         return rc;

@@ -7,7 +7,7 @@
 #include "process/limits.h"
 #include "process/times.h"
 
-/* On the pool. */
+/* Runs a check on the pool. */
 static void run_check(struct orl_request *request)
 {
     struct orl_check *check = request->check;
@@ -26,7 +26,7 @@ void orl_checks_close(struct orl_checks *checks)
     uv_close((uv_handle_t *)&checks->turns, NULL);
 }
 
-/* The request is waiting already (orl_request_wait). */
+/* Queues the check. The request must be waiting already (orl_request_wait). */
 static void wait_for_turn(struct orl_checks *checks, struct orl_check *check)
 {
     check->request->check = check;
@@ -62,33 +62,33 @@ static void refuse_late(const struct orl_check *check, struct orl_error *err)
                         "less busy, or start orield with a larger --check-timeout");
 }
 
-static void start_again(struct orl_checks *checks, struct orl_check *check)
+static void restart_check(struct orl_checks *checks, struct orl_check *check)
 {
     if (orl_request_wait(check->request, run_check, check->then))
         wait_for_turn(checks, check);
 }
 
-/* Once more, with all the memory that one may have? */
-static bool goes_again(struct orl_checks *checks, struct orl_check *check)
+/* Restarts the check with the largest memory grant if memory ran out. Returns true if it did. */
+static bool retry_with_more_memory(struct orl_checks *checks, struct orl_check *check)
 {
     const uint64_t most = orl_check_most(checks);
     if (check->asking.met != ORL_CHILD_MEMORY || check->asking.memory >= most)
         return false;
     check->whole = true;
     check->asking.memory = most;
-    start_again(checks, check);
+    restart_check(checks, check);
     return true;
 }
 
-/* From its start, since others were to have their turn? */
-static bool has_yielded(struct orl_checks *checks, struct orl_check *check)
+/* Restarts the check from its beginning if it was cancelled to yield. Returns true if it did. */
+static bool restart_yielded(struct orl_checks *checks, struct orl_check *check)
 {
     if (!check->yields || check->late || checks->stopping)
         return false;
     check->yields = false;
     check->is_long = true;
     atomic_store(&check->cancel, false);
-    start_again(checks, check);
+    restart_check(checks, check);
     return true;
 }
 
@@ -103,7 +103,7 @@ static void reply_given_up(struct orl_request *request, const struct orl_check *
                           check->checks->config->check_timeout_s,
                           (unsigned long long)(check->asking.memory >> 20));
         orl_reply_header(request, "Retry-After", "60");
-    } else { /* nobody is there to read it */
+    } else { /* the client cannot read this reply */
         orl_reply_problem(request, 400, "invalid", "The client has hung up",
                           "the connection was closed before its request was answered");
     }
@@ -115,8 +115,8 @@ bool orl_check_ended(struct orl_check *check, int *rc, struct orl_error *err)
     struct orl_checks *checks = check->checks;
     orl_check_leave(checks, check);
     request->check = NULL;
-    if ((*rc && goes_again(checks, check)) ||
-        (*rc == ORL_ERR_CANCELLED && has_yielded(checks, check)))
+    if ((*rc && retry_with_more_memory(checks, check)) ||
+        (*rc == ORL_ERR_CANCELLED && restart_yielded(checks, check)))
         return false;
     orl_checks_start(checks);
     checks->freed(checks->ctx);
@@ -148,7 +148,7 @@ void orl_checks_sweep(struct orl_checks *checks)
         check->late = check->late || (late && !checks->stopping);
         atomic_store(&check->cancel, true);
     }
-    /* Those that wait begin, and find that they are to end. */
+    /* Waiting checks start too; they then find that they are cancelled and end. */
     for (struct orl_check *check = checks->waiting; check; check = check->next) {
         check->starved = orl_time_steady_ms() - check->waits_since_ms > longest_ms;
         if (check->starved || checks->stopping || has_hung_up(check))

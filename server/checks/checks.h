@@ -1,12 +1,12 @@
 /*
- * Checks of uploads: of what strangers send before it is accepted, in children (keeper.h), for each
- * of which a pool thread waits. At most ORL_SERVER_CHECKS are under way at once, which leaves a
- * pool thread for everybody else, and no more than there is memory for (memory.h); the others wait
- * for their turn (turns.h), as long as --check-timeout, then they are told to come again
- * (503). A check that takes longer than that is given up (its upload is refused, 413), and so are
- * all of them when the daemon stops.
+ * Checks of untrusted uploads before they are accepted. Children (keeper.h) do the checks; a pool
+ * thread waits for each. At most ORL_SERVER_CHECKS run at once, which leaves a pool thread for
+ * other work, and no more than memory allows (memory.h). The others wait for their turn (turns.h),
+ * at most for --check-timeout, and are then refused with 503 and Retry-After. A check that runs
+ * longer than --check-timeout is cancelled and its upload refused with 413. All checks are
+ * cancelled when the daemon stops.
  *
- * Threads: the loop thread, but for what is said to be the pool's.
+ * Threads: the loop thread, except where the pool is named.
  */
 #ifndef ORL_SERVER_CHECKS_CHECKS_H
 #define ORL_SERVER_CHECKS_CHECKS_H
@@ -21,55 +21,56 @@
 #include "http/request.h"
 #include "process/config.h"
 
-/* One check; lies in the request's state, all zero at first. */
+/* One check; part of the request's state. All zero at first. */
 struct orl_check {
     struct orl_checks *checks;
     struct orl_request *request;
     orl_request_step run, then;
-    struct orl_asking asking; /* of children, on the pool */
+    struct orl_asking asking; /* request to a child, used on the pool */
     atomic_bool cancel;
-    atomic_llong started_ms; /* on the steady clock; 0: it waits */
-    bool late, starved;      /* that is why it was cancelled: too long at it, or waiting, ... */
-    bool yields;             /* ... or others are to have their turn */
-    bool whole;              /* it is granted all the memory that one may have */
-    bool is_long;            /* it has yielded before */
+    atomic_llong started_ms; /* on the monotonic clock; 0: still waiting */
+    bool late, starved;      /* cancelled because it ran, or waited, for too long */
+    bool yields;             /* cancelled to let another check have its turn */
+    bool whole;              /* true if it has the largest memory grant of a single check */
+    bool is_long;            /* true if it has yielded before */
     long long waits_since_ms;
     struct orl_check *next;
 };
 
-/* Borrows what is not its own. */
+/* The checks of the daemon. Borrows its pointers. */
 struct orl_checks {
     const struct orl_config *config;
     struct orl_memory *memory;
-    struct orl_lanes *lanes;  /* to children */
-    void (*freed)(void *ctx); /* memory that jobs may wait for is free again */
+    struct orl_lanes *lanes;  /* child processes */
+    void (*freed)(void *ctx); /* called when memory that jobs may wait for is free again */
     void *ctx;
-    bool stopping;                       /* all of them are to end */
-    struct orl_check *running, *waiting; /* waiting: the first come first */
-    unsigned count;                      /* that run */
-    uv_timer_t turns;                    /* while any waits */
+    bool stopping;                       /* true once all checks are to end */
+    struct orl_check *running, *waiting; /* waiting: in order of arrival */
+    unsigned count;                      /* running checks */
+    uv_timer_t turns;                    /* runs while any check waits */
 };
 
 void orl_checks_open(struct orl_checks *checks, uv_loop_t *loop);
-/* When the loop is to end; none may be under way. */
+/* Closes the checks before the loop ends. No check may be under way. */
 void orl_checks_close(struct orl_checks *checks);
 
 /*
- * As orl_request_work, when it is its turn: run on the pool is to ask children by check->asking
- * (ask.h), then calls orl_check_ended before anything else. It may run up to three times:
- * once more with more memory, and once more after it has yielded.
+ * Begins a check, like orl_request_work, once it has its turn. `run` executes on the pool: it sends
+ * requests to children by check->asking (ask.h). `then` must call orl_check_ended before anything
+ * else. `run` may execute up to three times: once more with more memory, and once more after the
+ * check has yielded.
  */
 void orl_check_begin(struct orl_checks *checks, struct orl_check *check,
                      struct orl_request *request, orl_request_step run, orl_request_step then);
 
 /*
- * Lets the next one begin. False: there is nothing more to do for now: it is done again, or what
- * was asked has been answered for, since the daemon stops, is short of memory, or the client is
- * gone. Where the check took too long *rc and err say so.
+ * Ends a check and starts the next one. Returns false if the caller has nothing more to do for now.
+ * Either the check runs again, or the request is already answered: the daemon stops, memory is
+ * short, or the client has disconnected. If the check took too long, *rc and err say so.
  */
 bool orl_check_ended(struct orl_check *check, int *rc, struct orl_error *err);
 
-/* To be called every second or so, and when the daemon stops. */
+/* Cancels checks that ran or waited too long. Called about every second, and at a stop. */
 void orl_checks_sweep(struct orl_checks *checks);
 
 #endif

@@ -31,7 +31,7 @@
 #include "scene_json.h"
 #include "uploads/unzip.h"
 
-/* A check under way: its request, and the files that it names. */
+/* A running check: its request and the files that the request names. */
 struct check {
     int fd;
     const json_t *request;
@@ -40,7 +40,7 @@ struct check {
 
 /* ---- Kinds ----------------------------------------------------------------------------------- */
 
-/* What the files are as a project; *ret_project stays NULL when they are none. */
+/* Reads the files as a project. *ret_project stays NULL if they are not a project. */
 static int find_project(struct check *check, json_t **ret_project, struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
@@ -54,7 +54,7 @@ static int find_project(struct check *check, json_t **ret_project, struct orl_er
     return orl_project_find(names, bundle->count, &files, &choice, ret_project, err);
 }
 
-/* A project's parts beside what its scene is. */
+/* Adds to the summary the project's members other than its scene. */
 static int add_project(struct check *check, json_t *summary, struct orl_error *err)
 {
     json_t *project = NULL;
@@ -104,7 +104,7 @@ static void add_files(json_t *summary, const struct orl_bundle *bundle)
     json_object_set_new(summary, "unread", unread);
 }
 
-/* By the first of its main files. */
+/* Returns true if the first main file is a table of measurements. */
 static bool is_measured(const struct orl_files *files, const char *name)
 {
     struct orl_file file;
@@ -115,7 +115,7 @@ static bool is_measured(const struct orl_files *files, const char *name)
     return measured;
 }
 
-/* What a goniophotometer wrote. */
+/* Checks the measurements of a goniophotometer. */
 static int check_measurements(const struct orl_bundle *bundle, const char *const *names,
                               size_t count, const struct orl_files *files, json_t **ret_result,
                               struct orl_error *err)
@@ -243,7 +243,7 @@ static int guess_places(struct orl_opened *opened, unsigned *ret_places, struct 
     return orl_main_files_places(names, bundle->count, &files, ret_places, err);
 }
 
-/* The places of a project's files. */
+/* Computes the positions of a project's main files. */
 static void place_project(const struct orl_bundle *bundle, const json_t *project,
                           unsigned *ret_places)
 {
@@ -278,12 +278,12 @@ static int check_roles(struct check *check, json_t **ret_result, struct orl_erro
 
 /* ---- Files that a job names ------------------------------------------------------------------ */
 
-/* How one is used, and what is known by those before it. */
+/* One use of a file, and the findings of the uses before it. */
 struct use {
     const char *name, *entry;
     const struct orl_file *data;
     uint64_t sensors, rows;
-    struct orl_annual_steps steps; /* of the year */
+    struct orl_annual_steps steps; /* time steps of the weather year */
 };
 
 static int read_sensors(struct use *use, struct orl_error *err)
@@ -294,7 +294,7 @@ static int read_sensors(struct use *use, struct orl_error *err)
     return rc;
 }
 
-/* The year of the rows that count; 0: all do. */
+/* Returns the year whose rows are used; 0: all rows. */
 static int year_of(const struct use *use)
 {
     return use->entry ? (int)strtol(use->entry, NULL, 10) : 0;
@@ -435,8 +435,8 @@ static json_t *receive_request(int fd)
 }
 
 /*
- * Embree is C++: where memory ends in a place that cannot throw, the process does. A child says so
- * by its status.
+ * Embree is C++: when memory runs out where it cannot throw, std::terminate is called. The child
+ * reports that by its exit status.
  */
 static void on_terminate(void)
 {
@@ -454,7 +454,7 @@ void orl_child_check(int fd)
     struct orl_error err = {0};
     json_t *request = receive_request(fd), *result = NULL;
     struct check check = {.fd = fd, .request = request};
-    if (!request) /* the daemon's own words are well-formed: there was no room for them */
+    if (!request) /* requests of the daemon are well-formed, so memory must have run out */
         _exit(ORL_CHILD_NO_MEMORY);
     const struct orl_bounds bounds = {get_number(request, "memory"),
                                       (uint32_t)get_number(request, "cpu_s")};

@@ -1,20 +1,22 @@
 /*
- * What a child does: reads its request, opens the files that it names, gives up all that reading
- * them does not take (confine.h), reads them, and says what it found.
+ * The work of a check child: it reads its request, opens the files that the request names, gives up
+ * every privilege that reading them does not need (confine.h), reads them, and sends a verdict.
  *
  * The request is {"kind", "memory", "cpu_s", ...}, the verdict {"error": {...}} or {"result": ...}:
  *
- *     scene     "files": [{"name", "path", "sha", "bytes", "resource"}], mains first, "choice" or
- * none
- *               -> the summary (scene_json.h), with a choice "project" (honeybee/project.h), too
+ *     scene     "files": [{"name", "path", "sha", "bytes", "resource"}], main files first
+ *               -> the summary (scene_json.h); if the request has a "choice", with "project"
+ *               (honeybee/project.h)
  *     bsdf      "path", "name" -> the summary (bsdf_json.h)
  *     job       "path" -> job_brief.h
  *     unzip     "path" -> FILE and DATA packets, then null
- *     files     "path", of {"files": [...], "bsdfs": {...}} -> the same, then {"resources": [...],
- *               "bsdfs": {...}}; of a Honeybee model -> its files, then {"model": true}
- *     roles     "files", "choice": {"states", "sky"} -> places of main ones among these, else 0
+ *     files     "path", of {"files": [...], "bsdfs": {...}} -> FILE and DATA packets, then
+ *               {"resources": [...], "bsdfs": {...}}; of a Honeybee model -> its files, then
+ *               {"model": true}
+ *     roles     "files", "choice": {"states", "sky"} -> for each file its place among the main
+ *               files, else 0
  *     inputs    "files", "uses": [[name, role, entry or null], ...], "path" of the document or none
- *               -> what was found, in the order of struct orl_job_inputs_found (job_inputs.h)
+ *               -> the findings, in the order of struct orl_job_inputs_found (job_inputs.h)
  *     plan      "path", "files" -> child_plan.h
  *     outline   "files", "height"; polar: "path", "front", "theta_deg", "phi_deg" -> child_looks.h
  */
@@ -25,10 +27,10 @@
 
 #include <oriel/error.h>
 
-/* In the child, over the socket. */
+/* Runs one check in the child, over the socket, and ends the process. */
 void orl_child_check(int fd);
 
-/* Errors on their way. */
+/* Convert errors to and from JSON for the verdict. */
 json_t *orl_child_error_to_json(const struct orl_error *err);
 void orl_child_error_from_json(const json_t *json, struct orl_error *ret_err);
 

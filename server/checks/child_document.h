@@ -1,6 +1,7 @@
 /*
- * A job's document checked together with its scene's files: the scenes that states of shades make,
- * their schedules, others' matrices, and masks of glare (README.md has the table).
+ * Checks a job's document together with its scene's files (README.md has the table). These are the
+ * scenes that the states of shades make, their schedules, matrices of other scenes, and glare
+ * masks.
  */
 #ifndef ORL_SERVER_CHECKS_CHILD_DOCUMENT_H
 #define ORL_SERVER_CHECKS_CHILD_DOCUMENT_H
@@ -8,7 +9,8 @@
 #include "checks/job_inputs.h"
 #include "checks/opened.h"
 
-/* In the child: opened is all of the scene, and the document as its single file. Adds to *found. */
+/* Runs in the child. opened: all files of the scene, with the document as its single file. Adds to
+ * *found. */
 int orl_child_document(struct orl_opened *opened, struct orl_job_inputs_found *found,
                        struct orl_error *err);
 

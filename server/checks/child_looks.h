@@ -1,6 +1,6 @@
 /*
- * What a child makes of things that are stored, to be looked at: a scene's floor plan, where a BSDF
- * sends light. In the child's process alone; nothing is given back.
+ * Previews of stored objects, made in a check child: a scene's floor plan, and the directions into
+ * which a BSDF scatters light. Nothing is freed: the process ends with the check.
  */
 #ifndef ORL_SERVER_CHECKS_CHILD_LOOKS_H
 #define ORL_SERVER_CHECKS_CHILD_LOOKS_H

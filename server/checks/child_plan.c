@@ -30,7 +30,7 @@ static int add_plan(void *ctx, const char *sky, const struct orl_result *planned
 
 int orl_child_plan(struct orl_opened *opened, json_t **ret_result, struct orl_error *err)
 {
-    static atomic_bool cancel; /* the process ends instead */
+    static atomic_bool cancel; /* never set: the process is killed instead */
     const struct orl_files files = orl_opened_provider(opened);
     struct orl_run_env env = {.files = &files, .cancel = &cancel, .now_s = now_s};
     struct orl_task task;

@@ -20,7 +20,7 @@
 #define FILTER_ARCH AUDIT_ARCH_AARCH64
 #endif
 
-/* What is left: memory, threads, the socket and the files that are open, time. */
+/* Allowed system calls: memory, threads, the socket, open files, and time. */
 #ifdef FILTER_ARCH
 static const unsigned allowed[] = {
     __NR_read,
@@ -66,8 +66,9 @@ static const unsigned allowed[] = {
 enum { ALLOWED = sizeof allowed / sizeof *allowed };
 
 /*
- * Whatever else is asked for fails with EPERM: libraries do without what they only like to have.
- * Threads are allowed, processes are not: only clone shows which it is to be, so clone3 is none.
+ * All other calls fail with EPERM, so that libraries do without optional features. Threads are
+ * allowed, processes are not. Only the arguments of clone tell them apart, so clone3 is not
+ * allowed.
  */
 static int filter_calls(void)
 {
@@ -104,8 +105,8 @@ static int filter_calls(void)
 }
 #endif
 
-/* Never more than it is now. */
-static int bound(__rlimit_resource_t resource, uint64_t most)
+/* Lowers a resource limit to `most`; never raises it. */
+static int lower_limit(__rlimit_resource_t resource, uint64_t most)
 {
     struct rlimit limit;
     if (getrlimit(resource, &limit) != 0)
@@ -116,8 +117,9 @@ static int bound(__rlimit_resource_t resource, uint64_t most)
     return setrlimit(resource, &limit);
 }
 
-/* Where there is no /proc, the kernel chooses by size alone. */
-static void go_first(void)
+/* Makes the process the kernel's first choice when memory runs out. Without /proc the kernel
+ * chooses by size alone. */
+static void prefer_oom_kill(void)
 {
     const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
     if (fd < 0)
@@ -127,22 +129,22 @@ static void go_first(void)
     close(fd);
 }
 
-/* What Embree maps and does not touch, and a thread's stack. */
+/* Bytes that Embree maps but does not touch, and a thread's stack. */
 #define RESERVED (144UL << 20)
 
 int orl_confine(const struct orl_bounds *bounds, struct orl_error *err)
 {
     enum { FILES = 64 };
-    go_first();
-    /* One second more before the signal that cannot be caught. */
+    prefer_oom_kill();
+    /* SIGXCPU comes at cpu_s; SIGKILL, which cannot be caught, one second later. */
     const struct rlimit cpu = {bounds->cpu_s, (rlim_t)bounds->cpu_s + 1};
     int rc = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-    rc = rc ? rc : bound(RLIMIT_CORE, 0);
-    rc = rc ? rc : bound(RLIMIT_FSIZE, 0);
-    rc = rc ? rc : bound(RLIMIT_NOFILE, FILES);
+    rc = rc ? rc : lower_limit(RLIMIT_CORE, 0);
+    rc = rc ? rc : lower_limit(RLIMIT_FSIZE, 0);
+    rc = rc ? rc : lower_limit(RLIMIT_NOFILE, FILES);
     rc = rc ? rc : setrlimit(RLIMIT_CPU, &cpu);
     if (rc == 0 && !ORL_SANITIZED)
-        rc = bound(RLIMIT_DATA, bounds->memory + RESERVED);
+        rc = lower_limit(RLIMIT_DATA, bounds->memory + RESERVED);
     if (rc == 0 && !ORL_SANITIZED)
         rc = filter_calls();
     return rc ? orl_error_set(err, ORL_ERR_INTERNAL, "a check cannot be confined: %s",

@@ -1,10 +1,10 @@
 /*
- * A process that is about to read what a stranger has sent gives up whatever that does not take:
- * memory, processor time and files beyond bounds, other programs, the network, files that it has
- * not opened, privileges; and it is the first to go when the machine has no memory left.
+ * Confines a process that is about to read untrusted data to what that needs. It bounds memory,
+ * processor time and files, forbids other programs, the network and opening files, and drops
+ * privileges. The process also becomes the first that the kernel kills when memory runs out.
  *
- * In builds with sanitizers there is neither the bound on memory (their shadow is far larger than
- * any) nor the filter of system calls (theirs are others).
+ * Builds with sanitizers have neither the memory bound (the shadow memory is far larger) nor the
+ * system-call filter (sanitizers need other calls).
  * Threads: the process must have one only.
  */
 #ifndef ORL_SERVER_CHECKS_CONFINE_H
@@ -15,11 +15,11 @@
 #include <oriel/error.h>
 
 struct orl_bounds {
-    uint64_t memory; /* bytes, of data; stacks and mapped files do not count */
+    uint64_t memory; /* bytes of data; stacks and mapped files do not count */
     uint32_t cpu_s;
 };
 
-/* For good. ORL_ERR_INTERNAL when the system refuses. */
+/* Confines the process for good. ORL_ERR_INTERNAL if the system refuses. */
 int orl_confine(const struct orl_bounds *bounds, struct orl_error *err);
 
 #endif

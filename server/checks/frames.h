@@ -1,13 +1,13 @@
 /*
- * What daemon and child say to each other: packets over a socket, each a byte that says what it is
- * and what belongs to it. A packet comes whole or not at all, whoever dies meanwhile.
+ * Messages between daemon and child: packets over a socket, each a byte with its kind followed by
+ * data. A packet arrives whole or not at all, even when a process dies.
  *
  *     daemon -> child   REQUEST ..., REQUEST_END: a JSON text, in parts
  *     child -> daemon   FILE (its name), DATA ..., FILE, ...: files unpacked
  *                       VERDICT ..., VERDICT_END: a JSON text, in parts
- *     keeper -> daemon  END: struct orl_child_end, when the child is no more
+ *     keeper -> daemon  END: struct orl_child_end, after the child has ended
  *
- * Threads: any; one at a time for each socket. Errors: false, errno says why.
+ * Threads: any; one at a time for each socket. Errors: false, with errno set.
  */
 #ifndef ORL_SERVER_CHECKS_FRAMES_H
 #define ORL_SERVER_CHECKS_FRAMES_H
@@ -26,27 +26,29 @@ enum orl_frame_kind {
     ORL_FRAME_END = 'E',
 };
 
-enum { ORL_FRAME_BYTES = 64 << 10 }; /* at most, the first byte left out */
+enum { ORL_FRAME_BYTES = 64 << 10 }; /* maximum of a packet, without the byte of its kind */
 
 struct orl_child_end {
-    int32_t status; /* as waitpid has it */
+    int32_t status; /* status of waitpid */
     int32_t pid;
-    uint64_t peak_bytes; /* resident */
+    uint64_t peak_bytes; /* peak resident set size */
     uint64_t cpu_ms;     /* user and system time */
 };
 
-/* Waits until there is room. */
+/* Sends one packet. Blocks until the socket has space. */
 bool orl_frame_send(int fd, enum orl_frame_kind kind, const void *data, size_t size);
-/* Likewise, in as many packets as it takes; the last is of the kind end. */
+/* Sends a text in as many packets as it takes; the last one has the kind `end`. Blocks like
+ * orl_frame_send. */
 bool orl_frame_send_text(int fd, enum orl_frame_kind part, enum orl_frame_kind end,
                          const char *text, size_t size);
 
-/* A text that comes in parts. */
+/* A text that arrives in parts. */
 struct orl_frame_text {
     char *text; /* owned; free() */
     size_t size, room;
 };
-/* Appends; ends with a NUL behind. False: more than most, or no memory. */
+/* Appends data and a terminating NUL. Returns false if the text exceeds `most` bytes or memory runs
+ * out. */
 bool orl_frame_text_add(struct orl_frame_text *text, const char *data, size_t size, size_t most);
 
 #endif

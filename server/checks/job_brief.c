@@ -25,7 +25,7 @@ void orl_job_brief_done(struct orl_job_brief *brief)
     memset(brief, 0, sizeof *brief);
 }
 
-/* As many as a document may name, of whatever kind. */
+/* Maximum number of files that a document may name, over all roles. */
 enum { FILES_MAX = ORL_LIMIT_SKIES + 2 * ORL_LIMIT_VIEWS + ORL_LIMIT_GRIDS + 2 };
 
 static int add_file(void *ctx, const struct orl_task_file *named, struct orl_error *err)
@@ -110,7 +110,7 @@ json_t *orl_job_brief_to_json(const struct orl_job_brief *brief)
         (json_int_t)needs->seats, (json_int_t)needs->window_groups, "files", files);
 }
 
-static int take_files(struct orl_job_brief *brief, const json_t *files, struct orl_error *err)
+static int read_files(struct orl_job_brief *brief, const json_t *files, struct orl_error *err)
 {
     for (size_t i = 0; i < json_array_size(files); i++) {
         const json_t *entry = json_array_get(files, i);
@@ -127,7 +127,7 @@ static int take_files(struct orl_job_brief *brief, const json_t *files, struct o
     return 0;
 }
 
-static bool take_needs(struct orl_job_memory *needs, const json_t *numbers)
+static bool read_needs(struct orl_job_memory *needs, const json_t *numbers)
 {
     uint64_t *const places[] = {&needs->sensors,      &needs->photons,         &needs->pixels,
                                 &needs->hour_bytes,   &needs->bsdf_made_bytes, &needs->mask_pixels,
@@ -143,8 +143,8 @@ static bool take_needs(struct orl_job_memory *needs, const json_t *numbers)
     return good;
 }
 
-/* A child answers with what it was to check: it is checked here once more. */
-static bool take_labels(struct orl_labels *labels, const char *name, const char *tags)
+/* Validates the labels again: a child that read untrusted data may send anything. */
+static bool read_labels(struct orl_labels *labels, const char *name, const char *tags)
 {
     struct orl_error err;
     json_t *list = tags ? orl_json_reread(tags) : NULL;
@@ -170,8 +170,8 @@ int orl_job_brief_from_json(const json_t *json, struct orl_job_brief *ret_brief,
     if (rc || kind < 0 || kind >= ORL_TASK_KIND_COUNT || !orl_is_sha256(scene) ||
         (*identity && !orl_is_sha256(identity)) || brief.priority < 0 ||
         brief.priority > ORL_PRIORITY_MAX || result_bytes < 0 || sensor_bytes < 0 ||
-        hour_bytes < 0 || !take_needs(&brief.needs, needs) ||
-        !take_labels(&brief.labels, name, tags))
+        hour_bytes < 0 || !read_needs(&brief.needs, needs) ||
+        !read_labels(&brief.labels, name, tags))
         return orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
     brief.kind = (enum orl_task_kind)kind;
     snprintf(brief.scene, sizeof brief.scene, "%s", scene);
@@ -180,7 +180,7 @@ int orl_job_brief_from_json(const json_t *json, struct orl_job_brief *ret_brief,
     brief.sensor_bytes = (uint64_t)sensor_bytes;
     brief.hour_bytes = (uint64_t)hour_bytes;
     brief.whole = whole != 0;
-    rc = take_files(&brief, files, err);
+    rc = read_files(&brief, files, err);
     if (rc)
         orl_job_brief_done(&brief);
     else

@@ -33,8 +33,8 @@ void orl_job_inputs_done(struct orl_job_inputs *inputs)
     *inputs = (struct orl_job_inputs){0};
 }
 
-static int note_use(const struct orl_named_file *named, const char *name,
-                    struct orl_job_inputs *inputs, struct orl_error *err)
+static int add_use(const struct orl_named_file *named, const char *name,
+                   struct orl_job_inputs *inputs, struct orl_error *err)
 {
     if (!inputs->uses)
         inputs->uses = json_array();
@@ -51,7 +51,7 @@ static int add_input(struct orl_bundle *files, const struct orl_bundle_file *fil
                           err);
 }
 
-/* All of the scene's, in their order. */
+/* Adds all files of the scene, in their order. */
 static int add_scene(const struct orl_bundle *scene, struct orl_job_inputs *inputs,
                      struct orl_error *err)
 {
@@ -79,7 +79,7 @@ int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bund
         const struct orl_named_file *named = &brief->files[i];
         if (named->role == ORL_FILE_MASK || named->role == ORL_FILE_SCENE ||
             named->role == ORL_FILE_MATRIX || named->role == ORL_FILE_SCHEDULE)
-            continue; /* they are read with the document */
+            continue; /* these are read with the document */
         const struct orl_bundle_file *file = orl_bundle_find(scene, named->name);
         size_t at = 0;
         while (at < files->count && strcmp(files->files[at].name, file->name) != 0)
@@ -88,7 +88,7 @@ int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bund
         const bool again =
             rc == 0 && named->role == ORL_FILE_WEATHER && is_same_year(weather[at], named);
         if (rc == 0 && !again)
-            rc = note_use(named, file->name, inputs, err);
+            rc = add_use(named, file->name, inputs, err);
         if (named->role == ORL_FILE_WEATHER)
             weather[at] = named;
     }

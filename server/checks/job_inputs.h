@@ -1,6 +1,6 @@
 /*
- * The files of a scene that a job names (task_json.h): its sensors, weather, what its views are
- * lines of; and all of a scene's that are read with the document (README.md has the table).
+ * The files of a scene that a job names (task_json.h): sensors, weather, and the lists of its
+ * views. If they are read with the document, all files of the scene (README.md has the table).
  */
 #ifndef ORL_SERVER_CHECKS_JOB_INPUTS_H
 #define ORL_SERVER_CHECKS_JOB_INPUTS_H
@@ -9,25 +9,27 @@
 #include "store/bundle.h"
 
 struct orl_job_inputs {
-    struct orl_bundle files; /* each once */
-    bool whole;              /* these are all of the scene's, and the document is read with them */
-    json_t *uses;            /* [name, role, entry or null], of what is to be read; NULL: none */
+    struct orl_bundle files; /* each file once */
+    bool whole;              /* files has the whole scene; read with the document */
+    json_t *uses;            /* [name, role, entry or null] for each file to read; NULL: none */
 };
-void orl_job_inputs_done(struct orl_job_inputs *inputs); /* all zeros are fine */
+void orl_job_inputs_done(struct orl_job_inputs *inputs); /* all zeros are allowed */
 
-/* What reading them tells. */
+/* Findings from reading the files. */
 struct orl_job_inputs_found {
-    uint64_t sensors;             /* of all files of them together */
-    uint64_t year_rows;           /* of the weather of a year; 0: there is none */
-    uint64_t surfaces, triangles; /* of the largest combination of states of shades */
-    uint64_t matrix_bytes;        /* of a year by matrices, in memory */
+    uint64_t sensors;             /* total over all sensor files */
+    uint64_t year_rows;           /* rows of a year's weather; 0: no such weather */
+    uint64_t surfaces, triangles; /* the largest scene among the combinations of shade states */
+    uint64_t matrix_bytes;        /* memory of an annual job by matrices */
 };
 
-/* Have they come with the scene? ORL_ERR_NOT_FOUND when not, with the place in the document. */
+/* Checks that the scene has the named files. ORL_ERR_NOT_FOUND if not, with the place in the
+ * document. */
 int orl_job_inputs_check(const struct orl_job_brief *brief, const struct orl_bundle *scene,
                          struct orl_error *err);
 
-/* Then: into *inputs, all zero before; what is in it is the caller's, whatever comes. */
+/* Collects the files and their uses in *inputs, which must be all zeros. Call it after
+ * orl_job_inputs_check. The caller owns the contents of *inputs, even after an error. */
 int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bundle *scene,
                         struct orl_job_inputs *inputs, struct orl_error *err);
 

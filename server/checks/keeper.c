@@ -17,15 +17,15 @@
 
 enum { CHILD_NICE = 5 };
 
-/* Ends with the process that it is a child of. */
-static void end_with(pid_t parent)
+/* Makes the process end when its parent ends. */
+static void end_with_parent(pid_t parent)
 {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent)
         _exit(1);
 }
 
-/* False: the daemon is gone. */
+/* Returns false if the daemon is gone. */
 static bool wait_for_request(void)
 {
     char first;
@@ -41,7 +41,7 @@ static uint64_t milliseconds(const struct timeval *time)
     return (uint64_t)time->tv_sec * 1000 + (uint64_t)time->tv_usec / 1000;
 }
 
-static struct orl_child_end keep_one(void)
+static struct orl_child_end run_child(void)
 {
     const pid_t keeper = getpid();
     struct orl_child_end end = {.status = -1};
@@ -49,7 +49,7 @@ static struct orl_child_end keep_one(void)
     int status;
     const pid_t child = fork();
     if (child == 0) {
-        end_with(keeper);
+        end_with_parent(keeper);
         orl_child_check(ORL_KEEPER_FD);
         _exit(0);
     }
@@ -66,12 +66,12 @@ static struct orl_child_end keep_one(void)
 
 int orl_keeper_main(const char *daemon_pid)
 {
-    end_with((pid_t)strtol(daemon_pid, NULL, 10));
+    end_with_parent((pid_t)strtol(daemon_pid, NULL, 10));
     if (getpriority(PRIO_PROCESS, 0) < CHILD_NICE)
         setpriority(PRIO_PROCESS, 0, CHILD_NICE);
-    orl_prepare_thread(NULL); /* where that fails a child tries again */
+    orl_prepare_thread(NULL); /* if this fails, each child tries again */
     while (wait_for_request()) {
-        const struct orl_child_end end = keep_one();
+        const struct orl_child_end end = run_child();
         if (!orl_frame_send(ORL_KEEPER_FD, ORL_FRAME_END, &end, sizeof end))
             break;
     }

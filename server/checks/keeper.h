@@ -1,23 +1,23 @@
 /*
- * The keeper: a process of the daemon's own program that does nothing but fork children, one at a
- * time, each for one check of what a stranger has sent (child_checks.h). It is small, has one
- * thread and its libraries in place, so that a child costs a millisecond or two; and it reads
- * nothing of what its children are sent.
+ * The keeper is a fork server: a process of the daemon's own program that only forks children. Each
+ * child runs one check of untrusted data (child_checks.h); there is one child at a time. The keeper
+ * is small, has one thread, and has its libraries loaded, so a child costs a millisecond or two. It
+ * reads nothing of the data that its children receive.
  *
- * The daemon starts keepers and talks to them through lanes.h; a keeper ends with the daemon, its
- * children with it.
+ * The daemon starts keepers and talks to them through lanes.h. A keeper ends with the daemon, and
+ * its children end with the keeper.
  */
 #ifndef ORL_SERVER_CHECKS_KEEPER_H
 #define ORL_SERVER_CHECKS_KEEPER_H
 
-/* The first argument of such a process; the second is the daemon's process number. */
+/* The first argument of a keeper process; the second is the daemon's process id. */
 #define ORL_KEEPER_MODE "--keeper"
-enum { ORL_KEEPER_FD = 3 }; /* of its end of the socket */
+enum { ORL_KEEPER_FD = 3 }; /* the keeper's end of the socket */
 
-/* How a child ends that has met its bound of memory where no error could tell. */
+/* Exit status of a child that ran out of memory where no error could be returned. */
 enum { ORL_CHILD_NO_MEMORY = 71 };
 
-/* Serves until the daemon is gone; returns the process's status. */
+/* Serves until the daemon is gone. Returns the process's exit status. */
 int orl_keeper_main(const char *daemon_pid);
 
 #endif

@@ -26,7 +26,7 @@
 
 enum { POLL_MS = 25, VERDICT_BYTES = 1 << 20 };
 
-/* One keeper. */
+/* One keeper process. */
 struct lane {
     pid_t pid;
     int fd;
@@ -42,7 +42,7 @@ extern char **environ;
 
 /* ---- Keepers --------------------------------------------------------------------------------- */
 
-static int spawn(int fd, pid_t *ret_pid)
+static int spawn_keeper(int fd, pid_t *ret_pid)
 {
     char parent[16];
     char *const arguments[] = {(char[]){"orield"}, (char[]){ORL_KEEPER_MODE}, parent, NULL};
@@ -51,7 +51,7 @@ static int spawn(int fd, pid_t *ret_pid)
     snprintf(parent, sizeof parent, "%d", (int)getpid());
     posix_spawn_file_actions_init(&actions);
     posix_spawnattr_init(&attributes);
-    /* A group of its own: what a terminal tells the daemon is not for it. */
+    /* A process group of its own keeps signals of the daemon's terminal away from the keeper. */
     posix_spawnattr_setpgroup(&attributes, 0);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
     int rc = posix_spawn_file_actions_adddup2(&actions, fd, ORL_KEEPER_FD);
@@ -77,9 +77,9 @@ static struct lane *lane_new(void)
         free(lane);
         return NULL;
     }
-    /* dup2 to itself would leave the flag that closes it. */
+    /* dup2 onto the same descriptor would leave the close-on-exec flag set. */
     const int theirs = ends[1] == ORL_KEEPER_FD ? fcntl(ends[1], F_DUPFD_CLOEXEC, 10) : ends[1];
-    const int rc = spawn(theirs, &lane->pid);
+    const int rc = spawn_keeper(theirs, &lane->pid);
     close(ends[1]);
     if (theirs != ends[1])
         close(theirs);
@@ -93,7 +93,7 @@ static struct lane *lane_new(void)
     return lane;
 }
 
-/* Its child goes with it. */
+/* Kills the keeper. Its child ends with it. */
 static void lane_kill(struct lane *lane)
 {
     close(lane->fd);
@@ -103,7 +103,7 @@ static void lane_kill(struct lane *lane)
     free(lane);
 }
 
-static struct lane *take(struct orl_lanes *lanes)
+static struct lane *take_lane(struct orl_lanes *lanes)
 {
     pthread_mutex_lock(&lanes->mutex);
     struct lane *lane = lanes->idle;
@@ -113,7 +113,7 @@ static struct lane *take(struct orl_lanes *lanes)
     return lane ? lane : lane_new();
 }
 
-static void give_back(struct orl_lanes *lanes, struct lane *lane)
+static void return_lane(struct orl_lanes *lanes, struct lane *lane)
 {
     pthread_mutex_lock(&lanes->mutex);
     lane->next = lanes->idle;
@@ -127,7 +127,7 @@ struct orl_lanes *orl_lanes_new(void)
     if (!lanes)
         return NULL;
     pthread_mutex_init(&lanes->mutex, NULL);
-    lanes->idle = lane_new(); /* without one it is tried again */
+    lanes->idle = lane_new(); /* if this fails, a later check tries again */
     return lanes;
 }
 
@@ -150,8 +150,8 @@ struct talk {
     struct orl_asking *asking;
     struct lane *lane;
     struct orl_frame_text verdict;
-    bool complete; /* the verdict */
-    bool ended;    /* the child, as end has it */
+    bool complete; /* true once the whole verdict has arrived */
+    bool ended;    /* true once the child has ended; `end` is then set */
     struct orl_child_end end;
     struct orl_error *err;
 };
@@ -165,7 +165,7 @@ static bool is_given_up(const struct orl_asking *asking)
            (client.revents & (POLLRDHUP | POLLHUP | POLLERR));
 }
 
-static int wait_for(struct talk *t, short events)
+static int wait_for_socket(struct talk *t, short events)
 {
     struct pollfd fds[2] = {{.fd = t->lane->fd, .events = events},
                             {.fd = t->asking->client_fd, .events = POLLRDHUP}};
@@ -179,14 +179,14 @@ static int wait_for(struct talk *t, short events)
     return orl_error_set(t->err, ORL_ERR_CANCELLED, "the check was given up");
 }
 
-/* A keeper that is gone is found out when it is listened to. */
+/* Sends the request. A keeper that has ended is noticed later, when the reply is read. */
 static int send_request(struct talk *t, const char *text, size_t size)
 {
     int rc = 0;
     while (rc == 0) {
         const bool last = size <= ORL_FRAME_BYTES;
         const size_t n = last ? size : ORL_FRAME_BYTES;
-        rc = wait_for(t, POLLOUT);
+        rc = wait_for_socket(t, POLLOUT);
         if (rc == 0 &&
             !orl_frame_send(t->lane->fd, last ? ORL_FRAME_REQUEST_END : ORL_FRAME_REQUEST, text, n))
             break;
@@ -198,50 +198,50 @@ static int send_request(struct talk *t, const char *text, size_t size)
     return rc;
 }
 
-static int refuse_answer(struct talk *t)
+static int refuse_packet(struct talk *t)
 {
     return orl_error_set(t->err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
 }
 
-static int take_packet(struct talk *t, char kind, char *data, size_t size)
+static int handle_packet(struct talk *t, char kind, char *data, size_t size)
 {
     struct orl_asking *asking = t->asking;
     switch (kind) {
     case ORL_FRAME_FILE:
         data[size] = '\0';
-        return asking->file ? asking->file(asking->ctx, data, t->err) : refuse_answer(t);
+        return asking->file ? asking->file(asking->ctx, data, t->err) : refuse_packet(t);
     case ORL_FRAME_DATA:
-        return asking->data ? asking->data(asking->ctx, data, size, t->err) : refuse_answer(t);
+        return asking->data ? asking->data(asking->ctx, data, size, t->err) : refuse_packet(t);
     case ORL_FRAME_VERDICT:
     case ORL_FRAME_VERDICT_END:
         if (t->complete || size > VERDICT_BYTES - t->verdict.size)
-            return refuse_answer(t);
+            return refuse_packet(t);
         if (!orl_frame_text_add(&t->verdict, data, size, VERDICT_BYTES))
             return orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
         t->complete = kind == ORL_FRAME_VERDICT_END;
         return 0;
     case ORL_FRAME_END:
         if (size != sizeof t->end)
-            return refuse_answer(t);
+            return refuse_packet(t);
         memcpy(&t->end, data, size);
         t->ended = true;
         return 0;
     default:
-        return refuse_answer(t);
+        return refuse_packet(t);
     }
 }
 
-static int listen_to(struct talk *t)
+static int receive_verdict(struct talk *t)
 {
     char *packet = malloc(ORL_FRAME_BYTES + 2);
     int rc = packet ? 0 : orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
     while (packet && rc == 0 && !t->ended) {
-        rc = wait_for(t, POLLIN);
+        rc = wait_for_socket(t, POLLIN);
         if (rc)
             break;
         const ssize_t n = recv(t->lane->fd, packet, ORL_FRAME_BYTES + 1, 0);
         if (n > 0)
-            rc = take_packet(t, packet[0], packet + 1, (size_t)n - 1);
+            rc = handle_packet(t, packet[0], packet + 1, (size_t)n - 1);
         else if (n == 0 || errno != EINTR)
             rc = orl_error_set(t->err, ORL_ERR_INTERNAL, "a check's keeper ended");
     }
@@ -249,9 +249,9 @@ static int listen_to(struct talk *t)
     return rc;
 }
 
-/* ---- What became of it ----------------------------------------------------------------------- */
+/* ---- Causes of death ------------------------------------------------------------------------ */
 
-static int meet(struct talk *t, enum orl_child_bound bound)
+static int report_bound(struct talk *t, enum orl_child_bound bound)
 {
     struct orl_asking *asking = t->asking;
     asking->met = bound;
@@ -262,7 +262,7 @@ static int meet(struct talk *t, enum orl_child_bound bound)
                                "--memory set the bound");
         return ORL_ERR_LIMIT;
     }
-    /* The kernel's limit counts ticks; the time that it reports may be a few of them less. */
+    /* The kernel's limit counts ticks; the reported time may be a few ticks less. */
     orl_error_set(t->err, ORL_ERR_LIMIT,
                   "the check was stopped after %.1f seconds of a processor; the limit is %u "
                   "(--check-timeout)",
@@ -272,7 +272,7 @@ static int meet(struct talk *t, enum orl_child_bound bound)
     return ORL_ERR_LIMIT;
 }
 
-static int blame(struct talk *t, int signum)
+static int report_fault(struct talk *t, int signum)
 {
     t->asking->met = ORL_CHILD_FAULT;
     orl_error_set(t->err, ORL_ERR_UNSUPPORTED, "checking it ended in a fault of Oriel's (%s)",
@@ -281,20 +281,20 @@ static int blame(struct talk *t, int signum)
     return ORL_ERR_UNSUPPORTED;
 }
 
-static int judge_death(struct talk *t)
+static int report_death(struct talk *t)
 {
     const int status = t->end.status;
     if (t->end.pid <= 0)
         return orl_error_set(t->err, ORL_ERR_NOMEM, "no process for a check");
     if (WIFEXITED(status) && WEXITSTATUS(status) == ORL_CHILD_NO_MEMORY)
-        return meet(t, ORL_CHILD_MEMORY);
+        return report_bound(t, ORL_CHILD_MEMORY);
     if (!WIFSIGNALED(status))
-        return blame(t, 0);
+        return report_fault(t, 0);
     if (WTERMSIG(status) == SIGXCPU)
-        return meet(t, ORL_CHILD_CPU);
+        return report_bound(t, ORL_CHILD_CPU);
     if (WTERMSIG(status) != SIGKILL)
-        return blame(t, WTERMSIG(status));
-    /* Nobody here sends that. */
+        return report_fault(t, WTERMSIG(status));
+    /* The daemon sends no SIGKILL here, so the kernel did. */
     t->asking->met = ORL_CHILD_KILLED;
     return orl_error_set(t->err, ORL_ERR_NOMEM, "the system ended the check for want of memory");
 }
@@ -309,7 +309,7 @@ static int read_verdict(struct talk *t, json_t **ret_result)
     int rc = 0;
     if (error) {
         orl_child_error_from_json(error, &found);
-        rc = found.code == ORL_ERR_NOMEM ? meet(t, ORL_CHILD_MEMORY) : found.code;
+        rc = found.code == ORL_ERR_NOMEM ? report_bound(t, ORL_CHILD_MEMORY) : found.code;
         if (t->err && found.code != ORL_ERR_NOMEM)
             *t->err = found;
     } else if (result) {
@@ -317,7 +317,7 @@ static int read_verdict(struct talk *t, json_t **ret_result)
     } else if (starved) {
         rc = orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
     } else {
-        rc = refuse_answer(t);
+        rc = refuse_packet(t);
     }
     json_decref(doc);
     return rc;
@@ -332,24 +332,25 @@ int orl_lanes_run(struct orl_asking *asking, const json_t *request, json_t **ret
     char *text = request ? orl_json_text(request, JSON_COMPACT) : NULL;
     if (!text)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    t.lane = take(asking->lanes);
+    t.lane = take_lane(asking->lanes);
     int rc = t.lane
                  ? 0
                  : orl_error_set(err, ORL_ERR_NOMEM, "no process for a check: %s", strerror(errno));
     if (rc == 0)
         rc = send_request(&t, text, strlen(text));
     if (rc == 0)
-        rc = listen_to(&t);
+        rc = receive_verdict(&t);
     free(text);
-    /* What is left unsaid would be taken for the answer to the next. */
+    /* After a clean end the keeper is reused. Otherwise unread packets would be mistaken for the
+     * next verdict. */
     const bool clean = rc == 0 && t.complete && WIFEXITED(t.end.status);
     if (t.lane && clean)
-        give_back(asking->lanes, t.lane);
+        return_lane(asking->lanes, t.lane);
     else if (t.lane)
         lane_kill(t.lane);
     asking->peak_bytes = t.end.peak_bytes;
     if (rc == 0)
-        rc = t.complete ? read_verdict(&t, ret_result) : judge_death(&t);
+        rc = t.complete ? read_verdict(&t, ret_result) : report_death(&t);
     free(t.verdict.text);
     return rc;
 }

@@ -20,7 +20,7 @@ json_t *orl_opened_to_json(const struct orl_bundle *bundle)
     return files;
 }
 
-/* What has just been written is not read once more. */
+/* Maps one file. A file that was just written is not read again to verify its digest. */
 static int open_file(struct orl_opened *opened, const json_t *entry, struct orl_error *err)
 {
     const char *name = json_string_value(json_object_get(entry, "name"));

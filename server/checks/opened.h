@@ -1,7 +1,7 @@
 /*
- * The files that a check is about, all of them mapped before it can open none any more.
+ * The files of a check, all mapped before the sandbox forbids open().
  *
- * Ownership: nothing is given back: the process ends with the check.
+ * Ownership: nothing is freed: the process ends with the check.
  */
 #ifndef ORL_SERVER_CHECKS_OPENED_H
 #define ORL_SERVER_CHECKS_OPENED_H
@@ -11,18 +11,18 @@
 #include "store/bundle.h"
 
 struct orl_opened {
-    struct orl_bundle bundle; /* of "files", in their order */
-    struct orl_file *data;    /* theirs */
-    struct orl_file single;   /* of "path" */
+    struct orl_bundle bundle; /* the request's "files", in their order */
+    struct orl_file *data;    /* contents of the bundle's files */
+    struct orl_file single;   /* the request's "path" */
 };
 
-/* Maps what the request names. */
+/* Maps the files that the request names. */
 int orl_opened_open(const json_t *request, struct orl_opened *ret_opened, struct orl_error *err);
 
-/* Borrows opened. */
+/* Returns a file provider that borrows opened. */
 struct orl_files orl_opened_provider(struct orl_opened *opened);
 
-/* The other side of it: a bundle as "files". A new reference; NULL: no memory. */
+/* Converts a bundle to the request's "files". Returns a new reference; NULL: out of memory. */
 json_t *orl_opened_to_json(const struct orl_bundle *bundle);
 
 #endif

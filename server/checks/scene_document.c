@@ -11,7 +11,7 @@
 #include "members.h"
 #include "uploads/multipart.h"
 
-/* The bytes of one file object; *ret_data is owned. */
+/* Decodes the content of one file object; the caller owns *ret_data. */
 static int decode_content(const json_t *file, const char *where, unsigned char **ret_data,
                           size_t *ret_size, struct orl_error *err)
 {
@@ -37,8 +37,8 @@ static int decode_content(const json_t *file, const char *where, unsigned char *
     return 0;
 }
 
-static int hand_on(const char *name, const unsigned char *data, size_t size,
-                   const struct orl_incoming_sink *sink, struct orl_error *err)
+static int send_to_sink(const char *name, const unsigned char *data, size_t size,
+                        const struct orl_incoming_sink *sink, struct orl_error *err)
 {
     if (size > ORL_LIMIT_FILE_BYTES)
         return orl_error_set(err, ORL_ERR_LIMIT, "'%s' is larger than %lu MiB", name,
@@ -68,7 +68,7 @@ static int read_file(const json_t *file, size_t index, const struct orl_incoming
     if (rc == 0)
         rc = decode_content(file, where, &data, &size, err);
     if (rc == 0)
-        rc = hand_on(name, data, size, sink, err);
+        rc = send_to_sink(name, data, size, sink, err);
     if (rc == 0 && json_array_append_new(resources, json_boolean(resource)))
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     free(data);
@@ -82,8 +82,8 @@ static int read_model(const json_t *model, const struct orl_incoming_sink *sink,
     struct orl_text_files files = {0};
     int rc = orl_hbjson_translate(model, &files, err);
     for (size_t i = 0; i < files.count && rc == 0; i++)
-        rc = hand_on(files.items[i].name, (const unsigned char *)files.items[i].text,
-                     files.items[i].size, sink, err);
+        rc = send_to_sink(files.items[i].name, (const unsigned char *)files.items[i].text,
+                          files.items[i].size, sink, err);
     orl_text_files_done(&files);
     *ret_rest = rc ? NULL : json_pack("{s:b}", "model", 1);
     return rc == 0 && !*ret_rest ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory") : rc;
@@ -114,7 +114,7 @@ static int read_files(const json_t *doc, const struct orl_incoming_sink *sink, j
     return rc;
 }
 
-/* A model, and files that it comes with: weather, say. */
+/* Reads a model and the files that come with it, such as weather. */
 static int read_model_and_files(const json_t *doc, const struct orl_incoming_sink *sink,
                                 json_t **ret_rest, struct orl_error *err)
 {
@@ -131,7 +131,7 @@ static int read_model_and_files(const json_t *doc, const struct orl_incoming_sin
         rc = read_model(model, sink, &rest, err);
     for (size_t i = 0; rc == 0 && i < json_array_size(files); i++)
         rc = read_file(json_array_get(files, i), i, sink, resources, err);
-    json_decref(resources); /* none of them is of the scene: the model is */
+    json_decref(resources); /* the scene is the model alone, so no file is one of its resources */
     if (rc == 0)
         *ret_rest = rest;
     else

@@ -9,9 +9,9 @@
 
 #include "uploads/incoming.h"
 
-/* Its files go to the sink, in their order. *ret_rest: {"resources": [true, ...], "bsdfs": ...},
- * the former one for each file, the latter as it stands in the document, if it does; of a model
- * {"model": true}. */
+/* Sends the document's files to the sink, in their order. *ret_rest is {"resources": [true, ...],
+ * "bsdfs": ...}: one resource flag for each file, and the document's "bsdfs" if it has them. For a
+ * model it is {"model": true}. */
 int orl_scene_document_read(const struct orl_file *document, const struct orl_incoming_sink *sink,
                             json_t **ret_rest, struct orl_error *err);
 

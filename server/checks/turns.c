@@ -25,7 +25,7 @@ uint64_t orl_check_most(const struct orl_checks *checks)
     return granted > ORL_SERVER_CHECK_LEAST ? granted : ORL_SERVER_CHECK_LEAST;
 }
 
-/* Every lane that is left can have as much. */
+/* Returns the first memory grant: a size that every free lane can have. */
 static uint64_t first_grant(const struct orl_checks *checks)
 {
     const unsigned count = checks->count;
@@ -35,10 +35,10 @@ static uint64_t first_grant(const struct orl_checks *checks)
     return granted > ORL_SERVER_CHECK_LEAST ? granted : ORL_SERVER_CHECK_LEAST;
 }
 
-/* ---- Those that run -------------------------------------------------------------------------- */
+/* ---- Running checks ------------------------------------------------------------------------- */
 
-/* It may still yield. */
-static bool is_fresh(const struct orl_check *check)
+/* Returns true if the check may still yield. */
+static bool may_yield(const struct orl_check *check)
 {
     return !check->whole && !check->is_long;
 }
@@ -46,7 +46,7 @@ static bool is_fresh(const struct orl_check *check)
 static bool is_long(const struct orl_check *check)
 {
     const long long started_ms = atomic_load(&check->started_ms);
-    return !is_fresh(check) ||
+    return !may_yield(check) ||
            (started_ms > 0 && orl_time_steady_ms() - started_ms > ORL_SERVER_CHECK_QUICK_MS);
 }
 
@@ -66,35 +66,35 @@ static unsigned count_of(const struct orl_checks *checks, const struct orl_clien
     return count;
 }
 
-/* ---- Those that wait ------------------------------------------------------------------------- */
+/* ---- Waiting checks ------------------------------------------------------------------------- */
 
-/* Among several clients none has all checks that go on at once. */
-static bool has_its_share(const struct orl_checks *checks, const struct orl_check *check)
+/* Returns true if one more check would give this client all the lanes, and others may exist. */
+static bool has_full_share(const struct orl_checks *checks, const struct orl_check *check)
 {
     return checks->config->needs_token &&
            count_of(checks, check->request->client) + 1 >= ORL_SERVER_CHECKS;
 }
 
 /*
- * Whoever waits for the larger grant does not keep others from going on, and one quick check goes
- * on whatever else there is; any does when there is nothing else.
+ * Returns true if the check may start now. A check that waits for the larger grant does not delay
+ * others. One quick check may always run; any check may run if no other does.
  */
 static bool may_start(const struct orl_checks *checks, const struct orl_check *check)
 {
     const struct orl_memory *memory = checks->memory;
     const unsigned n_long = count_long(checks);
-    if (checks->count >= ORL_SERVER_CHECKS || has_its_share(checks, check))
+    if (checks->count >= ORL_SERVER_CHECKS || has_full_share(checks, check))
         return false;
-    if (!is_fresh(check) && n_long + 1 >= ORL_SERVER_CHECKS)
+    if (!may_yield(check) && n_long + 1 >= ORL_SERVER_CHECKS)
         return false;
     if (check->whole)
         return (memory->jobs == 0 && checks->count == 0) ||
                orl_memory_free(memory) >= check->asking.memory + memory->wanted;
-    return (is_fresh(check) ? n_long : 0) == checks->count ||
+    return (may_yield(check) ? n_long : 0) == checks->count ||
            orl_memory_free(memory) >= first_grant(checks);
 }
 
-static struct orl_check *choose(const struct orl_checks *checks)
+static struct orl_check *choose_next(const struct orl_checks *checks)
 {
     struct orl_check *first = NULL;
     unsigned least = 0;
@@ -110,7 +110,7 @@ static struct orl_check *choose(const struct orl_checks *checks)
     return first;
 }
 
-static void start(struct orl_checks *checks, struct orl_check *check)
+static void start_check(struct orl_checks *checks, struct orl_check *check)
 {
     struct orl_check **at = &checks->waiting;
     while (*at != check)
@@ -131,7 +131,7 @@ static void start_given_up(struct orl_checks *checks)
     for (struct orl_check *check = checks->waiting, *next; check; check = next) {
         next = check->next;
         if (is_given_up(check))
-            start(checks, check);
+            start_check(checks, check);
     }
 }
 
@@ -147,8 +147,8 @@ void orl_checks_start(struct orl_checks *checks)
     enum { TURNS_MS = 50 };
     struct orl_check *check;
     start_given_up(checks);
-    while ((check = choose(checks)) != NULL)
-        start(checks, check);
+    while ((check = choose_next(checks)) != NULL)
+        start_check(checks, check);
     if (!checks->waiting)
         uv_timer_stop(&checks->turns);
     else if (!uv_is_active((uv_handle_t *)&checks->turns))
@@ -179,25 +179,25 @@ void orl_check_leave(struct orl_checks *checks, struct orl_check *check)
 
 /* ---- Yielding -------------------------------------------------------------------------------- */
 
-/* A check that nothing keeps but those that run. */
-static bool does_any_wait(const struct orl_checks *checks)
+/* Returns true if a check waits only because all lanes are taken. */
+static bool has_blocked_check(const struct orl_checks *checks)
 {
     for (const struct orl_check *check = checks->waiting; check; check = check->next)
-        if (is_fresh(check) && !has_its_share(checks, check))
+        if (may_yield(check) && !has_full_share(checks, check))
             return true;
     return false;
 }
 
-/* Those that run: the last begun is the first. */
+/* Picks among the running checks; the list starts with the last one started. */
 void orl_checks_make_room(struct orl_checks *checks)
 {
     struct orl_check *last = NULL;
-    if (checks->count < ORL_SERVER_CHECKS || !does_any_wait(checks))
+    if (checks->count < ORL_SERVER_CHECKS || !has_blocked_check(checks))
         return;
     for (struct orl_check *check = checks->running; check; check = check->next) {
         if (!is_long(check) || is_given_up(check))
             return; /* its lane will soon be free */
-        if (!last && is_fresh(check))
+        if (!last && may_yield(check))
             last = check;
     }
     if (!last)

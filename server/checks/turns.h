@@ -1,17 +1,17 @@
 /*
- * Whose turn it is to be checked, so that nobody's long or large uploads keep others waiting:
+ * The scheduler of checks. It keeps long or large uploads of one client from delaying others:
  *
- * - Who waits and has the fewest checks under way goes first, then who came first; among several
- *   clients none has all the lanes.
- * - A check is granted little memory at first (ORL_SERVER_CHECK_FIRST, or its lane's share of what
- *   is free), and what it may be granted when that is not enough leaves some for the others.
- * - A check that has gone on for longer than ORL_SERVER_CHECK_QUICK_MS is long, and so is one that
- *   takes the larger grant. One lane is for those that are not: where long ones hold all of them
- *   while another waits, the last one begun yields. It is done again from its start, in one of the
- *   other lanes, and yields no more.
+ * - The waiting client with the fewest running checks goes first, then the one that came first. If
+ *   there are several clients, none gets all the lanes.
+ * - A check gets a small memory grant at first (ORL_SERVER_CHECK_FIRST, or its lane's share of the
+ *   free memory). If that is not enough, its larger grant still leaves some memory for the others.
+ * - A check is long if it has run for more than ORL_SERVER_CHECK_QUICK_MS, or has the larger grant.
+ *   One lane is reserved for quick checks. If long checks hold all lanes while another check waits,
+ *   the last one started yields. It runs again from its start, in one of the other lanes, and
+ *   yields no more.
  *
- * With n clients that have checks waiting, the quick check of another waits for about
- * n * ORL_SERVER_CHECK_QUICK_MS at the most.
+ * If n clients have checks waiting, the quick check of another client waits for about n *
+ * ORL_SERVER_CHECK_QUICK_MS at most.
  *
  * Threads: the loop thread.
  */
@@ -23,16 +23,17 @@
 struct orl_check;
 struct orl_checks;
 
-/* What one check may be granted, if it is to have all it can. */
+/* Returns the largest memory grant of one check, bytes. */
 uint64_t orl_check_most(const struct orl_checks *checks);
 
-/* Behind those that wait already. */
+/* Appends the check to the waiting list. */
 void orl_check_wait(struct orl_checks *checks, struct orl_check *check);
-/* Those whose turn it is are queued on the pool; so are those that were given up, to find that. */
+/* Queues the checks whose turn has come on the pool. Cancelled ones are queued too, so that they
+ * end with an error. */
 void orl_checks_start(struct orl_checks *checks);
-/* It runs no more; the next one is not begun by this. */
+/* Removes the check from the running ones; does not start the next one. */
 void orl_check_leave(struct orl_checks *checks, struct orl_check *check);
-/* Has one yield, where that is what somebody waits for. */
+/* Cancels one running check so that it yields, if a waiting check needs its lane. */
 void orl_checks_make_room(struct orl_checks *checks);
 
 #endif

@@ -15,14 +15,14 @@
 #include "process/sanitized.h"
 #include "process/signal_stack.h"
 
-static struct orl_past *page; /* shared with the file; NULL: there is none */
+static struct orl_past *page; /* mapped from the file and shared with it; NULL: none */
 static _Thread_local const char *whose;
 
 /* ---- Signals --------------------------------------------------------------------------------- */
 
 static void on_fault(int signum, siginfo_t *info, void *context)
 {
-    /* Sent by a process, it says nothing of the thread that it came to. */
+    /* A signal that another process sent says nothing about the thread that received it. */
     const bool own = info->si_code > 0 || signum == SIGABRT;
     const char *job = own && whose ? whose : "";
     if (page && page->signum == 0) {
@@ -35,7 +35,7 @@ static void on_fault(int signum, siginfo_t *info, void *context)
     }
     orl_crash_report_write(
         &(struct orl_crash){.signum = signum, .job = job, .info = info, .context = context});
-    raise(signum); /* as it would have been: the handler is gone */
+    raise(signum); /* takes the default action, since the handler was reset */
 }
 
 static void on_terminate(void)
@@ -53,7 +53,7 @@ void orl_heed_terminate(void (*handler)(void))
         set(handler);
 }
 
-/* Sanitizers have handlers of their own, which say more. */
+/* Installs the handlers. Sanitizers have handlers of their own, which report more. */
 static void catch_faults(void)
 {
     static const int signals[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
@@ -75,7 +75,7 @@ void orl_blame_open(const char *root, bool log_json, struct orl_past *ret_past)
     orl_signal_stack_install();
     snprintf(path, sizeof path, "%s/oriel.running", root);
     const int fd = orl_open_regular(path, O_RDWR | O_CREAT);
-    /* Room is made now: on a full disk a store to the page would end the process. */
+    /* Allocates disk space now: on a full disk, a later store to the page would end the process. */
     void *data = fd >= 0 && posix_fallocate(fd, 0, sizeof *page) == 0
                      ? mmap(NULL, sizeof *page, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0)
                      : MAP_FAILED;
@@ -132,11 +132,11 @@ void orl_blame_excuse(void)
 }
 
 /*
- * Where a signal names a job it is that one. Where nobody said, one of several may be anyone, and
- * each runs alone from then on. One that ran alone has to take it, unless the machine was
- * restarted; or the kernel had others to choose from, checks, and the daemon had not grown; or the
- * kernel has killed none, and the daemon was not about to use up its memory, when others may
- * (earlyoom).
+ * If a signal's record names a job, that job is to blame. If none is named, any of several jobs may
+ * be: none is blamed, and each runs alone from then on. A job that ran alone is blamed, with three
+ * exceptions. The machine was restarted. Or the kernel could have killed checks instead, and the
+ * daemon had not grown. Or the kernel killed no process and the daemon was not close to its memory
+ * limit, so another program may have killed it (earlyoom).
  */
 bool orl_blame_is(const struct orl_past *past, bool is_named, bool alone)
 {

@@ -11,7 +11,7 @@
 enum { MOST_FRAMES = 24, LINE_MAX_BYTES = 1024 };
 
 static bool lines_are_json;
-static int probe[2] = {-1, -1}; /* a pipe: write() to it tells readable addresses from others */
+static int probe[2] = {-1, -1}; /* a pipe: write() to it fails for unreadable addresses */
 
 static _Thread_local struct {
     uint64_t id;
@@ -30,8 +30,7 @@ void orl_crash_request_end(void)
     current.method = current.path = NULL;
 }
 
-/* ---- Lines, without the C library's formatted output ------------------------------------------
- */
+/* ---- Lines, without the C library's formatted output ---------------------------------------- */
 
 struct line {
     char text[LINE_MAX_BYTES];
@@ -40,7 +39,7 @@ struct line {
 
 static void add_char(struct line *line, char c)
 {
-    if (line->used + 4 < sizeof line->text) /* room for the end */
+    if (line->used + 4 < sizeof line->text) /* leaves space for the end of the line */
         line->text[line->used++] = c;
 }
 
@@ -50,7 +49,7 @@ static void add_text(struct line *line, const char *text)
         add_char(line, *text++);
 }
 
-/* Text of a client's: what could end a value or a line becomes a question mark. */
+/* Adds text from a client. Characters that could end a value or a line become question marks. */
 static void add_foreign(struct line *line, const char *text)
 {
     for (; *text; text++)
@@ -74,7 +73,7 @@ static void add_hex(struct line *line, uint64_t value)
     add_number(line, value, 16);
 }
 
-/* As a module and an offset into it. */
+/* Adds a code address as a module and an offset into it. */
 static void add_code(struct line *line, uintptr_t address)
 {
     uintptr_t offset = address;
@@ -137,8 +136,7 @@ static void end_line(struct line *line)
         return;
 }
 
-/* ---- The report -------------------------------------------------------------------------------
- */
+/* ---- The report ----------------------------------------------------------------------------- */
 
 static void write_request(void)
 {
@@ -178,7 +176,7 @@ static struct registers read_registers(const void *context)
     return registers;
 }
 
-/* False where the address cannot be read. */
+/* Reads a word of memory. Returns false if the address is not readable. */
 static bool read_word(uintptr_t address, uintptr_t *ret_word)
 {
     return probe[1] >= 0 &&
@@ -212,7 +210,7 @@ static void write_registers(const struct orl_crash *crash)
                (uint64_t)(crash->info->si_code < 0 ? -(int64_t)crash->info->si_code
                                                    : crash->info->si_code),
                10);
-    if (crash->info->si_code > 0) /* by the kernel, for a fault of the thread's own */
+    if (crash->info->si_code > 0) /* sent by the kernel for a fault of this thread */
         add_hex_pair(&line, "address", (uintptr_t)crash->info->si_addr);
     add_hex_pair(&line, "pc", registers.pc);
     add_hex_pair(&line, "sp", registers.sp);
@@ -265,6 +263,6 @@ void orl_crash_report_open(bool json)
     lines_are_json = json;
     if (probe[0] < 0 && pipe2(probe, O_CLOEXEC | O_NONBLOCK) != 0)
         probe[0] = probe[1] = -1;
-    backtrace(&frame, 1); /* loads the unwinder now, not in a handler */
+    backtrace(&frame, 1); /* loads the unwinder now, since a handler must not */
     orl_modules_list();
 }

@@ -23,18 +23,18 @@
 
 struct orl_crash {
     int signum;
-    const char *job;       /* whose thread it was; "": none's */
-    const siginfo_t *info; /* NULL, as is context: no registers are known */
+    const char *job;       /* job of the faulting thread; "": none */
+    const siginfo_t *info; /* NULL if the registers are unknown; context is then NULL too */
     const void *context;   /* ucontext_t */
 };
 
 void orl_crash_report_open(bool json);
 void orl_crash_report_write(const struct orl_crash *crash);
 
-/* The first line alone, for ends that are not a signal's. */
+/* Writes the first line alone, for ends that are not caused by a signal. */
 void orl_crash_report_line(const char *event, int signum, const char *job);
 
-/* Names the request that this thread serves. Borrows the strings until the end. */
+/* Records the request that this thread serves. Borrows the strings until orl_crash_request_end. */
 void orl_crash_request_begin(uint64_t id, const char *method, const char *path);
 void orl_crash_request_end(void);
 

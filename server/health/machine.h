@@ -1,4 +1,5 @@
-/* Facts about the machine from the kernel: which boot this is, and how often memory ran out. */
+/* Facts about the machine from the kernel: the id of the current boot, and how often memory ran
+ * out. */
 #ifndef ORL_SERVER_HEALTH_MACHINE_H
 #define ORL_SERVER_HEALTH_MACHINE_H
 
@@ -6,10 +7,10 @@
 
 enum { ORL_BOOT_ID = 40 };
 
-/* The id of this boot; "" where the kernel does not say. */
+/* Writes the id of this boot; "" if the kernel does not report it. */
 void orl_machine_boot(char ret_id[ORL_BOOT_ID]);
-/* How many processes the kernel has killed for memory since the boot, those of control groups among
- * them; UINT64_MAX where it does not say. */
+/* Returns the number of processes that the kernel has killed for memory since the boot, including
+ * those killed by limits of control groups. UINT64_MAX if the kernel does not report it. */
 uint64_t orl_machine_oom_kills(void);
 
 #endif

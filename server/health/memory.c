@@ -7,9 +7,9 @@
 
 enum { PATH_BYTES = 4096 };
 
-/* ---- What there is --------------------------------------------------------------------------- */
+/* ---- Capacity ------------------------------------------------------------------------------- */
 
-/* "max", or more than any machine has: no limit. */
+/* Reads a limit. "max", or more than any machine has, means no limit. */
 static uint64_t read_limit(const char *path)
 {
     char text[64] = "";
@@ -23,7 +23,7 @@ static uint64_t read_limit(const char *path)
     return end == text || bytes >= 1ULL << 60 ? UINT64_MAX : bytes;
 }
 
-/* The least of the group's limit and of those above it. */
+/* Returns the smallest limit of the group and the groups above it. */
 static uint64_t least_above(const char *folder, const char *group, const char *file)
 {
     char path[PATH_BYTES], above[PATH_BYTES];
@@ -49,7 +49,7 @@ uint64_t orl_memory_of_groups(const char *groups, const char *mount)
 {
     uint64_t least = UINT64_MAX;
     char *copy = strdup(groups), *save = NULL;
-    /* "4:memory:/path" of version 1, "0::/path" of version 2, which may lie beside the first. */
+    /* Version 1 has lines "4:memory:/path", version 2 "0::/path"; both may be present. */
     for (char *line = copy ? strtok_r(copy, "\n", &save) : NULL; line;
          line = strtok_r(NULL, "\n", &save)) {
         char *controllers = strchr(line, ':');
@@ -99,7 +99,7 @@ static uint64_t read_available(void)
 uint64_t orl_memory_resident(void)
 {
     char text[128] = "";
-    unsigned long pages[3] = {0}; /* all, resident, shared */
+    unsigned long pages[3] = {0}; /* total, resident, shared */
     FILE *statm = fopen("/proc/self/statm", "re");
     const char *line = statm ? fgets(text, sizeof text, statm) : NULL;
     if (statm)
@@ -125,7 +125,7 @@ void orl_memory_open(struct orl_memory *memory, uint64_t bytes)
         memory->capacity = bytes;
 }
 
-/* ---- What is promised ------------------------------------------------------------------------ */
+/* ---- Promises ------------------------------------------------------------------------------- */
 
 uint64_t orl_memory_free(const struct orl_memory *memory)
 {

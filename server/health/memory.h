@@ -1,13 +1,14 @@
 /*
- * Memory: what there is for the daemon and its children, what is promised of it, and to whom.
+ * The memory account of the daemon and its children: capacity, and the amounts promised to jobs and
+ * checks.
  *
- * What there is: --memory; else nine tenths of what the control group allows (version 2 and 1, the
- * groups above among them), or what the machine had available at the start, whichever is less. What
- * is held: the daemon's own resident memory, or what jobs that run are estimated to take
- * (job_memory.h) beside what was resident when none ran, whichever is more; and what checks have
- * been granted. What does not fit now waits; what never can is refused.
+ * The capacity is --memory. The default is the smaller of two amounts: nine tenths of the control
+ * group's limit (version 2 and 1, including the groups above), and the memory available at the
+ * start. Memory in use is the grants of checks plus the larger of two amounts. One is the daemon's
+ * own resident memory. The other is the estimates of running jobs (job_memory.h) plus what was
+ * resident when none ran. Work that does not fit now waits; work that can never fit is refused.
  *
- * Estimates of jobs are no bounds: nothing ends a job that takes more. Grants of checks are.
+ * Estimates of jobs are no bounds: a job that takes more is not ended. Grants of checks are bounds.
  * Threads: the loop thread only.
  */
 #ifndef ORL_SERVER_HEALTH_MEMORY_H
@@ -18,29 +19,30 @@
 
 struct orl_memory {
     uint64_t capacity;
-    uint64_t idle;   /* resident when no job ran */
-    uint64_t jobs;   /* promised to those that run */
-    uint64_t checks; /* granted */
-    uint64_t wanted; /* by the job that is next and waits for it */
+    uint64_t idle;   /* resident when no job ran, bytes */
+    uint64_t jobs;   /* promised to running jobs */
+    uint64_t checks; /* granted to running checks */
+    uint64_t wanted; /* needed by the next job, which waits for it */
 };
 
-/* bytes: as configured; 0: what the system says. */
+/* bytes: the configured capacity; 0: ask the system. */
 void orl_memory_open(struct orl_memory *memory, uint64_t bytes);
 
-/* Of the process itself: what nobody else has a copy of, neither files nor the kernel. */
+/* Returns the resident bytes of the process that are its own: pages of files and the kernel do not
+ * count. */
 uint64_t orl_memory_resident(void);
 
-/* Not held now. */
+/* Returns the capacity not in use now, bytes. */
 uint64_t orl_memory_free(const struct orl_memory *memory);
-/* What a job may be estimated at, at most, and a check granted. */
+/* Returns the largest allowed estimate of a job, and grant of a check, in bytes. */
 uint64_t orl_memory_most(const struct orl_memory *memory);
 
 void orl_memory_promise(struct orl_memory *memory, uint64_t bytes);
 void orl_memory_take_back(struct orl_memory *memory, uint64_t bytes);
 
 /*
- * What the control groups of a process allow, by the text of its /proc/PID/cgroup and where they
- * are mounted ("/sys/fs/cgroup"); UINT64_MAX: all there is.
+ * Returns the memory limit of a process's control groups, in bytes. groups: text of its
+ * /proc/PID/cgroup. mount: where they are mounted ("/sys/fs/cgroup"). UINT64_MAX: no limit.
  */
 uint64_t orl_memory_of_groups(const char *groups, const char *mount);
 

@@ -8,12 +8,12 @@ enum { MOST = 128 };
 
 static struct module {
     char name[32];
-    uintptr_t base, begin, end; /* what offsets are from, and its code */
+    uintptr_t base, begin, end; /* base: origin of offsets; begin, end: range of its code */
 } modules[MOST];
 static int n_modules;
 
-/* The program itself has no name there. */
-static int add(struct dl_phdr_info *info, size_t size, void *unused)
+/* Adds a module to the list. The program itself has an empty name there. */
+static int add_module(struct dl_phdr_info *info, size_t size, void *unused)
 {
     const char *slash = strrchr(info->dlpi_name, '/');
     const char *name = info->dlpi_name[0] ? info->dlpi_name : "orield";
@@ -34,7 +34,7 @@ static int add(struct dl_phdr_info *info, size_t size, void *unused)
 void orl_modules_list(void)
 {
     n_modules = 0;
-    dl_iterate_phdr(add, NULL);
+    dl_iterate_phdr(add_module, NULL);
 }
 
 const char *orl_module_of(uintptr_t address, uintptr_t *ret_offset)

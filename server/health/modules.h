@@ -1,19 +1,19 @@
 /*
- * Which program or library an address of code lies in, for who may call next to nothing: a handler
- * of a fault.
+ * Finds the program or library that contains a code address, for fault handlers, which may call
+ * almost no functions.
  *
- * Threads: listed once, before any handler may run; looked up from any.
+ * Threads: list once, before any handler may run; look up from any.
  */
 #ifndef ORL_SERVER_HEALTH_MODULES_H
 #define ORL_SERVER_HEALTH_MODULES_H
 
 #include <stdint.h>
 
-/* Those that are loaded now; what is loaded later is not known. */
+/* Lists the modules loaded now. Modules loaded later are not known. */
 void orl_modules_list(void);
 
-/* The module's name, borrowed, and the address as an offset into it, which addr2line takes; NULL:
- * it is in none. */
+/* Returns the module's name (borrowed); *ret_offset is the address as an offset into it, as
+ * addr2line takes it. NULL: the address is in no module. */
 const char *orl_module_of(uintptr_t address, uintptr_t *ret_offset);
 
 #endif

@@ -16,7 +16,7 @@ void orl_notify(const char *state)
         return;
     memcpy(address.sun_path, path, length);
     if (*path == '@')
-        address.sun_path[0] = '\0'; /* a name that is no file's */
+        address.sun_path[0] = '\0'; /* a name in the abstract namespace */
     const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (fd < 0)
         return;

@@ -22,12 +22,12 @@ void orl_pulse_turn(struct orl_pulse *pulse)
     pulse->idle_ns = idle_ns;
 }
 
-static void answer(uv_work_t *work)
+static void run_ping(uv_work_t *work)
 {
     (void)work;
 }
 
-static void answered(uv_work_t *work, int status)
+static void end_ping(uv_work_t *work, int status)
 {
     struct orl_pulse *pulse = work->data;
     (void)status;
@@ -40,7 +40,7 @@ void orl_pulse_ask(struct orl_pulse *pulse)
     if (pulse->asked)
         return;
     pulse->at_s = orl_time_steady_s();
-    pulse->asked = uv_queue_work(pulse->loop, &pulse->ping, answer, answered) == 0;
+    pulse->asked = uv_queue_work(pulse->loop, &pulse->ping, run_ping, end_ping) == 0;
 }
 
 double orl_pulse_pool_s(const struct orl_pulse *pulse)

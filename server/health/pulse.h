@@ -1,7 +1,7 @@
 /*
- * Whether the daemon keeps up: how long the loop's turns take, in which everybody else waits, and
- * how long the pool takes to begin with what it is given. Once a second a work that does nothing is
- * queued, unless the last one still waits.
+ * The watchdog of the daemon's latency. It measures how long the loop's turns take, during which
+ * all other events wait, and how long the pool takes to start work. Once a second it queues empty
+ * work on the pool, unless the last one still waits.
  *
  * Threads: the loop thread only.
  */
@@ -16,23 +16,23 @@
 struct orl_pulse {
     uv_loop_t *loop;
     uint64_t turn_ns,
-        idle_ns; /* when the last turn ended; that the loop had been idle until then */
+        idle_ns; /* turn_ns: end of the last turn; idle_ns: the loop's total idle time until then */
     struct orl_histogram turns;
-    double longest_s; /* turn, ever */
+    double longest_s; /* longest turn so far */
     uv_work_t ping;
-    bool asked;    /* the pool, which has not answered yet */
-    double at_s;   /* when */
-    double last_s; /* that the last answer took */
+    bool asked;    /* true while a ping is pending */
+    double at_s;   /* time of the ping */
+    double last_s; /* latency of the last finished ping */
 };
 
-/* Before the loop runs. */
+/* Starts measuring. Call it before the loop runs. */
 void orl_pulse_open(struct orl_pulse *pulse, uv_loop_t *loop);
-/* The loop is about to wait for something to do. */
+/* Ends a turn: the loop is about to wait for events. */
 void orl_pulse_turn(struct orl_pulse *pulse);
-/* To be called every second or so. */
+/* Queues a ping on the pool. Called about every second. */
 void orl_pulse_ask(struct orl_pulse *pulse);
 
-/* That the pool has not answered yet, or that its last answer took. */
+/* Returns the larger of the pending ping's age and the last one's latency, in seconds. */
 double orl_pulse_pool_s(const struct orl_pulse *pulse);
 
 #endif

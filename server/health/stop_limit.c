@@ -21,7 +21,7 @@ static struct {
     bool started;
     atomic_llong deadline_s; /* by CLOCK_MONOTONIC; 0: none */
     atomic_bool closed;
-    atomic_uint arrived; /* signals */
+    atomic_uint arrived; /* number of signals */
     /* Atomic: a handler may run on any thread while the main thread sets the next signal. */
     atomic_uint drain_s;
     void (*_Atomic handlers[SIGNALS])(int);
@@ -34,9 +34,9 @@ static struct timespec now(void)
     return time;
 }
 
-/* A deadline that is set already may come nearer, but is never put off: signals that go on coming
- * must not keep the process alive. */
-static void begin(unsigned seconds)
+/* Sets the deadline, or moves it nearer. A deadline is never put off, or repeated signals could
+ * keep the process alive. */
+static void set_deadline(unsigned seconds)
 {
     const long long rounded_up = (long long)now().tv_sec + 1 + (long long)seconds;
     long long before = atomic_load(&limit.deadline_s);
@@ -90,14 +90,14 @@ void orl_stop_limit_close(void)
 
 void orl_stop_limit_begin(void)
 {
-    begin(ORL_SERVER_STOP_S);
+    set_deadline(ORL_SERVER_STOP_S);
 }
 
 static void on_signal(int signum)
 {
     const int why = errno;
     const bool first = atomic_fetch_add(&limit.arrived, 1) == 0;
-    begin(ORL_SERVER_STOP_S + (first ? atomic_load(&limit.drain_s) : 0));
+    set_deadline(ORL_SERVER_STOP_S + (first ? atomic_load(&limit.drain_s) : 0));
     void (*const handler)(int) = atomic_load(&limit.handlers[signum]);
     handler(signum);
     errno = why;

@@ -1,18 +1,18 @@
 /*
- * The last resort of a stop: the process ends when it has not stopped ORL_SERVER_STOP_S after the
- * time that jobs have to finish. A thread may be blocked in the kernel (a file server that does not
- * answer), or run without polling for cancellation. Nothing is lost: what the daemon has answered
- * for is on the disk, as for SIGKILL, and jobs that ran are queued again by the next start.
+ * A time limit on stopping: the process ends if it has not stopped ORL_SERVER_STOP_S after the time
+ * that jobs have to finish. A thread may be blocked in the kernel (a file server that does not
+ * answer), or run without polling for cancellation. Nothing is lost, as with SIGKILL: everything
+ * that the daemon has acknowledged is on disk, and the next start queues running jobs again.
  *
- * The limit is kept by a thread of its own, and begins in the handler of the signal, so that it
- * holds for an event loop that is blocked itself.
+ * A separate thread keeps the limit, which begins in the signal handler. So the limit also holds if
+ * the event loop is blocked.
  *
- * Threads: open and close on the loop's; begin on any, and in signal handlers. One a process.
+ * Threads: open and close on the loop's; begin on any, and in signal handlers. One per process.
  */
 #ifndef ORL_SERVER_HEALTH_STOP_LIMIT_H
 #define ORL_SERVER_HEALTH_STOP_LIMIT_H
 
-/* Without a thread to be had there is no limit. */
+/* Starts the thread. If no thread can be created, there is no limit. */
 void orl_stop_limit_open(void);
 /* Cancels the limit. */
 void orl_stop_limit_close(void);

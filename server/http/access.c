@@ -26,7 +26,8 @@ static bool is_forwarded(const struct orl_request *request)
     return false;
 }
 
-/* A proxy that has TLS says so, or does not: then its pages may have come by either. */
+/* Returns true if the daemon's own pages may use that scheme. Behind a TLS proxy the scheme is
+ * X-Forwarded-Proto; without that header either scheme may be. */
 static bool is_own_scheme(const struct orl_request *request, bool https)
 {
     const struct orl_config *config = request->context->config;
@@ -36,24 +37,26 @@ static bool is_own_scheme(const struct orl_request *request, bool https)
     return !proto || (strcasecmp(proto, "https") == 0) == https;
 }
 
-static bool has(const struct orl_request *request, const char *header, const char *value)
+static bool has_header_value(const struct orl_request *request, const char *header,
+                             const char *value)
 {
     const char *found = orl_request_header(request, header);
     return found && strcasecmp(found, value) == 0;
 }
 
-/* As a browser says it of what its user goes to (Fetch Metadata): no frame, no picture, no script.
- */
+/* Returns true for a browser's top-level navigation to "/" by its Fetch Metadata headers: not a
+ * frame, image or script. */
 static bool follows_link(const struct orl_request *request)
 {
     const char *accept = orl_request_header(request, MHD_HTTP_HEADER_ACCEPT);
     return strcmp(request->method, "GET") == 0 && strcmp(request->path, "/") == 0 &&
-           has(request, "Sec-Fetch-Mode", "navigate") &&
-           has(request, "Sec-Fetch-Dest", "document") &&
+           has_header_value(request, "Sec-Fetch-Mode", "navigate") &&
+           has_header_value(request, "Sec-Fetch-Dest", "document") &&
            orl_negotiate_weight(accept, "text/html") > 0;
 }
 
-/* Host is what the target says in absolute form, and the header elsewhere. */
+/* Checks the headers against guard.h. host: the authority of an absolute-form target, otherwise the
+ * Host header. */
 static const char *check_guard(struct orl_request *request, const char *host)
 {
     const struct orl_config *config = request->context->config;
@@ -72,8 +75,8 @@ static const char *check_guard(struct orl_request *request, const char *host)
     return orl_guard_check(&guarded, &request->cross_origin);
 }
 
-/* In absolute form the scheme has to be the daemon's, and the Host header, which no client has a
- * reason to let differ, must not be another machine's either. */
+/* Checks a target in absolute form. Its scheme must be the daemon's. The Host header, which should
+ * be identical, must not name another machine either. */
 static const char *check_target(struct orl_request *request, const char *host)
 {
     if (!is_own_scheme(request, request->target.https))
@@ -132,16 +135,16 @@ static bool refuse_scope(struct orl_request *request, enum orl_token_scope wante
     return false;
 }
 
-/* A refusal that no other token would change. */
-static bool refuse(struct orl_request *request, const char *why)
+/* Refuses a request with a 403 that no other token would change. */
+static bool refuse_request(struct orl_request *request, const char *why)
 {
     orl_reply_problem(request, 403, "forbidden", "The request is refused", "%s", why);
     log_refusal(request, why);
     return false;
 }
 
-/* Who is it, going by the Authorization header? False after a reply. */
-static bool know_by_token(struct orl_request *request, const char *header)
+/* Identifies the token by the Authorization header. Returns false after a reply. */
+static bool identify_by_token(struct orl_request *request, const char *header)
 {
     static const char scheme[] = "Bearer ";
     struct orl_error err;
@@ -156,9 +159,10 @@ static bool know_by_token(struct orl_request *request, const char *header)
     return known || orl_access_refuse(request, true);
 }
 
-/* By a cookie. *ret_refusal is set where there is one, which is not heard. */
-static int know_by_session(struct orl_request *request, bool *ret_known, const char **ret_refusal,
-                           struct orl_error *err)
+/* Identifies the token by a cookie. *ret_refusal is set if there is a valid cookie that may not be
+ * used. */
+static int identify_by_session(struct orl_request *request, bool *ret_known,
+                               const char **ret_refusal, struct orl_error *err)
 {
     struct orl_session_row session;
     bool found = false;
@@ -171,9 +175,9 @@ static int know_by_session(struct orl_request *request, bool *ret_known, const c
     return 0;
 }
 
-/* By a signed link, whatever page shows it, or else by a cookie, which the browser may have sent
- * along. */
-static bool know_otherwise(struct orl_request *request)
+/* Identifies the token by a signed link, whichever page shows it. Otherwise by a cookie, which the
+ * browser may have sent as well. */
+static bool identify_by_link_or_session(struct orl_request *request)
 {
     const bool shown = orl_link_is_shown(request);
     const char *refusal = shown ? "the link is not as it was signed, or its time is over" : NULL;
@@ -181,12 +185,13 @@ static bool know_otherwise(struct orl_request *request)
     bool known = false;
     int rc = shown ? orl_link_check(request, &request->holder, &known, &err) : 0;
     if (rc == 0 && !known)
-        rc = know_by_session(request, &known, &refusal, &err);
+        rc = identify_by_session(request, &known, &refusal, &err);
     if (rc) {
         orl_reply_error(request, &err);
         return false;
     }
-    return known || (refusal ? refuse(request, refusal) : orl_access_refuse(request, false));
+    return known ||
+           (refusal ? refuse_request(request, refusal) : orl_access_refuse(request, false));
 }
 
 bool orl_access_check_token(struct orl_request *request)
@@ -194,7 +199,7 @@ bool orl_access_check_token(struct orl_request *request)
     if (!request->context->config->needs_token || request->route->scope == ORL_SCOPE_OPEN)
         return true;
     const char *header = orl_request_header(request, MHD_HTTP_HEADER_AUTHORIZATION);
-    if (!(header ? know_by_token(request, header) : know_otherwise(request)))
+    if (!(header ? identify_by_token(request, header) : identify_by_link_or_session(request)))
         return false;
     snprintf(request->token, sizeof request->token, "%s", request->holder.name);
     return request->holder.scope >= request->route->scope ||
@@ -216,7 +221,7 @@ bool orl_access_check_owner(struct orl_request *request, const char *owner)
 struct orl_admission orl_access_admission(struct orl_request *request)
 {
     struct orl_admission admission = {.token = ""};
-    struct orl_session_row session = {.hash = "none"}; /* it may just have ended */
+    struct orl_session_row session = {.hash = "none"}; /* the session may just have ended */
     struct orl_error err;
     bool found = false;
     memcpy(admission.token, request->holder.id, sizeof admission.token);

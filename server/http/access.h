@@ -1,6 +1,6 @@
 /*
- * Whether a request may do what it asks: web pages are kept out where anyone on this machine may
- * come in (guard.h), and tokens are asked for where others can reach the daemon.
+ * Access control of requests. Without tokens, any program of this machine may use the daemon, and
+ * web pages are kept out (guard.h). Tokens are required when other machines can reach the daemon.
  * Threads: the loop thread only.
  */
 #ifndef ORL_SERVER_HTTP_ACCESS_H
@@ -9,34 +9,36 @@
 #include "http/request.h"
 #include "store/sessions.h"
 
-/* Before the route is known: false, with a 403 made, for another site's page. Fills
- * request->cross_origin. */
+/* Checks the origin, before the route is known. Returns false, with a 403 made, for another site's
+ * page. Fills request->cross_origin. */
 bool orl_access_check_origin(struct orl_request *request);
 
 /*
- * By the route's scope: false, with a 401 or 403 made (RFC 6750), when the Authorization header has
- * no token that may do this, nor, without such a header, a signed link (links.h) or a cookie
- * (sessions.h) speaks for one. Fills request->token with the token's name, and request->holder.
+ * Checks that the request's token has the scope of the route. The Authorization header carries the
+ * token. Without that header, a signed link (links.h) or a cookie (sessions.h) may stand for a
+ * token. Otherwise returns false, with a 401 or 403 made (RFC 6750). Fills request->token with the
+ * token's name, and request->holder.
  */
 bool orl_access_check_token(struct orl_request *request);
 
-/* Whose is what the request submits: the id of its token; "" where none is needed. */
+/* Returns the owner of new objects that the request submits: the id of its token; "" if tokens are
+ * not required. */
 const char *orl_access_owner(const struct orl_request *request);
-/* May the request change what that owner has submitted? Any may where no token is needed, else the
- * owner's own token and those of scope admin. False, with a 403 made. */
+/* Checks that the request may change objects of that owner. It may if tokens are not required, with
+ * the owner's own token, or with scope admin. Otherwise returns false, with a 403 made. */
 bool orl_access_check_owner(struct orl_request *request, const char *owner);
 
-/* What let a request in, for whatever of it goes on when its headers are long forgotten. */
+/* The credentials that admitted a request, kept for work that outlives its headers. */
 struct orl_admission {
-    char token[ORL_TOKEN_ID];       /* "": none was needed */
+    char token[ORL_TOKEN_ID];       /* "": tokens are not required */
     char session[ORL_SESSION_HASH]; /* "": the token itself was sent */
 };
-/* Of one that no link let in. */
+/* Returns the credentials of a request that was not admitted by a link. */
 struct orl_admission orl_access_admission(struct orl_request *request);
-/* Would it do so still? Where the database does not say, yes. */
+/* Returns true if the credentials are still valid, or if the database cannot be read. */
 bool orl_access_holds(struct orl_http_context *context, const struct orl_admission *admission);
 
-/* A 401: there is no token, or an unknown one. Returns false. */
+/* Makes a 401: the token is missing or unknown. Returns false. */
 bool orl_access_refuse(struct orl_request *request, bool has_token);
 
 #endif

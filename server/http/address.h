@@ -1,4 +1,4 @@
-/* Where a connection comes from. */
+/* Keys of the addresses that connections come from. */
 #ifndef ORL_SERVER_HTTP_ADDRESS_H
 #define ORL_SERVER_HTTP_ADDRESS_H
 
@@ -7,8 +7,8 @@
 enum { ORL_ADDRESS_KEY = 64 };
 
 /*
- * Who an address belongs to, as text: of IPv6 the network, for a subscriber has a /64 of addresses
- * to choose from; IPv4 addresses as such, in IPv6's clothes too.
+ * Writes the key of an address's owner as text. For IPv6 it is the /64 network, since a subscriber
+ * can choose any address of it. For IPv4, also when mapped into IPv6, it is the address.
  */
 void orl_address_key(const struct sockaddr *address, char ret_key[ORL_ADDRESS_KEY]);
 

@@ -1,7 +1,7 @@
 /*
- * The name of a request's client, as job documents show it. Turns in the queue go by it where no
- * tokens are needed: there a client may call itself what it likes. Where they are, turns go by the
- * token's id (orl_jobs_turn_key).
+ * The name of a request's client, as job documents show it. If tokens are not required, clients
+ * choose their own names, and the job queue is fair between names. If they are required, the queue
+ * is fair between token ids (orl_jobs_turn_key).
  */
 #ifndef ORL_SERVER_HTTP_CLIENT_NAME_H
 #define ORL_SERVER_HTTP_CLIENT_NAME_H
@@ -11,9 +11,9 @@
 enum { ORL_CLIENT_NAME = 80, ORL_CLIENT_OWN_NAME = 64 };
 
 /*
- * "token:" and its token's name where tokens are needed; elsewhere "name:" and what the client
- * calls itself in X-Oriel-Client, or "address:" and where it comes from. False after a 400: a name
- * is 1 to 64 printable characters of ASCII.
+ * Writes the client's name. With tokens it is "token:" and the token's name. Without tokens it is
+ * "name:" and the header X-Oriel-Client, or else "address:" and the address. Returns false after a
+ * 400: the header must have 1 to 64 printable ASCII characters.
  */
 bool orl_client_name(struct orl_request *request, char ret_name[ORL_CLIENT_NAME]);
 

@@ -23,8 +23,8 @@ static void name_client(const struct orl_request *request, char *ret_name, size_
     snprintf(ret_name, size, "address:%s", key);
 }
 
-/* What of all there is one client may have. */
-static uint64_t share(const struct orl_http_context *context, uint64_t all, uint64_t part)
+/* Returns the limit of one client: `part` if tokens are required, otherwise `all`. */
+static uint64_t client_limit(const struct orl_http_context *context, uint64_t all, uint64_t part)
 {
     return context->config->needs_token ? part : all;
 }
@@ -47,7 +47,7 @@ struct orl_client *orl_client_ref(struct orl_request *request)
     }
     client->refs++;
     const uint64_t budget = context->calls->budget(context->server);
-    atomic_store(&client->bytes.most, share(context, budget, budget / 2));
+    atomic_store(&client->bytes.most, client_limit(context, budget, budget / 2));
     return client;
 }
 
@@ -64,7 +64,8 @@ void orl_client_unref(struct orl_clients *clients, struct orl_client *client)
 
 bool orl_client_may_stream(struct orl_request *request)
 {
-    const uint64_t most = share(request->context, ORL_SERVER_STREAMS, ORL_SERVER_CLIENT_STREAMS);
+    const uint64_t most =
+        client_limit(request->context, ORL_SERVER_STREAMS, ORL_SERVER_CLIENT_STREAMS);
     if (!request->client || request->client->streams < most)
         return true;
     orl_reply_problem(request, 429, "too-many-streams", "Too many event streams are open",
@@ -75,7 +76,7 @@ bool orl_client_may_stream(struct orl_request *request)
 
 bool orl_client_may_queue(struct orl_request *request)
 {
-    const uint64_t most = share(request->context, UINT64_MAX, ORL_SERVER_CLIENT_JOBS);
+    const uint64_t most = client_limit(request->context, UINT64_MAX, ORL_SERVER_CLIENT_JOBS);
     if (!request->client || most == UINT64_MAX ||
         request->context->calls->jobs_of(request->server, orl_access_owner(request)) < most)
         return true;

@@ -1,11 +1,11 @@
 /*
- * Clients, and what each of them has under way: bounds that keep one from taking all there is.
+ * Clients and their work in progress. Bounds keep one client from using all resources.
  *
- * A client is a token, by its id: a token made later with the same name is another client. Where
- * none are needed, only programs of this machine come in, all from loopback: they are one client by
- * its address (of IPv6 the network, /64), which may have all that the daemon has to give.
+ * A client is a token, by its id: a token made later with the same name is another client. If
+ * tokens are not required, all requests come from programs of this machine over loopback. They form
+ * one client by address (IPv6: the /64 network), which may use all that the daemon has.
  *
- * Threads: the loop thread only, but for the room of bytes (hold.h).
+ * Threads: the loop thread only, except for the quota of bytes (hold.h).
  */
 #ifndef ORL_SERVER_HTTP_CLIENTS_H
 #define ORL_SERVER_HTTP_CLIENTS_H
@@ -18,22 +18,23 @@
 struct orl_client {
     char name[80]; /* "token:ID" or "address:..." */
     unsigned refs;
-    struct orl_room bytes; /* of its uploads in flight */
-    unsigned streams;      /* of events, open */
+    struct orl_room bytes; /* quota of uploads in flight */
+    unsigned streams;      /* open event streams */
     struct orl_client *next;
 };
 
 struct orl_clients {
-    struct orl_client *first; /* those who have something under way */
+    struct orl_client *first; /* clients with work in progress */
 };
 
 struct orl_request;
 
-/* Whose request it is, with one reference more. NULL: out of memory. */
+/* Returns the request's client, with its reference count increased. NULL: out of memory. */
 struct orl_client *orl_client_ref(struct orl_request *request);
-void orl_client_unref(struct orl_clients *clients, struct orl_client *client); /* NULL is fine */
+void orl_client_unref(struct orl_clients *clients, struct orl_client *client); /* NULL is allowed */
 
-/* May the client have another event stream, job? Otherwise false, with a 429 made. */
+/* Return true if the client may open another event stream, or queue another job. Otherwise return
+ * false, with a 429 made. */
 bool orl_client_may_stream(struct orl_request *request);
 bool orl_client_may_queue(struct orl_request *request);
 

@@ -27,29 +27,29 @@ struct orl_connection {
     struct MHD_Connection *handle;
     int fd;
     uint64_t serial;
-    bool has_requested;          /* so its TLS handshake is over */
-    struct orl_address *address; /* counted there; NULL: out of memory */
+    bool has_requested;          /* then the TLS handshake is over */
+    struct orl_address *address; /* the entry that counts it; NULL: out of memory */
     enum awaited awaited;
-    double until_s; /* headers: when they must be there; body: when its rate begins to count */
-    double since_s; /* body */
+    double until_s; /* headers: their deadline; body: when its rate begins to count */
+    double since_s; /* start of the body */
     uint64_t received;
-    double held_s; /* since when it waits for us; 0: it does not */
-    /* What the last sweep found: of the body received, and of the connection read. */
+    double held_s; /* when it was suspended to wait for the daemon; 0: it was not */
+    /* Found by the last sweep: bytes of the body received, and bytes read of the connection. */
     uint64_t swept, swept_taken;
-    bool stuck;    /* ... and that there was no getting on */
-    uint64_t left; /* what the last look found read of the connection, with more to read; 0: no */
+    bool stuck;    /* true if the last sweep found no progress */
+    uint64_t left; /* bytes read by the last look if more were unread; 0: none */
     double idle_s;
     struct orl_connection *next, *before;
 };
 
-static struct orl_connection *of(struct MHD_Connection *connection)
+static struct orl_connection *connection_of(struct MHD_Connection *connection)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     return info ? info->socket_context : NULL;
 }
 
-/* Where the address's entry is, or would be. */
+/* Returns the slot of the address's entry, or the slot where it would be. */
 static struct orl_address **find_address(struct orl_connections *all, const char *key)
 {
     unsigned hash = 0;
@@ -106,7 +106,7 @@ static void open_connection(struct orl_connections *all, struct MHD_Connection *
     struct orl_connection *one = info ? calloc(1, sizeof *one) : NULL;
     all->started++;
     if (!one) {
-        all->unwatched++; /* but for silence */
+        all->unwatched++; /* only silence is bounded then */
         return;
     }
     one->handle = connection;
@@ -160,7 +160,7 @@ uint64_t orl_connections_oldest_handshake(const struct orl_connections *connecti
 
 void orl_connection_headers(struct MHD_Connection *connection)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (!one)
         return;
     one->has_requested = true;
@@ -174,21 +174,21 @@ void orl_connection_headers(struct MHD_Connection *connection)
 
 void orl_connection_received(struct MHD_Connection *connection, size_t bytes)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (one)
         one->received += bytes;
 }
 
 void orl_connection_hold(struct MHD_Connection *connection)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (one)
         one->held_s = orl_time_steady_s();
 }
 
 void orl_connection_go_on(struct MHD_Connection *connection)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (!one || one->held_s == 0)
         return;
     one->since_s += orl_time_steady_s() - one->held_s;
@@ -197,14 +197,14 @@ void orl_connection_go_on(struct MHD_Connection *connection)
 
 void orl_connection_body(struct MHD_Connection *connection)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (one)
         one->awaited = AWAITS_NOTHING;
 }
 
 void orl_connection_over(struct MHD_Connection *connection)
 {
-    struct orl_connection *one = of(connection);
+    struct orl_connection *one = connection_of(connection);
     if (!one)
         return;
     one->awaited = AWAITS_HEADERS;
@@ -213,19 +213,19 @@ void orl_connection_over(struct MHD_Connection *connection)
 }
 
 /*
- * Has the client stopped sending? libmicrohttpd does not hear of it when the end comes together
- * with the last bytes before it (it waits for another edge of epoll), and would keep the connection
- * until it is slow. A second end, for our side of reading alone, is such an edge; an answer that is
- * under way still goes out.
+ * Notices that the client has stopped sending. libmicrohttpd misses the end when it arrives
+ * together with the last bytes before it, since it waits for another edge of epoll. It would keep
+ * the connection until the time limit. Shutting down the reading side creates such an edge; an
+ * answer under way still goes out.
  */
-static void note_end(const struct orl_connection *one)
+static void notice_client_end(const struct orl_connection *one)
 {
     char next;
     if (recv(one->fd, &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0)
         shutdown(one->fd, SHUT_RD);
 }
 
-/* How much has been read of the connection, and how much has come besides? */
+/* Returns the bytes read from the connection and the bytes that are still unread. */
 static bool count_read(const struct orl_connection *one, uint64_t *ret_taken, uint64_t *ret_unread)
 {
     struct tcp_info info = {0};
@@ -240,9 +240,10 @@ static bool count_read(const struct orl_connection *one, uint64_t *ret_taken, ui
 }
 
 /*
- * Does the client send and send, and none of it is body? Between two sweeps that found the same
- * amount of body, bytes lie unread although nothing keeps them, or more were read than any chunk's
- * first line has. Twice in a row, lest a sweep came just before the reading.
+ * Returns true if the client keeps sending data that is not body. Between two sweeps the amount of
+ * body has not changed. In addition, either bytes lie unread although the connection is not
+ * suspended, or more bytes were read than a chunk's first line has. It must hold twice in a row,
+ * since a sweep may come just before bytes are read.
  */
 static bool is_stuck(struct orl_connection *one)
 {
@@ -259,9 +260,9 @@ static bool is_stuck(struct orl_connection *one)
     return again && one->stuck;
 }
 
-static void cut(struct orl_connections *all, struct orl_connection *one)
+static void cut_connection(struct orl_connections *all, struct orl_connection *one)
 {
-    /* The descriptor stays libmicrohttpd's, which finds the connection ended and closes it. */
+    /* libmicrohttpd owns the descriptor; it finds the connection ended and closes it. */
     shutdown(one->fd, SHUT_RDWR);
     one->awaited = AWAITS_NOTHING;
     all->cut++;
@@ -289,8 +290,8 @@ static bool is_being_parsed(const struct orl_connection *one)
     "\"status\":400,\"detail\":\"its Content-Length is not a number of bytes, or its cookies "     \
     "take too much memory\"}"
 
-/* Answers on the socket itself; earlier answers have been sent. What libmicrohttpd sends next
- * fails, so that it closes the connection. */
+/* Answers on the socket itself; earlier answers have been sent. Later writes of libmicrohttpd fail,
+ * so that it closes the connection. */
 static void refuse_unparsed(struct orl_connection *one)
 {
     char answer[512];
@@ -304,7 +305,7 @@ static void refuse_unparsed(struct orl_connection *one)
         MHD_get_connection_info(one->handle, MHD_CONNECTION_INFO_GNUTLS_SESSION);
     const ssize_t sent = tls ? gnutls_record_send(tls->tls_session, answer, (size_t)size)
                              : send(one->fd, answer, (size_t)size, MSG_DONTWAIT | MSG_NOSIGNAL);
-    /* A client that has not taken earlier answers gets no more than the end. */
+    /* A client that has not read earlier answers gets only the end of the connection. */
     shutdown(one->fd, sent == size ? SHUT_WR : SHUT_RDWR);
     one->awaited = AWAITS_NOTHING;
 }
@@ -316,8 +317,8 @@ void orl_connections_refuse_unparsed(struct orl_connections *all)
             refuse_unparsed(one);
 }
 
-/* Whoever libmicrohttpd does not read, though it had every reason to between two looks. */
-static void look_at(struct orl_connections *all, struct orl_connection *one)
+/* Cuts a connection that libmicrohttpd did not read between two looks, although data was ready. */
+static void check_unread(struct orl_connections *all, struct orl_connection *one)
 {
     uint64_t taken = 0, unread = 0;
     if (one->awaited != AWAITS_BODY || one->held_s > 0 || !count_read(one, &taken, &unread) ||
@@ -326,7 +327,7 @@ static void look_at(struct orl_connections *all, struct orl_connection *one)
         return;
     }
     if (one->left > 0 && one->left == taken)
-        cut(all, one);
+        cut_connection(all, one);
     one->left = taken;
 }
 
@@ -338,7 +339,7 @@ void orl_connections_look(struct orl_connections *all)
         return;
     all->looked_s = now_s;
     for (struct orl_connection *one = all->first; one; one = one->next)
-        look_at(all, one);
+        check_unread(all, one);
 }
 
 void orl_connections_sweep(struct orl_connections *all)
@@ -347,9 +348,9 @@ void orl_connections_sweep(struct orl_connections *all)
     for (struct orl_connection *one = all->first; one; one = one->next) {
         if (one->awaited == AWAITS_NOTHING || one->held_s > 0)
             continue;
-        note_end(one);
+        notice_client_end(one);
         if (one->awaited == AWAITS_BODY && is_stuck(one)) {
-            cut(all, one);
+            cut_connection(all, one);
             continue;
         }
         if (now_s < one->until_s)
@@ -357,6 +358,6 @@ void orl_connections_sweep(struct orl_connections *all)
         if (one->awaited == AWAITS_BODY &&
             (double)one->received >= ORL_SERVER_BODY_RATE * (now_s - one->since_s))
             continue;
-        cut(all, one);
+        cut_connection(all, one);
     }
 }

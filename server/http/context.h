@@ -1,6 +1,6 @@
 /*
- * What HTTP needs of the daemon, and all that it knows of it. Handlers know more: a request carries
- * the daemon itself for them, which nothing in this folder looks into.
+ * The interface between the HTTP layer and the daemon. Handlers know more: each request carries the
+ * daemon for them, which this folder does not access.
  *
  * Threads: the loop thread.
  */
@@ -23,20 +23,21 @@
 
 struct orl_server;
 
-/* What it asks of the daemon. */
+/* Callbacks into the daemon. */
 struct orl_http_calls {
-    /* Is there room for so many bytes more: of a body on its way, for good? (upkeep/storage.h) */
+    /* Return true if so many more bytes fit: receive: of a body in flight; admit: to store for good
+     * (upkeep/storage.h). */
     bool (*receive)(struct orl_server *server, struct orl_hold *hold, uint64_t bytes);
     bool (*admit)(struct orl_server *server, const struct orl_hold *hold, uint64_t bytes);
     struct orl_room *(*room)(struct orl_server *server);
     uint64_t (*budget)(const struct orl_server *server);
-    /* How many jobs of a token, by its id, wait or run. */
+    /* Returns the number of jobs of a token, by its id, that wait or run. */
     uint64_t (*jobs_of)(const struct orl_server *server, const char *owner);
-    void (*swept)(struct orl_server *server);  /* a second has passed */
-    void (*worked)(struct orl_server *server); /* a request's work came back from the pool */
+    void (*swept)(struct orl_server *server);  /* called every second */
+    void (*worked)(struct orl_server *server); /* after each work of a request on the pool */
 };
 
-/* Borrows everything. */
+/* State of the HTTP layer. Borrows its pointers. */
 struct orl_http_context {
     struct orl_server *server;
     const struct orl_http_calls *calls;
@@ -48,14 +49,14 @@ struct orl_http_context {
     struct orl_db *db;
     struct orl_settling *settling;
     unsigned char link_key[ORL_LINK_KEY_BYTES];
-    sqlite3_stmt *token_finder; /* where tokens are needed */
+    sqlite3_stmt *token_finder; /* if tokens are required */
     struct orl_metrics *metrics;
     struct orl_clients clients;
-    struct orl_request *begun; /* the last one, while its target is read; or NULL */
-    uint64_t requests;         /* served or under way; the last one's id */
+    struct orl_request *begun; /* the last one, while its target is parsed; or NULL */
+    uint64_t requests;         /* number of requests so far; the last one's id */
     unsigned working;          /* requests whose work is on the pool, or whose answer waits */
-    bool disk_full;            /* nothing new is kept (disk_room.h) */
-    bool stopping;             /* what is asked from now on is refused */
+    bool disk_full;            /* no new data is stored (disk_room.h) */
+    bool stopping;             /* new requests are refused */
 };
 
 #endif

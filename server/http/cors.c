@@ -18,7 +18,7 @@ bool orl_cors_preflight(struct orl_request *request, const char *allow)
                      "Authorization, Content-Type, Idempotency-Key, If-None-Match, If-Range, "
                      "Last-Event-ID, Range, X-Oriel-Client");
     orl_reply_header(request, "Access-Control-Max-Age", "600");
-    /* A page from the net that asks a daemon on loopback (Private Network Access). */
+    /* A page from a public network may call a daemon on loopback (Private Network Access). */
     if (private && strcasecmp(private, "true") == 0)
         orl_reply_header(request, "Access-Control-Allow-Private-Network", "true");
     return true;

@@ -32,14 +32,15 @@ bool orl_guard_is_local(const char *host)
     return inet_pton(AF_INET, name, &v4) == 1 && ntohl(v4.s_addr) >> 24 == 127;
 }
 
-/* The browser's own word: a request of a page of ours, or one that the user typed. */
+/* Relies on the browser: true for a request of one of the daemon's own pages, or one that the user
+ * typed. */
 bool orl_guard_is_ours(const char *fetch_site)
 {
     return !fetch_site || strcasecmp(fetch_site, "same-origin") == 0 ||
            strcasecmp(fetch_site, "none") == 0;
 }
 
-/* Is it scheme and Host of the request itself? */
+/* Returns true if Origin is the scheme and Host of the request itself. */
 static bool is_own(const struct orl_guarded *request)
 {
     static const char http[] = "http://", https[] = "https://";
@@ -63,7 +64,7 @@ const char *orl_guard_check(const struct orl_guarded *request, bool *ret_allowed
         *ret_allowed = orl_origin_is_listed(request->origin, request->allowed, request->n_allowed);
         return *ret_allowed ? NULL : other_site;
     }
-    /* A page's picture or script has no Origin: nobody knows then which page it is. */
+    /* A request for an image or script has no Origin, so the page that sent it is unknown. */
     if (!request->tokens && !request->follows_link && !orl_guard_is_ours(request->fetch_site))
         return other_site;
     return NULL;

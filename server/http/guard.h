@@ -1,21 +1,21 @@
 /*
- * Which web pages may talk to the daemon: its own, and those of origins that --allow-origin names.
+ * The rules for web pages that may use the daemon: its own pages, and those of origins that
+ * --allow-origin names.
  *
- * Without tokens programs of this machine may do everything, and a page in a browser on this
- * machine can reach loopback too: by a form or fetch (the browser then sends Origin), or by
- * pointing a name of its own at 127.0.0.1 (Host is then that name). Both are refused; programs send
- * neither, or loopback's own names. A page that another program on this machine serves, on another
- * port, is another site. A proxy that carries strangers' requests here makes them look like this
- * machine's: what says that it was forwarded is refused, and behind a proxy tokens are to be asked
- * for
- * (--tokens always).
+ * Without tokens, programs of this machine may do everything. A page in a browser on this machine
+ * can reach loopback too. It may use a form or fetch (the browser then sends Origin), or point a
+ * host name of its own at 127.0.0.1 (Host is then that name). Both are refused; programs send
+ * neither, or loopback's own names. A page that another program of this machine serves, on another
+ * port, is another site. A proxy that forwards requests of other machines makes them look local. So
+ * a request with a header that says it was forwarded is refused. Behind a proxy, tokens must be
+ * required (--tokens always).
  *
- * A browser may follow another page's link to the dashboard: as long as that is a GET of the one
- * page that is the same for everybody, into a window of its own, which the page that had the link
- * cannot look into (Cross-Origin-Opener-Policy), nothing is read or done by it.
+ * A browser may follow another page's link to the dashboard. This must be a top-level GET of the
+ * one page that is identical for all users, and Cross-Origin-Opener-Policy keeps the linking page
+ * from accessing it. So nothing is read or changed.
  *
- * With tokens any Host will do, and a browser may follow a link to here; but what says that another
- * origin's page has sent it is refused all the same.
+ * With tokens any Host is allowed, and a browser may follow any link. A request that another
+ * origin's page sent is still refused.
  */
 #ifndef ORL_SERVER_HTTP_GUARD_H
 #define ORL_SERVER_HTTP_GUARD_H
@@ -23,25 +23,26 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Is it "localhost", 127.x.y.z or [::1], with or without a port? */
+/* Returns true for "localhost", 127.x.y.z or [::1], with or without a port. */
 bool orl_guard_is_local(const char *host);
 
-/* Has a page of the daemon itself sent it, by its Sec-Fetch-Site; or the user, or no browser
- * (NULL)? */
+/* Returns true if, by Sec-Fetch-Site, the request was sent by a page of the daemon, by the user, or
+ * not by a browser (NULL). */
 bool orl_guard_is_ours(const char *fetch_site);
 
-/* Headers of a request, NULL when absent, and what the daemon is. */
+/* Headers of a request (NULL when absent), and settings of the daemon. */
 struct orl_guarded {
     const char *host, *origin, *fetch_site; /* Sec-Fetch-Site */
-    bool forwarded;                         /* Forwarded, X-Forwarded-* or Via is there */
-    bool follows_link;                      /* to the dashboard's page, as above */
-    bool tokens;                            /* are needed */
-    bool http, https;                       /* what its own pages may have come by */
-    const char *const *allowed;             /* origins of others: process/origin.h */
+    bool forwarded;                         /* Forwarded, X-Forwarded-* or Via is present */
+    bool follows_link;                      /* a link to the dashboard's page, as above */
+    bool tokens;                            /* tokens are required */
+    bool http, https;                       /* schemes that the daemon's own pages may use */
+    const char *const *allowed;             /* allowed other origins: process/origin.h */
     size_t n_allowed;
 };
 
-/* Returns NULL, or why the request is refused. *ret_allowed: it comes from one of allowed. */
+/* Returns NULL, or the reason for refusing the request. *ret_allowed: true if its origin is in
+ * allowed. */
 const char *orl_guard_check(const struct orl_guarded *request, bool *ret_allowed);
 
 #endif

@@ -3,7 +3,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-static bool take(struct orl_room *room, uint64_t bytes)
+static bool reserve_bytes(struct orl_room *room, uint64_t bytes)
 {
     if (!room)
         return true;
@@ -15,7 +15,7 @@ static bool take(struct orl_room *room, uint64_t bytes)
     return false;
 }
 
-static void give_back(struct orl_room *room, uint64_t bytes)
+static void release_bytes(struct orl_room *room, uint64_t bytes)
 {
     if (room)
         atomic_fetch_sub(&room->held, bytes);
@@ -26,10 +26,10 @@ int orl_hold_take(struct orl_hold *hold, uint64_t bytes, struct orl_error *err)
     if (!hold)
         return 0;
     hold->refused = ORL_HOLD_FITS;
-    if (!take(hold->all, bytes)) {
+    if (!reserve_bytes(hold->all, bytes)) {
         hold->refused = ORL_HOLD_NO_ROOM;
-    } else if (!take(hold->own, bytes)) {
-        give_back(hold->all, bytes);
+    } else if (!reserve_bytes(hold->own, bytes)) {
+        release_bytes(hold->all, bytes);
         hold->refused = ORL_HOLD_OWN_SHARE;
     }
     if (hold->refused != ORL_HOLD_FITS)
@@ -40,7 +40,7 @@ int orl_hold_take(struct orl_hold *hold, uint64_t bytes, struct orl_error *err)
 
 void orl_hold_give_back(struct orl_hold *hold)
 {
-    give_back(hold->all, hold->bytes);
-    give_back(hold->own, hold->bytes);
+    release_bytes(hold->all, hold->bytes);
+    release_bytes(hold->own, hold->bytes);
     hold->bytes = 0;
 }

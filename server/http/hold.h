@@ -1,10 +1,10 @@
 /*
- * Bytes in flight: what bodies of requests and files unpacked from them take on the disk before
- * they are kept. They count against the storage budget (storage.h), and no client may have all of
- * it (clients.h).
+ * Quotas for bytes in flight: the disk space of request bodies, and of files unpacked from them,
+ * before they are stored. They count against the storage budget (storage.h), and no client may use
+ * all of it (clients.h).
  *
- * A room says how much there may be, and how much there is. A hold is one request's part of two
- * rooms, and grows until the request ends.
+ * A room is a quota: its limit and the bytes reserved. A hold is one request's reservation in two
+ * rooms; it grows until the request ends.
  *
  * Threads: a room's any; a hold's one at a time.
  */
@@ -23,14 +23,15 @@ struct orl_room {
 enum orl_hold_refusal { ORL_HOLD_FITS, ORL_HOLD_NO_ROOM, ORL_HOLD_OWN_SHARE };
 
 struct orl_hold {
-    struct orl_room *all, *own; /* the daemon's, the client's; NULL: no bound */
+    struct orl_room *all, *own; /* all clients' and this client's; NULL: no bound */
     uint64_t bytes;
-    enum orl_hold_refusal refused; /* what take met last */
+    enum orl_hold_refusal refused; /* why the last orl_hold_take failed */
 };
 
-/* ORL_ERR_FULL, with hold->refused, where it does not fit. NULL is no hold: it takes all. */
+/* Reserves bytes more. ORL_ERR_FULL, with hold->refused set, if they do not fit. With NULL every
+ * reservation succeeds. */
 int orl_hold_take(struct orl_hold *hold, uint64_t bytes, struct orl_error *err);
-/* All of it. */
+/* Releases the whole reservation. */
 void orl_hold_give_back(struct orl_hold *hold);
 
 #endif

@@ -24,10 +24,10 @@ struct orl_http_server {
     uv_poll_t poll;
     uv_timer_t timer, sweep;
     int listen_fd;
-    char message[512]; /* the last one of libmicrohttpd, which says why it does not start */
+    char message[512]; /* libmicrohttpd's last message, used when it does not start */
     struct orl_tls tls;
     struct orl_connections connections;
-    bool running; /* inside MHD_run */
+    bool running; /* true inside MHD_run */
     bool closed;
 };
 
@@ -57,7 +57,7 @@ static void on_readable(uv_poll_t *poll, int status, int events)
 
 void orl_http_kick(struct orl_http_server *http)
 {
-    enum { TURN_NS = 5000000 }; /* then the loop has a turn too */
+    enum { TURN_NS = 5000000 }; /* afterwards the loop handles other events */
     const uint64_t until = uv_hrtime() + TURN_NS;
     MHD_UNSIGNED_LONG_LONG timeout_ms = 0;
     bool more = true, timed = true;
@@ -72,8 +72,8 @@ void orl_http_kick(struct orl_http_server *http)
     http->running = false;
     if (more)
         orl_connections_look(&http->connections);
-    /* Never 0: libuv runs timers that are due until there are none, and this one would be due again
-     * from within its own callback. Nothing else on the loop would have its turn. */
+    /* Never 0: libuv runs due timers until none is left, and this one would be due again from
+     * within its own callback. Nothing else on the loop would run. */
     if (timed)
         uv_timer_start(&http->timer, on_timer, timeout_ms > 0 ? timeout_ms : 1, 0);
     else
@@ -112,7 +112,7 @@ static int listen_on(const struct sockaddr *address, int *ret_fd, struct orl_err
     return ORL_ERR_IO;
 }
 
-/* Half of the descriptors that the process may have are for files. */
+/* Returns the limit on connections. Half of the process's descriptors are for files. */
 static unsigned connection_limit(void)
 {
     struct rlimit files;
@@ -133,7 +133,8 @@ static int start_daemon(struct orl_http_server *http, struct orl_error *err)
 #if MHD_VERSION >= 0x01000000
     const struct MHD_OptionItem strict = {MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1, NULL};
 #else
-    const struct MHD_OptionItem strict = {MHD_OPTION_STRICT_FOR_CLIENT, 0, NULL}; /* framing.c is */
+    /* framing.c is strict instead. */
+    const struct MHD_OptionItem strict = {MHD_OPTION_STRICT_FOR_CLIENT, 0, NULL};
 #endif
     const struct MHD_OptionItem options[] = {
         strict,
@@ -223,7 +224,7 @@ int orl_http_reload(struct orl_http_server *http, struct orl_error *err)
 
 void orl_http_quiesce(struct orl_http_server *http)
 {
-    /* From here the listening socket is ours to close. */
+    /* The daemon now has to close the listening socket itself. */
     const MHD_socket fd = MHD_quiesce_daemon(http->daemon);
     if (fd != MHD_INVALID_SOCKET)
         close(fd);

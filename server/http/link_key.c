@@ -9,7 +9,7 @@
 
 #include <oriel/open.h>
 
-/* A key that others could have read is one that they could sign with. */
+/* Refuses a key file that others can read, since they could sign links with it. */
 static int check_owner(int fd, const char *path, struct orl_error *err)
 {
     struct stat st;

@@ -12,12 +12,13 @@
 
 enum { MAC_BYTES = 32, MAC_TEXT = 44 };
 
-static void sign(const unsigned char key[ORL_LINK_KEY_BYTES], const struct orl_token_row *token,
-                 const char *job, const char *file, int64_t until_s, char ret_signature[MAC_TEXT])
+static void sign_link(const unsigned char key[ORL_LINK_KEY_BYTES],
+                      const struct orl_token_row *token, const char *job, const char *file,
+                      int64_t until_s, char ret_signature[MAC_TEXT])
 {
     unsigned char mac[MAC_BYTES];
     char text[ORL_PARAM_MAX * 2 + sizeof token->id + sizeof token->hash + 80];
-    /* Neither an id nor a file's name has a line's end in it; file comes last all the same. */
+    /* Fields end with a newline, which no id or file name contains. The file still comes last. */
     const int size = snprintf(text, sizeof text, "oriel-link 2\n%s\n%s\n%s\n%lld\n%s", token->id,
                               token->hash, job, (long long)until_s, file);
     crypto_generichash(mac, sizeof mac, (const unsigned char *)text, (unsigned long long)size, key,
@@ -31,7 +32,7 @@ void orl_link_sign(const struct orl_request *request, const char *job, const cha
 {
     const struct orl_token_row *token = &request->holder;
     char signature[MAC_TEXT];
-    sign(request->context->link_key, token, job, file, until_s, signature);
+    sign_link(request->context->link_key, token, job, file, until_s, signature);
     snprintf(ret_arguments, ORL_LINK_ARGUMENTS, "by=%s&until=%lld&signature=%s", token->id,
              (long long)until_s, signature);
 }
@@ -59,7 +60,8 @@ int orl_link_check(const struct orl_request *request, struct orl_token_row *ret_
     if (rc || !found)
         return rc;
     const int64_t until_s = strtoll(until, NULL, 10);
-    sign(context->link_key, ret_token, request->params[0], request->params[1], until_s, wanted);
+    sign_link(context->link_key, ret_token, request->params[0], request->params[1], until_s,
+              wanted);
     const int64_t left_ms = 1000 * until_s - orl_time_now_ms();
     *ret_good = sodium_memcmp(wanted, signature, MAC_TEXT - 1) == 0 && left_ms > 0 &&
                 left_ms <= 1000 * (int64_t)ORL_SERVER_LINK_S;

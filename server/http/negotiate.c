@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* How closely a range names it: 3 by its name, 2 by its type, 1 as anything; 0: not at all. */
+/* Returns how specific a matching range is: 3 the name, 2 its type, 1 anything; 0: no match. */
 static int closeness(const char *range, size_t length, const char *name)
 {
     const char *slash = strchr(name, '/');
@@ -19,7 +19,7 @@ static int closeness(const char *range, size_t length, const char *name)
     return length == 1 && *range == '*';
 }
 
-/* "0.8" and the like; 0 for what is none. */
+/* Reads a weight such as "0.8"; 0 if it is invalid. */
 static double read_weight(const char *text)
 {
     int thousandths = 0, place = 100;
@@ -32,7 +32,7 @@ static double read_weight(const char *text)
     return thousandths / 1000.0;
 }
 
-/* Of the parameters from here to the range's end. */
+/* Returns the weight among the parameters up to the range's end; 1 if there is none. */
 static double find_weight(const char *text, const char *end)
 {
     while ((text = memchr(text, ';', (size_t)(end - text)))) {

@@ -1,13 +1,12 @@
-/*
- * What a client would rather have: Accept and Accept-Encoding (RFC 9110, 12.5.1 and 12.5.3).
- */
+/* Content negotiation: Accept and Accept-Encoding (RFC 9110, 12.5.1 and 12.5.3). */
 #ifndef ORL_SERVER_HTTP_NEGOTIATE_H
 #define ORL_SERVER_HTTP_NEGOTIATE_H
 
 /*
- * The weight, 0 to 1, that the header gives to name, a media type or a coding in lower case, by the
- * most specific of its ranges that name lies in; of two alike the first. 0 where none does, and
- * without a header (NULL). Parameters other than the weight are passed over.
+ * Returns the weight, 0 to 1, that the header gives to a media type or a coding (name, in lower
+ * case). The most specific range that contains the name decides; of equally specific ones the
+ * first. 0 if no range contains it, and without a header (NULL). Parameters other than the weight
+ * are ignored.
  */
 double orl_negotiate_weight(const char *header, const char *name);
 

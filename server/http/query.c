@@ -8,7 +8,7 @@ bool orl_query_count(const char *text, unsigned long most, unsigned long *ret_co
     const size_t length = strlen(text);
     if (length == 0 || text[strspn(text, "0123456789")])
         return false;
-    /* Too many digits are ULONG_MAX. */
+    /* With too many digits the value is ULONG_MAX. */
     const unsigned long count = strtoul(text, NULL, 10);
     if (count < 1 || count > most)
         return false;

@@ -1,15 +1,13 @@
-/*
- * What the arguments of a request's target may say. Threads: any.
- */
+/* Parsers for the arguments of a request's target. Threads: any. */
 #ifndef ORL_SERVER_HTTP_QUERY_H
 #define ORL_SERVER_HTTP_QUERY_H
 
 #include <stdbool.h>
 
-/* A number from 1 to most, in decimal digits and nothing else. */
+/* Reads a number from 1 to most: decimal digits only. */
 bool orl_query_count(const char *text, unsigned long most, unsigned long *ret_count);
 
-/* A number from low to high, as JSON writes it. */
+/* Reads a number from low to high in JSON's syntax. */
 bool orl_query_number(const char *text, double low, double high, double *ret_number);
 
 #endif

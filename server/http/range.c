@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <strings.h>
 
-/* Digits to a number, too large ones to the largest; false when there are none. */
+/* Reads a number; too large ones become UINT64_MAX. Returns false if there are no digits. */
 static bool read_number(const char **at, uint64_t *ret_value)
 {
     const char *start = *at;
@@ -31,7 +31,7 @@ enum orl_range_kind orl_range_parse(const char *header, uint64_t size, struct or
     const bool has_last = read_number(&at, &last);
     if (*at || (!has_first && !has_last) || (has_first && has_last && first > last))
         return ORL_RANGE_ALL;
-    if (!has_first) { /* the last so many */
+    if (!has_first) { /* a suffix range: the last `last` bytes */
         if (last == 0 || size == 0)
             return ORL_RANGE_NONE;
         first = last < size ? size - last : 0;

@@ -1,6 +1,6 @@
 /*
- * The Range header (RFC 9110, 14): one range of bytes. What is no such thing, or asks for several,
- * is to be ignored, as the standard allows.
+ * The Range header (RFC 9110, 14): one range of bytes. Invalid headers and those with several
+ * ranges are ignored, as the standard allows.
  */
 #ifndef ORL_SERVER_HTTP_RANGE_H
 #define ORL_SERVER_HTTP_RANGE_H
@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 enum orl_range_kind {
-    ORL_RANGE_ALL,  /* no range that is understood: the whole */
+    ORL_RANGE_ALL,  /* no valid range: the whole file */
     ORL_RANGE_PART, /* the range */
     ORL_RANGE_NONE, /* a range that holds no byte of the file */
 };
@@ -17,7 +17,7 @@ struct orl_range {
     uint64_t first, count;
 };
 
-/* Of a file of that size; *ret_range is filled for a part alone. */
+/* Parses the header for a file of that size. *ret_range is set only for ORL_RANGE_PART. */
 enum orl_range_kind orl_range_parse(const char *header, uint64_t size, struct orl_range *ret_range);
 
 #endif

@@ -38,7 +38,7 @@ void orl_reply_header(struct orl_request *request, const char *name, const char 
         MHD_add_response_header(request->response, name, value);
 }
 
-/* Ten digits: seconds and percents are for people; results are files, in full. */
+/* Ten digits suffice for seconds and percents; results are files, with full precision. */
 char *orl_reply_text_of(json_t *json)
 {
     char *text = json ? orl_json_text(json, JSON_COMPACT | JSON_REAL_PRECISION(10)) : NULL;
@@ -157,7 +157,8 @@ void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const ch
     set_response(request, 200, MHD_create_response_from_fd64(size, fd), type);
 }
 
-/* Does If-Range, if there is one, name this tag? A date never does: files have none here. */
+/* Returns true if there is no If-Range, or it names this tag. A date never matches: files have none
+ * here. */
 static bool range_holds(struct orl_request *request, const char *tag)
 {
     char quoted[2 * ORL_PARAM_MAX + 8];
@@ -256,7 +257,7 @@ void orl_reply_held(struct orl_request *request, uint64_t bytes)
         return;
     }
     const uint64_t own = request->hold.own ? atomic_load(&request->hold.own->most) : 0;
-    if (request->hold.refused == ORL_HOLD_NO_ROOM || bytes > own) { /* to wait would not help */
+    if (request->hold.refused == ORL_HOLD_NO_ROOM || bytes > own) { /* waiting would not help */
         refuse_full(request, bytes);
         return;
     }
@@ -267,9 +268,9 @@ void orl_reply_held(struct orl_request *request, uint64_t bytes)
     orl_reply_header(request, "Retry-After", "10");
 }
 
-/* ---- What waits for the disk ---------------------------------------------------------------- */
+/* ---- Replies that wait for the disk --------------------------------------------------------- */
 
-static bool only_tells(const struct orl_request *request)
+static bool is_read_only(const struct orl_request *request)
 {
     return strcmp(request->method, "GET") == 0 || strcmp(request->method, "HEAD") == 0;
 }
@@ -278,7 +279,7 @@ static void on_settled(struct orl_settling_wait *wait, int rc, const struct orl_
 {
     struct orl_request *request =
         (struct orl_request *)((char *)wait - offsetof(struct orl_request, settling));
-    if (rc && !only_tells(request)) {
+    if (rc && !is_read_only(request)) {
         struct orl_error why = *err;
         orl_error_hint(&why, "It may have been done all the same, but would not outlast a power "
                              "cut; ask again");

@@ -51,7 +51,7 @@ void orl_request_go_on(struct orl_request *request)
     context->calls->worked(context->server);
 }
 
-/* In the log at once: the first operation may never end. */
+/* Logs the bug at once, since the first operation may never end. */
 static void note_started_twice(struct orl_request *request)
 {
     request->started_twice = true;

@@ -1,10 +1,10 @@
 /*
  * One HTTP request, from its first header to its last byte sent.
  *
- * A handler runs on the loop thread once the body is there. It either replies (reply.h) or calls
- * orl_request_work: run goes to the pool while the connection is suspended, then follows on the
- * loop thread, and may reply or call orl_request_work again. What a handler keeps between the two
- * hangs on state, freed by free_state with the request whatever happens.
+ * A handler runs on the loop thread once the body is complete. It either replies (reply.h) or calls
+ * orl_request_work: `run` executes on the pool while the connection is suspended. Then `then`
+ * executes on the loop thread, and may reply or call orl_request_work again. A handler keeps its
+ * data between the two in state, which free_state frees with the request in any case.
  *
  * Invariant: a request has at most one pending operation: work on the pool, a check (checks.h), or
  * a wait for the disk (orl_reply_when_safe). Starting a second one would overwrite the callbacks of
@@ -45,28 +45,28 @@ struct orl_request {
     uint64_t id;
     double started_s;
     char method[16], path[ORL_LOGGED_PATH]; /* for the log; the path may be cut */
-    char job[ORL_JOB_ID];                   /* whom it is about, as far as known; "" for none */
+    char job[ORL_JOB_ID];                   /* the job concerned, once known; "": none */
     char token[ORL_TOKEN_NAME];             /* the name of its token; "-" for none */
-    struct orl_token_row holder;            /* of that token, where tokens are needed */
+    struct orl_token_row holder;            /* row of that token, if tokens are required */
     char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX];
-    struct orl_target target;  /* its authority, where it has one; its path is above */
-    struct orl_client *client; /* clients.h; NULL: refused before */
-    struct orl_hold hold;      /* what of it lies on the disk, under way */
+    struct orl_target target;  /* its authority, if given; its path is above */
+    struct orl_client *client; /* clients.h; NULL: the request was refused before */
+    struct orl_hold hold;      /* bytes on disk, in flight */
     struct orl_body body;
-    const char *version_at; /* where MHD must have the version, if the target has no NUL */
-    bool opened;            /* its headers are there */
-    bool too_long;          /* its target is */
+    const char *version_at; /* where MHD must find the version, unless the target has a NUL */
+    bool opened;            /* its headers are complete */
+    bool too_long;          /* its target is too long */
     bool dispatched;        /* the handler has been called */
-    bool unframed;          /* refused, and nobody knows where it ends */
-    bool cross_origin;      /* a page of an origin that --allow-origin names has sent it */
+    bool unframed;          /* refused, and the end of the request is unknown */
+    bool cross_origin;      /* sent by a page of an origin that --allow-origin names */
 
     struct MHD_Response *response; /* made, not yet queued */
-    unsigned status;               /* of the response made or queued; 0 before */
+    unsigned status;               /* status of the response made or queued; 0: none yet */
 
     uv_work_t work;
     orl_request_step run, then;
-    struct orl_settling_wait settling; /* of its answer: orl_reply_when_safe */
-    struct orl_check *check;           /* of what it has sent, under way; or NULL: checks.h */
+    struct orl_settling_wait settling; /* wait of its answer: orl_reply_when_safe */
+    struct orl_check *check;           /* running check of its data, or NULL: checks.h */
     bool working;                      /* an operation is pending */
     bool started_twice; /* a handler tried to start a second one: the reply is a 500 */
 
@@ -74,7 +74,7 @@ struct orl_request {
     void (*free_state)(void *state);
 };
 
-/* Calls a step of the request: a crash in there is reported with the request's method and path. */
+/* Calls a step of the request. If it crashes, the report has the request's method and path. */
 void orl_request_step_run(struct orl_request *request, orl_request_step step);
 
 /* Calls run on the pool and then `then` on the loop. The handler must return without replying. */
@@ -82,17 +82,18 @@ void orl_request_work(struct orl_request *request, orl_request_step run, orl_req
 
 /*
  * The parts of orl_request_work, for operations that start later or not on the pool. wait makes the
- * operation pending and returns false, changing nothing, if one is pending already; queue sends run
- * to the pool; go_on ends the operation: it calls `then` and resumes the connection.
+ * operation pending. If one is pending already, wait changes nothing and returns false. queue sends
+ * `run` to the pool. go_on ends the operation: it calls `then` and resumes the connection.
  */
 bool orl_request_wait(struct orl_request *request, orl_request_step run, orl_request_step then);
 void orl_request_queue(struct orl_request *request);
 void orl_request_go_on(struct orl_request *request);
 
-/* The server's folders, as long as the request lives; what is written to tmp/ is held for it. */
+/* Returns the server's folders, for the lifetime of the request. Bytes written to tmp/ are reserved
+ * in its hold. */
 struct orl_folders orl_request_folders(struct orl_request *request);
 
-/* A query argument or header, or NULL. */
+/* Return a query argument or header, or NULL. */
 const char *orl_request_query(const struct orl_request *request, const char *name);
 const char *orl_request_header(const struct orl_request *request, const char *name);
 

@@ -4,7 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Does url have the shape of path? Fills the parameters on the way. */
+/* Returns true if url matches the pattern path. Fills the parameters. */
 static bool path_matches(const char *path, const char *url,
                          char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX])
 {
@@ -27,7 +27,7 @@ static bool path_matches(const char *path, const char *url,
     return *url == '\0';
 }
 
-static void allow(const char *method, char ret_allow[64])
+static void add_allowed_method(const char *method, char ret_allow[64])
 {
     const size_t used = strlen(ret_allow);
     snprintf(ret_allow + used, 64 - used, "%s%s%s", used ? ", " : "", method,
@@ -47,7 +47,7 @@ unsigned orl_router_find(const struct orl_routes *routes, const char *method, co
             *ret_route = &routes->table[i];
             return 0;
         }
-        allow(routes->table[i].method, ret_allow);
+        add_allowed_method(routes->table[i].method, ret_allow);
     }
     return ret_allow[0] ? 405 : 404;
 }

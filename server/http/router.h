@@ -1,6 +1,6 @@
 /*
- * How a request finds its route in a table of methods, paths and handlers (routes.h has the
- * daemon's).
+ * The router: finds a request's route in a table of methods, paths and handlers (routes.h has the
+ * daemon's table).
  */
 #ifndef ORL_SERVER_HTTP_ROUTER_H
 #define ORL_SERVER_HTTP_ROUTER_H
@@ -11,14 +11,14 @@
 #include "store/tokens.h"
 
 struct orl_route {
-    const char *method;         /* GET serves HEAD too */
+    const char *method;         /* GET also serves HEAD */
     const char *path;           /* "/v1/jobs/{}/files/{*}": each {} is a parameter without slashes,
                                    {*} the rest */
-    enum orl_token_scope scope; /* a token must have, where tokens are needed */
+    enum orl_token_scope scope; /* scope that a token needs, if tokens are required */
     orl_request_step handler;
     uint64_t max_body;        /* 0: no body is read */
-    const char *const *types; /* media types accepted for the body, ends with NULL; NULL: any */
-    bool by_link;             /* a signed link will do for a token (links.h) */
+    const char *const *types; /* accepted media types of the body, ended by NULL; NULL: any */
+    bool by_link;             /* true if a signed link may replace a token (links.h) */
 };
 
 struct orl_routes {
@@ -28,19 +28,19 @@ struct orl_routes {
 
 /*
  * Finds the route. Returns 0 and fills ret_route and ret_params, or an HTTP status: 404, or 405
- * with the methods that would do in ret_allow.
+ * with the allowed methods in ret_allow.
  */
 unsigned orl_router_find(const struct orl_routes *routes, const char *method, const char *url,
                          const struct orl_route **ret_route,
                          char ret_params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX], char ret_allow[64]);
 
-/* Its place in the table; NULL is behind the last. */
+/* Returns the route's place in the table; one past the last for NULL. */
 size_t orl_router_index(const struct orl_routes *routes, const struct orl_route *route);
 
-/* The types that it takes, as "a, b or c". Returns ret_types. */
+/* Writes the accepted media types as "a, b or c". Returns ret_types. */
 const char *orl_router_types(const struct orl_route *route, char ret_types[160]);
 
-/* Does the media type of a Content-Type header (NULL: none) suit the route? */
+/* Returns true if the route accepts the media type of a Content-Type header (NULL: none). */
 bool orl_router_accepts(const struct orl_route *route, const char *content_type);
 
 #endif

@@ -28,8 +28,8 @@ static void refuse_too_large(struct orl_request *request)
                       (unsigned long long)request->route->max_body);
 }
 
-/* A body that will lie on the disk has its room before it comes. */
-static void receive(struct orl_request *request, uint64_t bytes)
+/* Reserves space for a body that will go to disk, before it arrives. */
+static void reserve_body(struct orl_request *request, uint64_t bytes)
 {
     request->client = orl_client_ref(request);
     request->hold = (struct orl_hold){.all = request->context->calls->room(request->server),
@@ -43,7 +43,7 @@ static void receive(struct orl_request *request, uint64_t bytes)
         orl_reply_held(request, bytes);
 }
 
-/* Finds the route and refuses at once what can be refused by the headers. */
+/* Finds the route, and refuses at once if the headers are enough to refuse. */
 static void open_request(struct orl_request *request, const char *url, const char *method,
                          const char *version, const char *target_fault)
 {
@@ -100,7 +100,7 @@ static void open_request(struct orl_request *request, const char *url, const cha
                           "The body has a type that is not understood", "%s takes %s", url,
                           orl_router_types(route, types));
     else
-        receive(request, bytes);
+        reserve_body(request, bytes);
 }
 
 void *orl_serve_begin(void *ctx, const char *uri, struct MHD_Connection *connection)
@@ -129,15 +129,15 @@ size_t orl_serve_unescape(void *ctx, struct MHD_Connection *connection, char *te
 {
     const struct orl_http_context *context = ctx;
     const struct orl_request *request = context->begun;
-    /* A query behind a NUL is not seen by orl_framing_cut_query; where libmicrohttpd has no room
-     * for its arguments it would forget the rest of the request, and wait for it. */
+    /* orl_framing_cut_query does not see a query after a NUL. If its arguments do not fit,
+     * libmicrohttpd would drop the rest of the request and then wait for it. */
     if (MHD_VERSION < 0x01000000 && request && request->connection == connection &&
         request->version_at && text >= request->version_at)
         orl_connection_cut(connection);
     return orl_framing_unescape(text);
 }
 
-/* All of its headers are there. */
+/* Handles the complete headers of a request. */
 static void note_headers(struct orl_request *request, const char *url, const char *method,
                          const char *version)
 {
@@ -151,8 +151,9 @@ static void note_headers(struct orl_request *request, const char *url, const cha
     open_request(request, path, method, version, fault);
 }
 
-/* Files it kept go before its answer: who has that finds no trace of a refused upload. */
-static void let_go(struct orl_request *request)
+/* Frees the handler's state and files before the answer is sent, so that no file of a refused
+ * upload is left once the client has the answer. */
+static void release_state(struct orl_request *request)
 {
     if (request->state && request->free_state)
         request->free_state(request->state);
@@ -177,12 +178,12 @@ static enum MHD_Result send_response(struct orl_request *request)
         reply_started_twice(request);
     snprintf(id, sizeof id, "%llu", (unsigned long long)request->id);
     orl_reply_header(request, "X-Request-Id", id);
-    /* A browser takes nothing here for a script or page that is not said to be one. */
+    /* Browsers then do not treat other content as a script or page. */
     orl_reply_header(request, "X-Content-Type-Options", "nosniff");
     orl_cors_add(request);
     if (request->unframed)
         orl_reply_header(request, MHD_HTTP_HEADER_CONNECTION, "close");
-    let_go(request);
+    release_state(request);
     struct MHD_Response *response = request->response;
     request->response = NULL;
     const enum MHD_Result sent = MHD_queue_response(request->connection, request->status, response);
@@ -191,10 +192,10 @@ static enum MHD_Result send_response(struct orl_request *request)
 }
 
 /*
- * A request refused by its headers is answered at once when its client waits for leave to send the
- * body, or when that is endless or huge (of strangers: large), or ends nobody knows where; the
- * connection is then closed. Any other body is read and dropped first: a client that is still
- * sending would see the connection break, and no answer.
+ * Returns true if a request refused by its headers is answered before its body is read. This is so
+ * if its client waits for a 100 Continue, or if the body is unbounded, huge (without a valid token:
+ * large), or of unknown end. The connection is then closed. Any other body is read and dropped
+ * first: a client that is still sending would see a broken connection, and no answer.
  */
 static bool answer_at_once(const struct orl_request *request)
 {
@@ -206,15 +207,15 @@ static bool answer_at_once(const struct orl_request *request)
            (bytes > 0 && orl_request_header(request, MHD_HTTP_HEADER_EXPECT));
 }
 
-/* Takes what has arrived; a full buffer goes to the disk while the connection waits. */
+/* Takes data of the body. A full buffer is written to disk while the connection is suspended. */
 static enum MHD_Result take_data(struct orl_request *request, const char *data, size_t *data_size)
 {
-    /* With chunked bodies MHD offers the next chunk even to a connection just suspended; what is
-     * not taken comes again after it is resumed. */
+    /* With chunked bodies MHD offers the next chunk even to a connection just suspended. Data not
+     * taken is offered again after it resumes. */
     if (request->working)
         return MHD_YES;
     orl_connection_received(request->connection, *data_size);
-    /* Else the daemon would have to write for as long as somebody sends. */
+    /* Otherwise clients could keep the daemon writing while it stops. */
     if (!request->response && request->context->stopping)
         orl_reply_stopping(request);
     if (request->response) {
@@ -223,7 +224,7 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
     }
     const bool full = orl_body_append(&request->body, data, *data_size);
     *data_size = 0;
-    /* A client that goes on long after its body became too large is cut off. */
+    /* Cuts off a client that sends far more than the limit. */
     if (request->body.over && request->body.size / 2 > request->body.limit + ORL_SERVER_BODY_BUFFER)
         return MHD_NO;
     if (full) {
@@ -234,7 +235,7 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
     return MHD_YES;
 }
 
-static enum MHD_Result dispatch(struct orl_request *request)
+static enum MHD_Result call_handler(struct orl_request *request)
 {
     request->dispatched = true;
     orl_connection_body(request->connection);
@@ -251,7 +252,7 @@ static enum MHD_Result dispatch(struct orl_request *request)
     if (request->response && !request->working)
         return send_response(request);
     if (!request->working)
-        return MHD_NO; /* a handler that neither replied nor worked: our bug, closed at once */
+        return MHD_NO; /* the handler neither replied nor started work: a bug */
     MHD_suspend_connection(request->connection);
     return MHD_YES;
 }
@@ -263,22 +264,23 @@ enum MHD_Result orl_serve_go_on(void *ctx, struct MHD_Connection *connection, co
     struct orl_request *request = *handle;
     (void)ctx;
     if (!request) {
-        /* There was no memory for it. Its headers are well formed: no 400 may be sent for them. */
+        /* There was no memory for the request. Its headers are valid, so no 400 may be sent for
+         * them. */
         orl_connection_body(connection);
         return MHD_NO;
     }
     if (!request->opened) {
         note_headers(request, url, method, version);
-        /* Without a body it can wait for the next call, which lets the connection live on. */
+        /* Without a body the answer can wait for the next call, which keeps the connection open. */
         if (!request->response || !answer_at_once(request))
             return MHD_YES;
-        orl_connection_body(connection); /* what comes of it is not read */
+        orl_connection_body(connection); /* further data is not read */
         return send_response(request);
     }
     if (*data_size > 0)
         return take_data(request, data, data_size);
     if (!request->dispatched)
-        return dispatch(request);
+        return call_handler(request);
     if (request->response && !request->working)
         return send_response(request);
     return request->working || request->status ? MHD_YES : MHD_NO;
@@ -304,7 +306,7 @@ void orl_serve_completed(void *ctx, struct MHD_Connection *connection, void **ha
                   why == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "ok" : "broken");
     if (request->response)
         MHD_destroy_response(request->response);
-    let_go(request);
+    release_state(request);
     orl_body_done(&request->body);
     orl_hold_give_back(&request->hold);
     orl_client_unref(&context->clients, request->client);

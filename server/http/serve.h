@@ -1,7 +1,6 @@
 /*
- * Requests served: from the first line, by headers, route, token and body, to the handler and the
- * answer's last byte. These are libmicrohttpd's callbacks; the closure is the struct
- * orl_http_context.
+ * Serving of requests: headers, route, token, body, handler, and the answer up to its last byte.
+ * These are libmicrohttpd's callbacks; the closure is the struct orl_http_context.
  *
  * Threads: loop.
  */
@@ -11,8 +10,8 @@
 #include "http/request.h"
 
 void *orl_serve_begin(void *context, const char *uri, struct MHD_Connection *connection);
-/* Of a part of the target. A connection whose target has a NUL, and a query behind it, is cut off.
- */
+/* Unescapes a part of the target. Cuts a connection off if its target has a NUL followed by a
+ * query. */
 size_t orl_serve_unescape(void *context, struct MHD_Connection *connection, char *text);
 enum MHD_Result orl_serve_go_on(void *context, struct MHD_Connection *connection, const char *url,
                                 const char *method, const char *version, const char *data,

@@ -19,7 +19,7 @@ static bool is_secure(const struct orl_request *request)
     return request->context->config->tls_cert || (proto && strcasecmp(proto, "https") == 0);
 }
 
-static void name_cookie(const struct orl_request *request, char ret_name[NAME])
+static void format_cookie_name(const struct orl_request *request, char ret_name[NAME])
 {
     const struct orl_config *config = request->context->config;
     const unsigned port = config->address.any.sa_family == AF_INET6
@@ -32,7 +32,7 @@ static void write_cookie(const struct orl_request *request, const char *value, u
                          char ret_cookie[ORL_SESSION_COOKIE])
 {
     char name[NAME];
-    name_cookie(request, name);
+    format_cookie_name(request, name);
     snprintf(ret_cookie, ORL_SESSION_COOKIE,
              "%s=%s; Path=/; HttpOnly; SameSite=Strict%s; Max-Age=%u", name, value,
              is_secure(request) ? "; Secure" : "", age_s);
@@ -45,13 +45,13 @@ static void hash_secret(const char *secret, char ret_hash[ORL_SESSION_HASH])
     sodium_bin2hex(ret_hash, ORL_SESSION_HASH, hash, sizeof hash);
 }
 
-/* False without a cookie that could be one. */
+/* Reads the cookie. Returns false if there is none with a valid form. */
 static bool read_cookie(const struct orl_request *request, char ret_hash[ORL_SESSION_HASH])
 {
     static const char allowed[] =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
     char name[NAME];
-    name_cookie(request, name);
+    format_cookie_name(request, name);
     const char *value = MHD_lookup_connection_value(request->connection, MHD_COOKIE_KIND, name);
     if (!value || strlen(value) != SECRET_TEXT - 1 || value[strspn(value, allowed)])
         return false;

@@ -1,19 +1,19 @@
 /*
- * Sign-in of browsers, which send no token by themselves: a token exchanged once for a cookie.
+ * Sign-in of browsers, which do not send tokens by themselves: a token is exchanged once for a
+ * cookie.
  *
  *     Set-Cookie: __Host-oriel-8423=<43 characters of base64url>; Path=/; HttpOnly;
- * SameSite=Strict; Secure; Max-Age=43200
+ *                 SameSite=Strict; Secure; Max-Age=43200
  *
- * Without TLS, here or at a proxy that says so (X-Forwarded-Proto), it is oriel-8423, and not
- * Secure. The name has the port, for a cookie is sent to every port of its host. Its value is 32
- * random bytes, of which the database keeps a hash: sessions outlive a restart, end after
- * ORL_SERVER_SESSION_S, with their token, and when they are revoked.
+ * Without TLS, here or at a proxy that reports it (X-Forwarded-Proto), the name is oriel-8423, and
+ * the cookie is not Secure. The name contains the port, since browsers send a cookie to every port
+ * of its host. The value is 32 random bytes, of which the database keeps a hash. Sessions survive a
+ * restart. They end after ORL_SERVER_SESSION_S, with their token, and when they are revoked.
  *
- * Against requests that a page of another site, or of another port, has the browser send with the
- * cookie: SameSite keeps it from other sites' requests; a request with it that Sec-Fetch-Site says
- * another origin's page has made is refused, and so is one that changes something and has no
- * Origin, which has to be the daemon's own (guard.h). Pages of --allow-origin are not heard by a
- * cookie.
+ * A page of another site, or of another port, could have the browser send a request with the
+ * cookie. SameSite excludes other sites. A request with the cookie is refused if Sec-Fetch-Site
+ * names another origin. A request that changes something is refused without an Origin, which must
+ * be the daemon's own (guard.h). Cookies are not accepted from pages of --allow-origin.
  *
  * Threads: the loop thread only.
  */
@@ -25,19 +25,21 @@
 
 enum { ORL_SESSION_COOKIE = 320 };
 
-/* Whose cookie the request has; *ret_found is false without one that is good. */
+/* Returns the session of the request's cookie. *ret_found is false without a valid cookie. */
 int orl_session_find(struct orl_request *request, struct orl_session_row *ret_row, bool *ret_found,
                      struct orl_error *err);
 
-/* NULL, or why a request that has nothing but a cookie to show is refused. */
+/* Returns NULL, or the reason for refusing a request that has only a cookie. */
 const char *orl_session_refusal(const struct orl_request *request);
 
-/* A new session of that token; the Set-Cookie header's value, and when it ends. */
+/* Starts a session of that token. Writes the value of the Set-Cookie header, and the time when the
+ * session ends. */
 int orl_session_begin(struct orl_request *request, const struct orl_token_row *token,
                       char ret_cookie[ORL_SESSION_COOKIE], int64_t *ret_expires_ms,
                       struct orl_error *err);
 
-/* Ends the request's session, or all of its token; the header that has the browser forget it. */
+/* Ends the request's session, or all sessions of its token. Writes the Set-Cookie value that
+ * deletes the cookie. */
 int orl_session_end(struct orl_request *request, bool all, char ret_cookie[ORL_SESSION_COOKIE],
                     struct orl_error *err);
 

@@ -71,7 +71,7 @@ static gnutls_datum_t datum_of(char *text)
     return (gnutls_datum_t){(unsigned char *)text, (unsigned)strlen(text)};
 }
 
-/* Has the chain's first certificate the public half of the key? A GnuTLS code. */
+/* Checks that the first certificate has the key's public half. Returns a GnuTLS code. */
 static int check_pair(const struct orl_certificate *certificate)
 {
     unsigned char of_key[64], of_cert[64];
@@ -92,8 +92,8 @@ static int check_pair(const struct orl_certificate *certificate)
     return rc;
 }
 
-/* A GnuTLS code. */
-static int import(struct orl_certificate *certificate, char *cert, char *key)
+/* Imports chain and key from PEM text. Returns a GnuTLS code. */
+static int import_pem(struct orl_certificate *certificate, char *cert, char *key)
 {
     const gnutls_datum_t cert_pem = datum_of(cert), key_pem = datum_of(key);
     unsigned count = CHAIN_MAX;
@@ -111,8 +111,8 @@ static int import(struct orl_certificate *certificate, char *cert, char *key)
     return rc < 0 ? rc : check_pair(certificate);
 }
 
-static int load(const char *cert_path, const char *key_path, char **ret_cert, char **ret_key,
-                struct orl_error *err)
+static int load_certificate(const char *cert_path, const char *key_path, char **ret_cert,
+                            char **ret_key, struct orl_error *err)
 {
     const int rc = read_pem(cert_path, 0, ret_cert, err);
     return rc ? rc : read_pem(key_path, S_IROTH | S_IWOTH, ret_key, err);
@@ -123,13 +123,13 @@ int orl_tls_load(struct orl_tls *tls, const char *cert_path, const char *key_pat
 {
     char *cert = NULL, *key = NULL;
     struct orl_certificate *certificate = NULL;
-    int rc = load(cert_path, key_path, &cert, &key, err);
+    int rc = load_certificate(cert_path, key_path, &cert, &key, err);
     if (cert && key) {
         certificate = calloc(1, sizeof *certificate);
         if (!certificate)
             rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
-    const int code = certificate ? import(certificate, cert, key) : 0;
+    const int code = certificate ? import_pem(certificate, cert, key) : 0;
     if (code < 0) {
         rc = orl_error_set(err, ORL_ERR_INVALID, "certificate %.150s, key %.150s: %s", cert_path,
                            key_path, gnutls_strerror(code));
@@ -151,7 +151,7 @@ int orl_tls_load(struct orl_tls *tls, const char *cert_path, const char *key_pat
 void orl_tls_free_older(struct orl_tls *tls, uint64_t oldest_handshake)
 {
     struct orl_certificate **at = tls->current ? &tls->current->older : NULL;
-    /* From the newest to the oldest: numbers only fall. */
+    /* The list goes from the newest to the oldest, so last_user only falls. */
     while (at && *at && (*at)->last_user >= oldest_handshake)
         at = &(*at)->older;
     while (at && *at) {
@@ -172,9 +172,10 @@ void orl_tls_done(struct orl_tls *tls)
         serving = NULL;
 }
 
-static int retrieve(gnutls_session_t session, const gnutls_datum_t *names, int n_names,
-                    const gnutls_pk_algorithm_t *kinds, int n_kinds, gnutls_pcert_st **ret_chain,
-                    unsigned *ret_count, gnutls_privkey_t *ret_key)
+static int retrieve_certificate(gnutls_session_t session, const gnutls_datum_t *names, int n_names,
+                                const gnutls_pk_algorithm_t *kinds, int n_kinds,
+                                gnutls_pcert_st **ret_chain, unsigned *ret_count,
+                                gnutls_privkey_t *ret_key)
 {
     (void)session, (void)names, (void)n_names, (void)kinds, (void)n_kinds;
     if (!serving || !serving->current)
@@ -187,5 +188,5 @@ static int retrieve(gnutls_session_t session, const gnutls_datum_t *names, int n
 
 uintptr_t orl_tls_callback(void)
 {
-    return (uintptr_t)retrieve;
+    return (uintptr_t)retrieve_certificate;
 }

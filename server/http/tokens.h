@@ -1,11 +1,12 @@
 /*
- * Access tokens: made, and known again.
+ * Access tokens: creation and recognition.
  *
  *     oriel_0123456789abcdef_<43 characters of base64url>
  *           the id           the secret: 32 random bytes
  *
- * The secret is shown once and kept nowhere; its row holds an unkeyed BLAKE2b-256. That is enough:
- * nobody can guess 256 random bits, however quick the hash. The hash is compared in constant time.
+ * The secret is shown once and not stored; its row holds an unkeyed BLAKE2b-256. That is enough:
+ * 256 random bits cannot be guessed, however fast the hash is. The hash is compared in constant
+ * time.
  */
 #ifndef ORL_SERVER_HTTP_TOKENS_H
 #define ORL_SERVER_HTTP_TOKENS_H
@@ -14,16 +15,17 @@
 
 enum { ORL_TOKEN_TEXT = 80 };
 
-/* name: up to 64 letters, digits, '-', '_', '.'. Fills the row, but writes it nowhere. */
+/* Makes a token. name: up to 64 letters, digits, '-', '_', '.'. Fills the row, but does not write
+ * it to the database. */
 int orl_token_make(const char *name, enum orl_token_scope scope, struct orl_token_row *ret_row,
                    char ret_text[ORL_TOKEN_TEXT], struct orl_error *err);
 
-/* Whose token is it? finder: orl_token_finder's. *ret_known is false for one that was never made or
- * has been removed. */
+/* Returns the row of a token. finder: orl_token_finder's. *ret_known is false for a token that
+ * never existed or has been removed. */
 int orl_token_recognise(struct orl_db *db, sqlite3_stmt *finder, const char *text,
                         struct orl_token_row *ret_row, bool *ret_known, struct orl_error *err);
 
-/* `orield token ...`: argv[0] is "token". Prints; returns the exit status. */
+/* Runs `orield token ...`: argv[0] is "token". Prints; returns the exit status. */
 int orl_token_command(int argc, char **argv);
 
 #endif

@@ -15,8 +15,8 @@ struct keeping {
     orl_job_bsdf_done *done;
 };
 
-/* The results' file and the blob are one on the disk; neither is ever written to again. */
-static void keep(uv_work_t *work)
+/* Makes the blob as a hard link to the results' file; neither is ever written to again. */
+static void store_blob(uv_work_t *work)
 {
     struct keeping *k = work->data;
     const struct orl_folders *folders = k->job->jobs->env.folders;
@@ -33,7 +33,7 @@ static void keep(uv_work_t *work)
         unlink(to);
 }
 
-static void kept(uv_work_t *work, int status)
+static void insert_bsdf(uv_work_t *work, int status)
 {
     struct keeping *k = work->data;
     const struct orl_jobs_env *env = &k->job->jobs->env;
@@ -52,9 +52,9 @@ static void kept(uv_work_t *work, int status)
     free(k);
 }
 
-/* Without memory to keep it: the same as when it cannot be kept. */
-static void fail(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
-                 orl_job_bsdf_done *done)
+/* Fails the job for want of memory, as if its BSDF could not be stored. */
+static void fail_job(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
+                     orl_job_bsdf_done *done)
 {
     struct orl_worker_outcome own = *outcome;
     own.code = orl_error_set(&own.err, ORL_ERR_NOMEM, "out of memory for the job's BSDF");
@@ -72,7 +72,7 @@ bool orl_job_bsdf_start(struct orl_jobs_job *job, const struct orl_worker_outcom
         return false;
     if (!k || orl_blobs_claim(env->blobs, outcome->bsdf->id, NULL)) {
         free(k);
-        fail(job, outcome, done);
+        fail_job(job, outcome, done);
         return true;
     }
     k->work.data = k;
@@ -80,6 +80,6 @@ bool orl_job_bsdf_start(struct orl_jobs_job *job, const struct orl_worker_outcom
     k->outcome = *outcome;
     k->done = done;
     job->settling = true;
-    uv_queue_work(env->loop, &k->work, keep, kept);
+    uv_queue_work(env->loop, &k->work, store_blob, insert_bsdf);
     return true;
 }

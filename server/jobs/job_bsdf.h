@@ -1,8 +1,9 @@
 /*
- * What a job has made becomes a BSDF of the daemon's, which scenes may name by its id: before the
- * job has succeeded, so that whoever sees that finds it there. Inside of jobs.h, whose rules hold.
+ * Stores the BSDF that a job has made, so that scenes can name it by its id. It is stored before
+ * the job becomes succeeded, so clients that see that state find it. Internal to jobs.h; its rules
+ * apply.
  *
- * Meanwhile the job is `settling`, as in job_giving.h. A job whose BSDF cannot be kept fails.
+ * Meanwhile the job is `settling`, as in job_giving.h. A job whose BSDF cannot be stored fails.
  *
  * Threads: the loop thread only; the file's blob is made on the pool.
  */
@@ -13,8 +14,9 @@
 
 typedef void orl_job_bsdf_done(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome);
 
-/* done comes in a later turn of the loop, with a copy of outcome, whose code and err say what went
- * wrong, and without its bsdf. False: it has none; done does not come then. */
+/* Starts to store the BSDF. done is called in a later turn of the loop, with a copy of outcome. The
+ * copy has no bsdf, and its code and err report a failure. Returns false if the outcome has no
+ * BSDF; done is not called then. */
 bool orl_job_bsdf_start(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
                         orl_job_bsdf_done *done);
 

@@ -22,7 +22,7 @@ struct orl_giving {
     struct share each[];
 };
 
-static void give_all(uv_work_t *work)
+static void link_results(uv_work_t *work)
 {
     struct orl_giving *giving = work->data;
     const struct orl_folders *folders = giving->leader->jobs->env.folders;
@@ -32,7 +32,7 @@ static void give_all(uv_work_t *work)
     }
 }
 
-static void all_given(uv_work_t *work, int status)
+static void end_giving(uv_work_t *work, int status)
 {
     struct orl_giving *giving = work->data;
     const struct orl_jobs *jobs = giving->leader->jobs;
@@ -40,7 +40,7 @@ static void all_given(uv_work_t *work, int status)
     giving->leader->settling = false;
     for (size_t i = 0; i < giving->count; i++) {
         const struct orl_jobs_job *job = orl_jobs_lookup(jobs, giving->each[i].id);
-        if (!job || job->leader != giving->leader) /* cancelled meanwhile */
+        if (!job || job->leader != giving->leader) /* it was cancelled meanwhile */
             orl_job_results_remove_files(jobs, giving->each[i].id);
     }
     giving->done(giving->leader, &giving->outcome, giving);
@@ -64,7 +64,7 @@ bool orl_giving_start(struct orl_jobs_job *leader, const struct orl_worker_outco
     for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
         memcpy(giving->each[giving->count++].id, job->row.id, sizeof job->row.id);
     leader->settling = true;
-    uv_queue_work(leader->jobs->env.loop, &giving->work, give_all, all_given);
+    uv_queue_work(leader->jobs->env.loop, &giving->work, link_results, end_giving);
     return true;
 }
 

@@ -1,9 +1,9 @@
 /*
- * A computation's results for those who follow its leader, made on the pool: they may be thousands
- * of files. Inside of jobs.h, whose rules hold.
+ * Copies a computation's results to the jobs that follow its leader. This runs on the pool, as
+ * there may be thousands of files. Internal to jobs.h; its rules apply.
  *
- * Meanwhile the leader is `settling`: it neither ends nor is removed, and nobody joins it. Whoever
- * leaves it before the end gets nothing.
+ * Meanwhile the leader is `settling`: it neither ends nor is removed, and no job joins it. A
+ * follower that leaves before the end gets no results.
  *
  * Threads: the loop thread only.
  */
@@ -14,16 +14,17 @@
 
 struct orl_giving;
 
-/* giving is valid during the call. */
+/* Called when the copies are made. giving is valid during the call. */
 typedef void orl_giving_done(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
                              const struct orl_giving *giving);
 
-/* done comes in a later turn of the loop, with a copy of outcome. False: nobody follows, or there
- * is no memory; it does not come then. */
+/* Starts the copies. done is called in a later turn of the loop, with a copy of outcome. Returns
+ * false if there are no followers or no memory; done is not called then. */
 bool orl_giving_start(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
                       orl_giving_done *done);
 
-/* What became of a job's share; of one that giving (may be NULL) does not know it is made now. */
+/* Returns the error of a job's copy, or 0. If giving (may be NULL) does not have the job, makes its
+ * copy now. */
 int orl_giving_find(const struct orl_giving *giving, const struct orl_jobs_job *leader,
                     const struct orl_jobs_job *job, struct orl_error *ret_err);
 

@@ -62,7 +62,7 @@ const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char
     return orl_jobs_lookup(jobs, id);
 }
 
-/* Those that begin alike are in one bucket, of as many digits as that is made of. */
+/* Ids with the same first digits share a bucket; a bucket is chosen by ORL_JOB_PREFIX digits. */
 const struct orl_jobs_job *orl_jobs_find_begun(const struct orl_jobs *jobs, const char *prefix,
                                                bool *ret_several)
 {
@@ -144,7 +144,7 @@ size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state)
 
 bool orl_jobs_full(const struct orl_jobs *jobs)
 {
-    /* Those that share a computation that runs wait for it, too. */
+    /* Followers of a running computation are marked running, but count as waiting. */
     const size_t running = jobs->counts[ORL_JOB_RUNNING];
     const size_t sharing = running > jobs->n_workers ? running - jobs->n_workers : 0;
     return jobs->counts[ORL_JOB_QUEUED] + sharing >= ORL_SERVER_QUEUE;

@@ -72,7 +72,7 @@ double orl_job_results_error(struct orl_jobs *jobs, const char *id)
     return job->achieved;
 }
 
-/* ---- Use ------------------------------------------------------------------------------------ */
+/* ---- Last use ------------------------------------------------------------------------------- */
 
 void orl_job_results_fetched(struct orl_jobs *jobs, const char *id)
 {
@@ -83,7 +83,7 @@ void orl_job_results_fetched(struct orl_jobs *jobs, const char *id)
     job->fetched = true;
 }
 
-/* One transaction for all: what is not written is a use forgotten, no more. */
+/* Writes all times in one transaction. If it fails, only these uses are forgotten. */
 void orl_job_results_flush(struct orl_jobs *jobs)
 {
     struct orl_error err;
@@ -150,8 +150,8 @@ void orl_job_results_gone(struct orl_jobs *jobs, const char *id)
 
 /* ---- Start ---------------------------------------------------------------------------------- */
 
-/* Results of a job that has ended without any go. Those of a job that the database does not know,
- * or thinks has yet to end, are set aside: it may be an older copy. */
+/* Removes the results of an ended job that should have none. Results of a job that the database
+ * does not know, or whose row has not ended, are set aside: the database may be an older copy. */
 static void sweep_results(struct orl_jobs *jobs, const struct orl_jobs_job *job, const char *id)
 {
     char path[ORL_PATH_MAX];

@@ -1,8 +1,8 @@
 /*
- * What jobs keep of their results: how much it is, when it was last asked for, and how it goes.
+ * The stored results of jobs: their size, their last use, and their removal.
  *
- * A job whose results have gone to make room (storage.h) knows when; its row says so before the
- * files go. Links that identical jobs have to the same files are counted for each of them.
+ * Results may be evicted to free disk space (storage.h). The job's row records the time before the
+ * files are deleted. Identical jobs have links to the same files, which are counted for each job.
  *
  * Threads: the loop thread.
  */
@@ -11,41 +11,42 @@
 
 #include "jobs/jobs.h"
 
-/* Are there results to give? */
+/* Returns true if the job has results. */
 bool orl_job_results_kept(const struct orl_jobs_job *job);
-/* Of all jobs, bytes. */
+/* Returns the bytes of all jobs' results. */
 uint64_t orl_job_results_bytes(const struct orl_jobs *jobs);
 
-/* Of jobs that wait or run, bytes: what they are expected to leave. */
+/* Returns the expected bytes of the results of jobs that wait or run. */
 uint64_t orl_job_results_expected(const struct orl_jobs *jobs);
 
-/* The files that an outcome (JSON text) lists, bytes. False: no memory. */
+/* Returns the bytes of the files that an outcome (JSON text) lists. False: no memory. */
 bool orl_job_results_count(const char *text, uint64_t *ret_bytes);
 
-/* Of a job that is about to end in that state: what it leaves takes the place of what was expected.
- */
+/* Replaces a job's expected bytes by the bytes it leaves. Call it when the job is about to end in
+ * that state. */
 void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state);
 
-/* The relative error that an ended job's goal came to (Accuracy's "achieved"); NaN: it had none.
- * What its outcome says is remembered. */
+/* Returns the relative error that an ended job's goal reached (Accuracy's "achieved"); NaN: no
+ * goal. The value is remembered. */
 double orl_job_results_error(struct orl_jobs *jobs, const char *id);
 
-/* Somebody asked for them. flush writes that down, for all jobs at once. */
+/* fetched: records that a client read the results. flush: writes these times to the rows. */
 void orl_job_results_fetched(struct orl_jobs *jobs, const char *id);
 void orl_job_results_flush(struct orl_jobs *jobs);
-/* When they were of use last, milliseconds since 1970. */
+/* Returns when the results were last used, milliseconds since 1970. */
 int64_t orl_job_results_used_ms(const struct orl_jobs_job *job);
 
-/* Writes to the row that they are gone; once that is safe, gone removes them. */
+/* leave: writes to the row that the results are evicted. gone: removes them, once that row is safe
+ * on disk. */
 int orl_job_results_leave(struct orl_jobs *jobs, const char *id, struct orl_error *err);
 void orl_job_results_gone(struct orl_jobs *jobs, const char *id);
-/* The files alone, of a job whose row is gone. */
+/* Removes only the files, of a job whose row is deleted. */
 void orl_job_results_discard(struct orl_jobs_job *job);
 
-/* Nothing but the files there are for that id: of results that are no job's. */
+/* Removes the files that exist for that id: results that belong to no job. */
 void orl_job_results_remove_files(const struct orl_jobs *jobs, const char *id);
 
-/* At start: counts what is kept, and removes what belongs to no job that has succeeded. */
+/* Runs at the start: counts stored results, and removes those that belong to no successful job. */
 void orl_job_results_sweep(struct orl_jobs *jobs);
 
 #endif

@@ -1,4 +1,4 @@
-/* The states of jobs, in memory and in their rows; what could not be written is tried again. */
+/* The states of jobs, in memory and in their rows. Failed writes are tried again. */
 #include <stddef.h>
 #include <stdlib.h>
 
@@ -16,7 +16,7 @@ void orl_job_note_saved(struct orl_jobs_job *job, bool saved)
         job->commit = orl_settling_last(job->jobs->env.settling);
 }
 
-/* Writes the row as it is to be after a crash. */
+/* Writes the row that is right after a crash. */
 static int write_row(const struct orl_jobs_job *job, struct orl_error *err)
 {
     struct orl_job_row row = job->row;
@@ -25,8 +25,8 @@ static int write_row(const struct orl_jobs_job *job, struct orl_error *err)
     return orl_job_row_update(job->jobs->env.db, &row, err);
 }
 
-/* In one transaction. */
-static int save(struct orl_jobs *jobs, struct orl_error *err)
+/* Writes all unsaved rows in one transaction. */
+static int save_rows(struct orl_jobs *jobs, struct orl_error *err)
 {
     size_t left = jobs->n_unsaved;
     int rc = left > 0 ? orl_db_begin(jobs->env.db, err) : 0;
@@ -48,7 +48,7 @@ static int save(struct orl_jobs *jobs, struct orl_error *err)
 
 void orl_jobs_save(struct orl_jobs *jobs)
 {
-    save(jobs, NULL); /* the next time, if it is no better yet */
+    save_rows(jobs, NULL); /* after a failure the next call tries again */
 }
 
 void orl_jobs_batch_begin(struct orl_jobs *jobs)
@@ -60,7 +60,7 @@ void orl_jobs_batch_end(struct orl_jobs *jobs)
 {
     struct orl_error err;
     jobs->batch = false;
-    if (save(jobs, &err))
+    if (save_rows(jobs, &err))
         orl_log_event(jobs->env.log, ORL_LOG_ERROR, "job-row-failed", "s", "why", err.message);
 }
 

@@ -16,10 +16,10 @@
 
 /* ---- Leaders and followers ------------------------------------------------------------------- */
 
-static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
-                    const struct orl_giving *giving);
+static void end_jobs(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
+                     const struct orl_giving *giving);
 
-static void lead(struct orl_jobs_job *job)
+static void add_leader(struct orl_jobs_job *job)
 {
     job->next_leader = job->jobs->leaders;
     job->jobs->leaders = job;
@@ -33,9 +33,9 @@ void orl_runs_lead_no_more(struct orl_jobs_job *job)
     *at = job->next_leader;
 }
 
-/* Does nobody want its computation any more? Of those who followed a cancelled leader, the last one
- * follows on until what is done is its own. */
-static bool is_given_up(const struct orl_jobs_job *leader)
+/* Returns true if no job needs the computation any more. The last follower of a cancelled leader
+ * stays a follower after it is cancelled, until it has received the partial results. */
+static bool is_abandoned(const struct orl_jobs_job *leader)
 {
     const bool cancelled = leader->cancelled || leader->row.state == ORL_JOB_CANCELLED;
     return cancelled && (!leader->followers || leader->followers->cancelled);
@@ -43,11 +43,11 @@ static bool is_given_up(const struct orl_jobs_job *leader)
 
 static bool is_ending(const struct orl_jobs_job *leader)
 {
-    return leader->requeue || leader->settling || leader->late || is_given_up(leader);
+    return leader->requeue || leader->settling || leader->late || is_abandoned(leader);
 }
 
-/* Results for each are made in one turn of the loop. */
-static bool has_many(const struct orl_jobs_job *leader)
+/* Limits followers, since results for each of them are recorded in one turn of the loop. */
+static bool has_max_followers(const struct orl_jobs_job *leader)
 {
     size_t count = 0;
     for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
@@ -55,26 +55,26 @@ static bool has_many(const struct orl_jobs_job *leader)
     return count >= ORL_SERVER_SHARING;
 }
 
-/* A job that waits or runs, and asks for the same. */
+/* Returns a job that waits or runs and asks for identical results. */
 static struct orl_jobs_job *find_leader(const struct orl_jobs *jobs, const char *identity)
 {
     struct orl_jobs_job *leader = *identity ? jobs->leaders : NULL;
-    while (leader &&
-           (is_ending(leader) || strcmp(leader->row.identity, identity) != 0 || has_many(leader)))
+    while (leader && (is_ending(leader) || strcmp(leader->row.identity, identity) != 0 ||
+                      has_max_followers(leader)))
         leader = leader->next_leader;
     return leader;
 }
 
 static void mark_running(struct orl_jobs_job *job)
 {
-    /* Counted before it starts, so that a crash in the first moment counts too. */
+    /* Count the attempt before the start, so that a crash just after the start counts too. */
     job->row.attempts++;
     job->row.started_ms = orl_time_now_ms();
     job->started_s = orl_time_steady_s();
     orl_jobs_set_state(job, ORL_JOB_RUNNING);
 }
 
-/* The leader goes first when a follower of higher priority comes. */
+/* Raises the leader's priority to that of a new follower. */
 static void raise_priority(struct orl_jobs_job *leader, const struct orl_jobs_job *job)
 {
     struct orl_queue *queue = job->jobs->queue;
@@ -85,7 +85,7 @@ static void raise_priority(struct orl_jobs_job *leader, const struct orl_jobs_jo
     leader->waiting.priority = job->row.priority;
     failed.code = orl_queue_add(queue, &leader->waiting, orl_jobs_turn_key(job), &failed.err);
     if (failed.code)
-        end_all(leader, &failed, NULL);
+        end_jobs(leader, &failed, NULL);
 }
 
 void orl_runs_enqueue(struct orl_jobs_job *job)
@@ -103,11 +103,11 @@ void orl_runs_enqueue(struct orl_jobs_job *job)
     } else if (orl_queue_add(job->jobs->queue, &job->waiting, orl_jobs_turn_key(job), &err)) {
         orl_jobs_fail(job, &err);
     } else {
-        lead(job);
+        add_leader(job);
     }
 }
 
-/* The next that waits; it stays in the queue. */
+/* Returns the next waiting job, and leaves it in the queue. */
 static struct orl_jobs_job *next_job(const struct orl_jobs *jobs)
 {
     struct orl_queue_entry *entry = orl_queue_first(jobs->queue);
@@ -116,8 +116,9 @@ static struct orl_jobs_job *next_job(const struct orl_jobs *jobs)
     return (struct orl_jobs_job *)((char *)entry - offsetof(struct orl_jobs_job, waiting));
 }
 
-/* Without memory for what it is told of its results, a job has none. */
-static bool take_outcome(struct orl_jobs_job *job, const char *summary)
+/* Copies the list of results into the job. Returns false if there is no memory; the job then has no
+ * results. */
+static bool copy_outcome(struct orl_jobs_job *job, const char *summary)
 {
     char *outcome = summary ? strdup(summary) : NULL;
     free(job->outcome);
@@ -131,11 +132,11 @@ static bool take_outcome(struct orl_jobs_job *job, const char *summary)
     return true;
 }
 
-/* What became of a computation, for one of its jobs. */
+/* Ends one job of a computation with its outcome. */
 static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
 {
     const bool cancelled = outcome->code == ORL_ERR_CANCELLED && job->cancelled;
-    const bool taken = (outcome->code != 0 && !cancelled) || take_outcome(job, outcome->summary);
+    const bool taken = (outcome->code != 0 && !cancelled) || copy_outcome(job, outcome->summary);
     struct orl_error err;
     if (!taken && !cancelled) {
         orl_error_set(&err, ORL_ERR_NOMEM, "out of memory for the job's results");
@@ -153,7 +154,7 @@ static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *o
     } else {
         orl_jobs_fail(job, &outcome->err);
     }
-    /* Also what was done of a job that was stopped for its time. */
+    /* Remove partial results too, as of a job stopped by the time limit. */
     if ((outcome->code == 0 || outcome->summary) && !orl_job_results_kept(job))
         orl_job_results_remove_files(job->jobs, job->row.id);
 }
@@ -169,13 +170,13 @@ static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job 
     if (own.code == 0)
         own.code = orl_giving_find(giving, leader, job, &own.err);
     else if (job->cancelled && own.summary && orl_giving_find(giving, leader, job, &own.err) != 0)
-        own.summary = NULL; /* cancelled, and nothing to show */
+        own.summary = NULL; /* cancelled, and without partial results */
     end_job(job, &own);
 }
 
-/* Ends the leader, unless it was cancelled before, and all that follow it. */
-static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
-                    const struct orl_giving *giving)
+/* Ends the leader, unless it was cancelled before, and all its followers. */
+static void end_jobs(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
+                     const struct orl_giving *giving)
 {
     const bool requeue = leader->requeue, ended = leader->row.state >= ORL_JOB_SUCCEEDED;
     struct orl_jobs_job *followers = leader->followers;
@@ -193,12 +194,12 @@ static void end_all(struct orl_jobs_job *leader, const struct orl_worker_outcome
         orl_job_results_remove_files(leader->jobs, leader->row.id);
 }
 
-/* What became of it: where it was stopped for its time, an error that says so. */
-static struct orl_worker_outcome bounded(const struct orl_jobs_job *leader,
-                                         const struct orl_worker_outcome *outcome)
+/* Returns the outcome; if the time limit stopped the job, with the error of the limit. */
+static struct orl_worker_outcome apply_time_limit(const struct orl_jobs_job *leader,
+                                                  const struct orl_worker_outcome *outcome)
 {
     struct orl_worker_outcome own = *outcome;
-    if (outcome->code != ORL_ERR_CANCELLED || !leader->late || is_given_up(leader) ||
+    if (outcome->code != ORL_ERR_CANCELLED || !leader->late || is_abandoned(leader) ||
         leader->requeue)
         return own;
     own.code = orl_error_set(&own.err, ORL_ERR_LIMIT,
@@ -209,18 +210,18 @@ static struct orl_worker_outcome bounded(const struct orl_jobs_job *leader,
     return own;
 }
 
-static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
-                   const struct orl_giving *giving)
+static void finish_computation(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
+                               const struct orl_giving *giving)
 {
     struct orl_jobs *jobs = job->jobs;
-    const struct orl_worker_outcome own = bounded(job, outcome);
+    const struct orl_worker_outcome own = apply_time_limit(job, outcome);
     job->late = false;
     jobs->n_workers--;
     orl_memory_take_back(jobs->env.memory, job->row.memory_bytes);
     jobs->alone = false;
     if (job->followers)
         orl_jobs_batch_begin(jobs);
-    end_all(job, &own, giving);
+    end_jobs(job, &own, giving);
     if (jobs->batch)
         orl_jobs_batch_end(jobs);
     orl_jobs_settle(jobs);
@@ -234,9 +235,9 @@ static void finish(struct orl_jobs_job *job, const struct orl_worker_outcome *ou
 
 static void end_worker(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
 {
-    const bool has_results = outcome->code == 0 || (outcome->summary && is_given_up(job));
-    if (!has_results || !orl_giving_start(job, outcome, finish))
-        finish(job, outcome, NULL);
+    const bool has_results = outcome->code == 0 || (outcome->summary && is_abandoned(job));
+    if (!has_results || !orl_giving_start(job, outcome, finish_computation))
+        finish_computation(job, outcome, NULL);
 }
 
 void orl_runs_log_parts(const struct orl_jobs_job *job)
@@ -253,7 +254,7 @@ void orl_runs_log_parts(const struct orl_jobs_job *job)
     }
 }
 
-/* What its parts came to goes over to what is counted of jobs that have ended. */
+/* Adds the counts of a job's parts to the totals of ended jobs. */
 static void end_parts(const struct orl_jobs_job *job, const struct orl_parts_count *parts)
 {
     const struct orl_jobs_env *env = &job->jobs->env;
@@ -312,7 +313,8 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
     return rc;
 }
 
-/* It ran when the daemon ended abruptly, and may be why: orderly stops do not count. */
+/* Returns true if the job ran when the daemon ended abruptly, and may be the cause. Orderly stops
+ * do not count. */
 static bool is_suspect(const struct orl_jobs_job *job)
 {
     bool suspect = job->row.attempts > 0;
@@ -322,8 +324,8 @@ static bool is_suspect(const struct orl_jobs_job *job)
 }
 
 /*
- * Is there memory for it? One that is next and waits keeps large checks of uploads waiting too; it
- * never waits when nothing else is there that would end.
+ * Returns true if the job's memory is free. A next job that waits also makes large checks of
+ * uploads wait. It never waits if nothing else runs that would free memory.
  */
 static bool has_memory(struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
@@ -354,9 +356,9 @@ void orl_jobs_memory_freed(struct orl_jobs *jobs)
 }
 
 /*
- * A suspect runs alone, so that of jobs that ran at once when the daemon ended the one that was the
- * reason fails by itself, and the others go on. It keeps its place: nobody passes it while the jobs
- * before it end.
+ * Starts jobs while workers and memory allow. A suspect runs alone. So if one of several jobs
+ * caused the daemon's end, it fails by itself and the others go on. A suspect keeps its place: no
+ * job passes it while the jobs before it end.
  */
 void orl_runs_start_next(struct orl_jobs *jobs)
 {
@@ -371,7 +373,7 @@ void orl_runs_start_next(struct orl_jobs *jobs)
         orl_queue_take(jobs->queue);
         failed.code = start_job(job, &failed.err);
         if (failed.code)
-            end_all(job, &failed, NULL);
+            end_jobs(job, &failed, NULL);
         else
             jobs->alone = suspect;
     }

@@ -19,7 +19,7 @@ void orl_share_identity(const char *text, size_t size, char ret_identity[ORL_SHA
         return;
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     json_object_del(doc, "priority");
-    if (!kind || strncmp(kind, "bsdf_", 5) != 0) /* it says what their BSDFs are called */
+    if (!kind || strncmp(kind, "bsdf_", 5) != 0) /* the name is part of such a job's BSDFs */
         json_object_del(doc, "name");
     json_object_del(doc, "tags");
     char *plain = orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS);
@@ -51,7 +51,7 @@ void orl_share_leave(struct orl_jobs_job *job)
 
 static int link_below(const char *from, const char *to, struct orl_error *err);
 
-/* A file, or a folder with all that is in it. */
+/* Links a file, or a folder with all its contents. */
 static int link_entry(const struct dirent *entry, const char *from, const char *to,
                       struct orl_error *err)
 {
@@ -97,7 +97,7 @@ int orl_share_results(const struct orl_folders *folders, const char *from, const
     if (rc == 0)
         rc = orl_sync_path(temporary, err);
     if (rc == 0)
-        rc = orl_remove_tree(target, err); /* of an earlier attempt */
+        rc = orl_remove_tree(target, err); /* left by an earlier attempt */
     if (rc == 0)
         rc = orl_rename_synced(temporary, target, err);
     if (rc)

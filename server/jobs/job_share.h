@@ -1,24 +1,24 @@
 /*
- * Identical jobs share one computation: the first leads, the others follow it, each with an id, a
+ * Identical jobs share one computation: the first leads, the others follow it. Each has an id, a
  * state and results of its own.
  *
- * Jobs are identical when their documents ask for the same, whatever the order of members and the
- * priority. They share from when the second comes until the computation ends; a job that comes
- * later is computed anew. Who leads owns the place in the queue and the worker. A leader that is
- * cancelled while others follow goes on leading, cancelled, until the computation ends. What
- * is done by then belongs to the last of them that is cancelled; to those before it nothing.
+ * Jobs are identical if their documents ask for identical results, regardless of the order of
+ * members and the priority. They share from the arrival of the second until the computation ends; a
+ * job that arrives later is computed anew. The leader owns the place in the queue and the worker. A
+ * leader that is cancelled while others follow still leads, as cancelled, until the computation
+ * ends. Partial results go to the last job that is cancelled; jobs cancelled before it get none.
  *
- * Threads: the loop thread only, but for the identity.
+ * Threads: the loop thread only, except for orl_share_identity.
  */
 #ifndef ORL_SERVER_JOBS_JOB_SHARE_H
 #define ORL_SERVER_JOBS_JOB_SHARE_H
 
 #include "jobs/jobs.h"
 
-/* The digest of what a document asks for; "" when it cannot be told. Any thread. */
+/* Computes the digest of a document's request; "" if it cannot be computed. Any thread. */
 void orl_share_identity(const char *text, size_t size, char ret_identity[ORL_SHA_HEX]);
 
-/* Lets job follow leader; takes it out again. */
+/* follow: makes job a follower of leader. leave: takes it out again. */
 void orl_share_follow(struct orl_jobs_job *leader, struct orl_jobs_job *job);
 void orl_share_leave(struct orl_jobs_job *job);
 

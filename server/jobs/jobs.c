@@ -68,8 +68,9 @@ int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *owner
     return rc;
 }
 
-/* What an earlier start has left is for the one that leads in its place, if any. */
-static void leave_partial(const struct orl_jobs_job *job, const struct orl_jobs_job *heir)
+/* Hands partial results of an earlier start to the job that leads in this one's place, or removes
+ * them. */
+static void hand_over_checkpoint(const struct orl_jobs_job *job, const struct orl_jobs_job *heir)
 {
     const struct orl_folders *folders = job->jobs->env.folders;
     char path[ORL_PATH_MAX];
@@ -80,7 +81,8 @@ static void leave_partial(const struct orl_jobs_job *job, const struct orl_jobs_
     orl_discard(job->jobs->env.loop, folders, path);
 }
 
-/* The row says cancelled before anything else does, so that a crash does not bring the job back. */
+/* Writes the row as cancelled before anything else changes, so that a crash does not restart the
+ * job. */
 static int write_cancelled(const struct orl_jobs_job *job, struct orl_error *err)
 {
     struct orl_job_row row = job->row;
@@ -90,17 +92,17 @@ static int write_cancelled(const struct orl_jobs_job *job, struct orl_error *err
     return orl_job_row_update(job->jobs->env.db, &row, err);
 }
 
-/* In memory it runs on until its threads have heard. Should it succeed first, its row is written
- * once more. */
+/* Cancels a running job. In memory it runs until its threads have noticed. If it succeeds first,
+ * its row is written once more. */
 static void cancel_running(struct orl_jobs_job *job)
 {
     job->cancelled = true;
-    if (job->worker) /* else it has come to its end, and is about to say so */
+    if (job->worker) /* otherwise it is ending already */
         orl_worker_cancel(job->worker);
 }
 
-/* One that waits: who follows it goes on, and the first of them leads. Whoever waited for no other
- * reason than that it came first has its turn. */
+/* Cancels a waiting job. Its followers stay queued, and the first of them leads. A job that waited
+ * only because this one was first can start. */
 static void cancel_queued(struct orl_jobs_job *job)
 {
     struct orl_jobs_job *followers = job->followers, *const first = followers;
@@ -120,22 +122,22 @@ static void cancel_queued(struct orl_jobs_job *job)
         orl_runs_enqueue(followers);
         followers = next;
     }
-    leave_partial(job, first);
+    hand_over_checkpoint(job, first);
     orl_runs_start_next(job->jobs);
 }
 
-static bool is_last_to_want(const struct orl_jobs_job *leader, const struct orl_jobs_job *job)
+static bool is_last_active(const struct orl_jobs_job *leader, const struct orl_jobs_job *job)
 {
     const bool leader_wants = leader != job && leader->row.state != ORL_JOB_CANCELLED;
     return !leader_wants && leader->followers == job && !job->next_follower;
 }
 
-/* One that shares its computation, which goes on while anybody wants it. To the last of them
- * belongs what is done by then, as to one alone. */
+/* Cancels a job that shares its computation, which continues while another job needs it. The last
+ * job to be cancelled gets the partial results, like a job alone. */
 static void cancel_sharing(struct orl_jobs_job *job)
 {
     struct orl_jobs_job *leader = job->leader ? job->leader : job;
-    if (is_last_to_want(leader, job)) {
+    if (is_last_active(leader, job)) {
         job->cancelled = true;
         if (leader->worker)
             orl_worker_cancel(leader->worker);
@@ -165,7 +167,7 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
         cancel_running(job);
     else
         cancel_sharing(job);
-    if (job->row.state == ORL_JOB_RUNNING) /* else that has been told already */
+    if (job->row.state == ORL_JOB_RUNNING) /* otherwise the change was reported already */
         jobs->env.changed(jobs->env.ctx, job);
     return 0;
 }
@@ -178,8 +180,8 @@ bool orl_jobs_need_scene(const struct orl_jobs *jobs, const char *scene)
     return job != NULL;
 }
 
-/* Its row is gone. */
-static void forget(struct orl_jobs_job *job)
+/* Removes a job whose row is deleted. */
+static void drop_job(struct orl_jobs_job *job)
 {
     struct orl_jobs *jobs = job->jobs;
     orl_log_event(jobs->env.log, ORL_LOG_INFO, "job-removed", "s", "job", job->row.id);
@@ -203,7 +205,7 @@ int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err
                                  : "other jobs share its computation, which has not ended");
     const int rc = orl_job_row_drop(jobs->env.db, job->row.seq, err);
     if (rc == 0)
-        forget(job);
+        drop_job(job);
     return rc;
 }
 
@@ -219,7 +221,7 @@ void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *en
     if (rc)
         orl_log_event(jobs->env.log, ORL_LOG_WARN, "job-row-failed", "s", "why", err.message);
     for (size_t i = 0; i < count && rc == 0; i++)
-        forget(ended[i]);
+        drop_job(ended[i]);
 }
 
 void orl_jobs_hold(struct orl_jobs *jobs, bool held)

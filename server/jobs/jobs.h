@@ -7,14 +7,14 @@
  *
  * Identical jobs share a computation (job_share.h).
  *
- * A row is written before a state is shown to anyone; whether it is safe from a power cut too is
- * settling.h's, and for whoever answers to ask. Jobs run in the order of queue.h, at most as
+ * A row is written before a client can see the state. To make it safe from a power cut too, the
+ * code that answers the client must ask settling.h. Jobs run in the order of queue.h, at most as
  * many at once as configured. A job that was running when the daemon was killed is queued again,
- * and from then on runs alone; when the daemon has ended through it (blame.h) ORL_SERVER_ATTEMPTS
- * times it fails. An orderly stop does not count as an attempt.
+ * and from then on runs alone. It fails when the daemon has ended because of it (blame.h)
+ * ORL_SERVER_ATTEMPTS times. An orderly stop does not count as an attempt.
  *
  * Memory: one struct orl_jobs_job for every job that has not been removed (about a kilobyte), and
- * what its outcome, name and tags take.
+ * its outcome, name and tags.
  * Threads: the loop thread only.
  */
 #ifndef ORL_SERVER_JOBS_JOBS_H
@@ -37,25 +37,25 @@
 
 struct orl_jobs;
 
-/* What a job is made of; read-only outside jobs.c. */
+/* One job; read-only outside this folder. */
 struct orl_jobs_job {
     struct orl_jobs *jobs;
     struct orl_job_row row; /* outcome and problem point to the two below */
     struct orl_queue_entry waiting;
     char *outcome, *problem;   /* JSON text, owned */
-    struct orl_labels labels;  /* row's name and tags */
-    double achieved;           /* the error that it came to, once somebody asks; job_results.h */
-    bool measured;             /* somebody has */
-    uint64_t outcome_bytes;    /* of the files that the outcome lists, once it has ended */
+    struct orl_labels labels;  /* name and tags of the row */
+    double achieved;           /* error reached, once requested; job_results.h */
+    bool measured;             /* achieved has been read */
+    uint64_t outcome_bytes;    /* size of the files in the outcome, once the job has ended */
     struct orl_worker *worker; /* while running; a leader's */
-    double started_s;          /* steady clock, while running */
-    bool cancelled, requeue;   /* what to make of ORL_ERR_CANCELLED */
-    bool late;                 /* it was stopped since it ran for too long */
-    bool settling;             /* a leader whose results are being given to those who follow */
-    bool unsaved;              /* the row in the database is an older one */
-    uint64_t commit;           /* that wrote it, or a later one: settling.h */
-    bool fetched;              /* its row does not know yet when last */
-    /* job_share.h. A leader has leader NULL. */
+    double started_s;          /* monotonic clock, while running */
+    bool cancelled, requeue;   /* how to treat ORL_ERR_CANCELLED from the worker */
+    bool late;                 /* stopped by the time limit */
+    bool settling;             /* a leader whose results are being copied to its followers */
+    bool unsaved;              /* the row in the database is out of date */
+    uint64_t commit;           /* commit with the row, or a later one: settling.h */
+    bool fetched;              /* the last fetch time is not yet saved to the row */
+    /* job_share.h. leader is NULL in a leader. */
     struct orl_jobs_job *leader, *followers, *next_follower, *next_leader;
     struct orl_jobs_job *older, *newer, *same_bucket;
 };
@@ -63,111 +63,114 @@ struct orl_jobs_job {
 struct orl_jobs_env {
     uv_loop_t *loop;
     struct orl_db *db;
-    struct orl_settling *settling; /* of what is committed to it */
+    struct orl_settling *settling; /* for commits to db */
     const struct orl_folders *folders;
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
-    struct orl_shelf *shelf;              /* of all jobs; or NULL */
-    const struct orl_shared_place *place; /* NULL: no job goes in parts */
-    const struct orl_past *past;          /* how the daemon before ended; while jobs are opened */
-    struct orl_memory *memory;            /* whoever starts is held against it */
+    struct orl_shelf *shelf;              /* memory cache shared by all jobs; or NULL */
+    const struct orl_shared_place *place; /* NULL: no job is split into parts */
+    const struct orl_past *past;          /* end of the previous daemon; for orl_jobs_open */
+    struct orl_memory *memory;            /* account of the memory of running jobs */
     char program[ORL_SHA_HEX];            /* program.h */
     const struct orl_log *log;
     struct orl_metrics *metrics;
-    uint32_t threads; /* over all jobs */
+    uint32_t threads; /* total over all jobs */
     uint32_t at_once;
-    uint32_t job_timeout_s;                  /* that one may run */
-    bool held;                               /* at first: orl_jobs_hold */
-    const struct orl_retention_clock *clock; /* by which they grow old */
-    uint32_t keep_jobs, keep_days;           /* of those that have ended; no days: for ever */
-    /* It is new, or its state has changed, or it has been told to stop. */
+    uint32_t job_timeout_s;                  /* time limit of a job */
+    bool held;                               /* initial value of orl_jobs_hold */
+    const struct orl_retention_clock *clock; /* clock of the jobs' age */
+    uint32_t keep_jobs, keep_days;           /* limits for ended jobs; 0 days: forever */
+    /* Called when a job is new, its state has changed, or it was asked to stop. */
     void (*changed)(void *ctx, const struct orl_jobs_job *job);
-    void (*leaving)(void *ctx, const struct orl_jobs_job *job); /* it is about to be removed */
-    void (*idle)(void *ctx); /* after orl_jobs_stop, when nothing runs any more */
+    void (*leaving)(void *ctx, const struct orl_jobs_job *job); /* called before a job is removed */
+    void (*idle)(void *ctx); /* called once no job runs after a stop or drain */
     void *ctx;
 };
 
-/* Loads every job, recovers those that were running, starts what can start. Borrows env's parts. */
+/* Loads every job, recovers those that were running, and starts those that can start. Borrows env's
+ * pointers. */
 int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs,
                   struct orl_error *err);
-void orl_jobs_close(struct orl_jobs *jobs); /* nothing may run; NULL is allowed */
+void orl_jobs_close(struct orl_jobs *jobs); /* no job may be running; NULL is allowed */
 
-/* Starts no more jobs; calls env.idle once none runs, maybe before it returns. */
+/* Starts no more jobs. Calls env.idle once none runs, possibly before it returns. */
 void orl_jobs_drain(struct orl_jobs *jobs);
-/* Starts no more jobs, stops those that run and queues them again; then calls env.idle. */
+/* Starts no more jobs, stops running ones and queues them again; then calls env.idle. */
 void orl_jobs_stop(struct orl_jobs *jobs);
 
-/* Writes those rows that could not be written when they changed, as with a full disk. To be called
- * now and then. */
+/* Writes rows that could not be written when they changed, as with a full disk. Called
+ * periodically. */
 void orl_jobs_save(struct orl_jobs *jobs);
 
-/* There is more memory than there was: starts what waited for it. */
+/* Starts jobs that waited for memory, now that more is free. */
 void orl_jobs_memory_freed(struct orl_jobs *jobs);
 
-/* While held none starts, as on a full disk; those that run go on. */
+/* While held, no job starts, as on a full disk; running jobs continue. */
 void orl_jobs_hold(struct orl_jobs *jobs, bool held);
 
-/* Is there room in the queue? */
+/* Returns true if the queue is full. */
 bool orl_jobs_full(const struct orl_jobs *jobs);
-/* What a new job is. Borrowed. */
+/* The properties of a new job. Borrowed. */
 struct orl_jobs_order {
     enum orl_task_kind kind;
     int priority;
     const char *scene, *document; /* the document is a blob */
     const char *identity;         /* job_share.h */
     struct orl_labels labels;     /* copied */
-    uint64_t result_bytes;        /* to be expected */
+    uint64_t result_bytes;        /* expected */
     uint64_t memory_bytes;        /* job_memory.h */
     const char *client;           /* client_name.h */
-    const char *owner;            /* the id of its token; "": none was needed */
+    const char *owner;            /* id of its token; "": tokens are not required */
     const char *request_key;      /* the client's Idempotency-Key, or NULL */
 };
-/* The job that the key of client and owner made less than ORL_SERVER_KEY_S ago; NULL: none. */
+/* Returns the job that was submitted with this Idempotency-Key of client and owner less than
+ * ORL_SERVER_KEY_S ago; NULL: none. */
 int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *owner,
                     const char *request_key, const struct orl_jobs_job **ret_job,
                     struct orl_error *err);
 /* Queues a job. *ret_job belongs to jobs. */
 int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
                     const struct orl_jobs_job **ret_job, struct orl_error *err);
-/* For good. Queued: cancelled at once. Running: soon. Finished: ORL_ERR_INVALID unless cancelled.
- */
+/* Cancels a job for good. Queued: at once. Running: soon. Ended: ORL_ERR_INVALID unless already
+ * cancelled. */
 int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err);
 
 /*
- * Removes a job that has ended, with its results. One that waits or runs, or computes for others,
- * is in use: ORL_ERR_INVALID.
+ * Removes an ended job, with its results. ORL_ERR_INVALID if the job waits, runs, or computes for
+ * others.
  */
 int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err);
-/* Does it neither wait nor run, nor compute for others? */
+/* Returns true if the job neither waits nor runs, nor computes for others. */
 bool orl_jobs_ended(const struct orl_jobs_job *job);
-/* Does a job that waits or runs need the scene? */
+/* Returns true if a job that waits or runs needs the scene. */
 bool orl_jobs_need_scene(const struct orl_jobs *jobs, const char *scene);
 
 const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char *id);
 /*
- * The job of that id, or the only one whose id begins so, of ORL_JOB_PREFIX digits at least. NULL:
- * there is none; *ret_several: there are others.
+ * Returns the job with that id, or the only one whose id begins with these digits, ORL_JOB_PREFIX
+ * or more. NULL: none, or several (*ret_several).
  */
 enum { ORL_JOB_PREFIX = 4 };
 const struct orl_jobs_job *orl_jobs_find_begun(const struct orl_jobs *jobs, const char *prefix,
                                                bool *ret_several);
-/* The newest job; go on with ->older. */
+/* Returns the newest job; ->older leads to the others. */
 const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs);
-/* The name of its state, as clients see it: one that runs, and has been told to stop, is
- * "cancelling" until it has. */
+/* Returns the name of the job's state for clients. A running job that was asked to stop is
+ * "cancelling" until it ends. */
 const char *orl_jobs_state_name(const struct orl_jobs_job *job);
 extern const char orl_jobs_cancelling[];
-/* What computes the job, maybe for others too; NULL while nothing does. */
+/* Returns the worker that computes the job, maybe for others too; NULL if none does. */
 struct orl_worker *orl_jobs_worker(const struct orl_jobs_job *job);
-/* Calls visit with each job that runs, those that share a computation too. */
+/* Calls visit with each running job, including those that share a computation. */
 void orl_jobs_running(const struct orl_jobs *jobs,
                       void (*visit)(void *ctx, const struct orl_jobs_job *job), void *ctx);
-/* 1 for the next to run; 0 when it does not wait. */
+/* Returns the job's position in the queue: 1 for the next to run; 0 if it does not wait. */
 size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
-/* The client that a job's turn in the queue counts for: its token's id, else its client. */
+/* Returns the client whose turn in the queue the job uses: its token's id, or else its client's
+ * name. */
 const char *orl_jobs_turn_key(const struct orl_jobs_job *job);
-/* Returns how many jobs of that token's id wait or run. Time goes with the number of all that do.
- */
+/* Returns the number of jobs of that token id that wait or run. Time is linear in the number of
+ * jobs that wait or run. */
 size_t orl_jobs_of_owner(const struct orl_jobs *jobs, const char *owner);
 size_t orl_jobs_count(const struct orl_jobs *jobs, enum orl_job_state state);
 

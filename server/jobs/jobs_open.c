@@ -1,4 +1,4 @@
-/* How the jobs start with the daemon, those of the last one among them, and end with it. */
+/* The start of the jobs with the daemon, including those of the previous daemon, and their end. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,13 +27,13 @@ static int load_row(void *ctx, const struct orl_job_row *row)
     return 0;
 }
 
-/* Did they share a computation? */
+/* Returns true if the two jobs shared a computation. */
 static bool is_same(const struct orl_jobs_job *a, const struct orl_jobs_job *b)
 {
     return a == b || (*a->row.identity && strcmp(a->row.identity, b->row.identity) == 0);
 }
 
-/* No other computation ran. */
+/* Returns true if no other computation ran. */
 static bool ran_alone(const struct orl_jobs_job *job)
 {
     for (const struct orl_jobs_job *at = job->jobs->oldest; at; at = at->newer)
@@ -42,8 +42,8 @@ static bool ran_alone(const struct orl_jobs_job *job)
     return true;
 }
 
-/* Those that ran when the last daemon ended without a word, and are to blame for it. */
-static void blame(struct orl_jobs *jobs)
+/* Counts a strike for the running jobs that are to blame for the daemon's abrupt end. */
+static void count_strikes(struct orl_jobs *jobs)
 {
     const struct orl_past *past = jobs->env.past;
     const struct orl_jobs_job *named = orl_jobs_lookup(jobs, past->job);
@@ -68,10 +68,10 @@ static void fail_for_strikes(struct orl_jobs_job *job)
     orl_jobs_fail(job, &err);
 }
 
-/* Queues those that wait, and those that were running when the last daemon ended without a word. */
-static void recover(struct orl_jobs *jobs)
+/* Queues waiting jobs, and jobs that were running when the previous daemon ended abruptly. */
+static void recover_jobs(struct orl_jobs *jobs)
 {
-    blame(jobs);
+    count_strikes(jobs);
     for (struct orl_jobs_job *job = jobs->oldest; job; job = job->newer) {
         if (job->row.state == ORL_JOB_QUEUED)
             orl_runs_enqueue(job);
@@ -87,8 +87,8 @@ static void recover(struct orl_jobs *jobs)
     }
 }
 
-/* Who goes on with a job's work: itself if it waits, else who leads those that ask for the same, as
- * after the cancelling of one that others followed. */
+/* Returns the job that continues a job's work: the job itself if it waits, or else the leader of
+ * identical jobs. The latter occurs after a leader with followers was cancelled. */
 static const char *heir_of(void *ctx, const char *id, bool *ret_known)
 {
     const struct orl_jobs *jobs = ctx;
@@ -115,7 +115,7 @@ int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, st
         orl_jobs_close(jobs);
         return rc;
     }
-    recover(jobs);
+    recover_jobs(jobs);
     orl_checkpoint_sweep(env->folders, heir_of, jobs);
     orl_job_results_sweep(jobs);
     *ret_jobs = jobs;

@@ -9,14 +9,14 @@ enum { IDLE_CLIENTS = 256, CLIENT_NAME = 128 };
 
 struct orl_queue_client {
     char name[CLIENT_NAME];
-    uint64_t turn;                 /* when it was served last; 0: never */
+    uint64_t turn;                 /* number of its last turn; 0: never served */
     struct orl_queue_entry *first; /* by priority, then by order */
     struct orl_queue_client *next;
 };
 
 struct orl_queue {
     struct orl_queue_client *clients;
-    size_t n_idle; /* that have no entry */
+    size_t n_idle; /* clients without entries */
     uint64_t turns;
 };
 
@@ -36,7 +36,7 @@ void orl_queue_free(struct orl_queue *queue)
 }
 
 /* Forgets the idle client that was served longest ago. */
-static void forget_one(struct orl_queue *queue)
+static void forget_idle_client(struct orl_queue *queue)
 {
     struct orl_queue_client **oldest = NULL;
     for (struct orl_queue_client **at = &queue->clients; *at; at = &(*at)->next)
@@ -53,7 +53,7 @@ static void forget_one(struct orl_queue *queue)
 static void client_is_idle(struct orl_queue *queue)
 {
     if (++queue->n_idle > IDLE_CLIENTS)
-        forget_one(queue);
+        forget_idle_client(queue);
 }
 
 static struct orl_queue_client *find_client(struct orl_queue *queue, const char *name)
@@ -73,7 +73,7 @@ static struct orl_queue_client *find_client(struct orl_queue *queue, const char 
     return client;
 }
 
-/* Of one client's. */
+/* Compares two entries of one client. */
 static bool is_before(const struct orl_queue_entry *a, const struct orl_queue_entry *b)
 {
     return a->priority != b->priority ? a->priority > b->priority : a->order < b->order;
@@ -111,7 +111,7 @@ void orl_queue_remove(struct orl_queue *queue, struct orl_queue_entry *entry)
         client_is_idle(queue);
 }
 
-/* Does a's entry go before b's, when each is its client's first of one priority? */
+/* Compares the first entries, of one priority, of two clients: returns true if a goes first. */
 static bool goes_first(const struct orl_queue_entry *a, const struct orl_queue_entry *b)
 {
     return a->client->turn != b->client->turn ? a->client->turn < b->client->turn
@@ -140,7 +140,8 @@ struct orl_queue_entry *orl_queue_take(struct orl_queue *queue)
     return best;
 }
 
-/* The client's first entry of that priority or a lower one; *ret_above counts those above. */
+/* Returns the client's first entry of that priority, or NULL; *ret_above counts its entries of
+ * higher priority. */
 static const struct orl_queue_entry *first_of(const struct orl_queue_client *client, int priority,
                                               size_t *ret_above)
 {
@@ -151,9 +152,10 @@ static const struct orl_queue_entry *first_of(const struct orl_queue_client *cli
 }
 
 /*
- * All that have a higher priority; of the same, k of the entry's own client before it, and of each
- * other client as many as it has turns until then: k, or k + 1 when it is ahead in the round. Turns
- * that jobs of higher priority will have taken by then are left aside, as are jobs yet to come.
+ * Counts the entries that go first. These are all entries of a higher priority. Of the same
+ * priority they are k of the entry's own client, and of each other client its turns until then: k,
+ * or k + 1 if that client is ahead in the round. Turns that jobs of higher priority will take by
+ * then are ignored, as are future jobs.
  */
 size_t orl_queue_position(const struct orl_queue *queue, const struct orl_queue_entry *entry)
 {

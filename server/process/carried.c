@@ -2,8 +2,8 @@
 
 #include <string.h>
 
-/* The contract is longer than the 4095 bytes C17 promises for one literal; gcc and clang take it.
- */
+/* The contract is longer than the 4095 bytes that C17 guarantees for one literal; gcc and clang
+ * accept it. */
 #pragma GCC diagnostic ignored "-Woverlength-strings"
 #include "embedded.h"
 

@@ -1,6 +1,6 @@
 /*
- * Files the daemon carries inside: the migrations and the API contract, by their path in the
- * source tree. Constant data; threads do not matter.
+ * Files embedded in the daemon: the migrations and the API contract, by their path in the source
+ * tree. Constant data; any thread.
  */
 #ifndef ORL_SERVER_PROCESS_CARRIED_H
 #define ORL_SERVER_PROCESS_CARRIED_H
@@ -13,7 +13,7 @@ struct orl_carried_file {
 
 size_t orl_carried_count(void);
 struct orl_carried_file orl_carried_at(size_t index);
-/* The text of a file, or NULL. */
+/* Returns the text of a file, or NULL. */
 const char *orl_carried_find(const char *name);
 
 #endif

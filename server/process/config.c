@@ -12,7 +12,7 @@
 
 enum { DEFAULT_PORT = 8423 };
 
-/* The second half of the help: ISO C bounds the length of one string. */
+/* Prints the second half of the help, since ISO C limits the length of one string. */
 static void print_bounds(FILE *stream)
 {
     fprintf(
@@ -109,7 +109,7 @@ static int parse_number(const char *option, const char *text, unsigned long min,
     return 0;
 }
 
-/* "500000", "64K", "500M", "20G", "1T": powers of 1024. */
+/* Parses a size such as "500000", "64K", "500M", "20G", "1T", with powers of 1024. */
 static int parse_size(const char *option, const char *text, uint64_t least, uint64_t *ret_bytes,
                       struct orl_error *err)
 {
@@ -142,7 +142,7 @@ static bool is_loopback(const struct orl_config *config)
     return ntohl(config->address.v4.sin_addr.s_addr) >> 24 == 127;
 }
 
-/* "127.0.0.1:8423", "localhost:0", "[::1]:8423". */
+/* Parses an address such as "127.0.0.1:8423", "localhost:0", "[::1]:8423". */
 static int parse_listen(const char *text, struct orl_config *config, struct orl_error *err)
 {
     char host[64];
@@ -172,7 +172,7 @@ static int parse_listen(const char *text, struct orl_config *config, struct orl_
     return rc;
 }
 
-/* Options that set a number. */
+/* Applies options that set a number. */
 static int apply_number(struct orl_config *config, const char *name, const char *value,
                         struct orl_error *err)
 {
@@ -302,11 +302,11 @@ static void set_defaults(struct orl_config *config)
     config->log_level = ORL_LOG_INFO;
 }
 
-/* What options mean together. */
-static int complete(struct orl_config *config, struct orl_error *err)
+/* Checks options against each other, and fills in defaults that depend on others. */
+static int complete_settings(struct orl_config *config, struct orl_error *err)
 {
     if (config->jobs > config->threads)
-        config->threads = config->jobs; /* each needs one to lead it */
+        config->threads = config->jobs; /* each job needs one thread as its lead */
     if (!config->tls_cert != !config->tls_key)
         return orl_error_set(err, ORL_ERR_INVALID, "--tls-cert and --tls-key go together");
     if (orl_runner_options_check(&config->runner, err))
@@ -356,7 +356,7 @@ int orl_config_parse(int argc, char **argv, struct orl_config *ret_config,
             return rc;
     }
     if (action == ORL_CONFIG_SERVE) {
-        const int rc = complete(&config, err);
+        const int rc = complete_settings(&config, err);
         if (rc)
             return rc;
     }

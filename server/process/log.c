@@ -22,10 +22,11 @@ int orl_log_level_from_name(const char *name, enum orl_log_level *ret_level)
     return -1;
 }
 
-/* ---- What others have written ---------------------------------------------------------------- */
+/* ---- Foreign text --------------------------------------------------------------------------- */
 
-/* Takes the next character of UTF-8 text; 0 for a byte that begins none, which is taken alone. */
-static uint32_t take_character(const char **at)
+/* Returns the next character of UTF-8 text and advances. For an invalid byte, returns 0 and skips
+ * that byte. */
+static uint32_t next_character(const char **at)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
     const unsigned char *bytes = (const unsigned char *)*at;
@@ -45,22 +46,23 @@ static uint32_t take_character(const char **at)
     return good ? code : 0;
 }
 
-/* Does it move a terminal's cursor, or the text around it? Controls of both sets (C0, C1), ends of
- * lines and paragraphs, and what turns the direction of writing. */
+/* Returns true for characters that can move a terminal's cursor, or the text around it: controls of
+ * both sets (C0, C1), line and paragraph separators, and direction marks. */
 static bool is_control(uint32_t code)
 {
     return code < 0x20 || (code >= 0x7f && code < 0xa0) || (code >= 0x200e && code <= 0x200f) ||
            (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
 }
 
-/* Writes a '?' over each such character, and each byte that is no UTF-8; text gets no longer. */
-static void clean(char *text)
+/* Replaces each such character, and each byte that is not UTF-8, by '?'. The text does not get
+ * longer. */
+static void clean_text(char *text)
 {
     const char *from = text;
     char *to = text;
     while (*from) {
         const char *start = from;
-        if (is_control(take_character(&from))) {
+        if (is_control(next_character(&from))) {
             *to++ = '?';
             continue;
         }
@@ -72,13 +74,13 @@ static void clean(char *text)
 
 /* ---- Lines ---------------------------------------------------------------------------------- */
 
-/* Appends to a line under way; what does not fit is dropped. */
+/* A line being written; text that does not fit is dropped. */
 struct line {
     char text[2048];
     size_t used;
 };
 
-static void put(struct line *line, const char *text)
+static void append_text(struct line *line, const char *text)
 {
     for (; *text && line->used + 2 < sizeof line->text; text++)
         line->text[line->used++] = *text;
@@ -89,15 +91,15 @@ static void put_value(struct line *line, const char *value)
 {
     const int quoted = *value == '\0' || strpbrk(value, " \"=\\\t\r\n") != NULL;
     if (quoted)
-        put(line, "\"");
+        append_text(line, "\"");
     for (; *value; value++) {
         const char c[3] = {*value, '\0', '\0'};
         if (*value == '"' || *value == '\\')
-            put(line, "\\");
-        put(line, c);
+            append_text(line, "\\");
+        append_text(line, c);
     }
     if (quoted)
-        put(line, "\"");
+        append_text(line, "\"");
 }
 
 static void write_pairs(const struct orl_log *log, const char *now, const char *level,
@@ -105,21 +107,21 @@ static void write_pairs(const struct orl_log *log, const char *now, const char *
 {
     struct line line = {.used = 0};
     char number[64];
-    put(&line, "time=");
-    put(&line, now);
-    put(&line, " level=");
-    put(&line, level);
-    put(&line, " event=");
+    append_text(&line, "time=");
+    append_text(&line, now);
+    append_text(&line, " level=");
+    append_text(&line, level);
+    append_text(&line, " event=");
     put_value(&line, event);
     for (; *fields; fields++) {
-        put(&line, " ");
-        put(&line, va_arg(args, const char *));
-        put(&line, "=");
+        append_text(&line, " ");
+        append_text(&line, va_arg(args, const char *));
+        append_text(&line, "=");
         if (*fields == 's') {
             const char *text = va_arg(args, const char *);
             char *own = text ? strdup(text) : NULL;
             if (own)
-                clean(own);
+                clean_text(own);
             put_value(&line, own ? own : "-");
             free(own);
             continue;
@@ -128,7 +130,7 @@ static void write_pairs(const struct orl_log *log, const char *now, const char *
             snprintf(number, sizeof number, "%lld", (long long)va_arg(args, int64_t));
         else
             snprintf(number, sizeof number, "%.3f", va_arg(args, double));
-        put(&line, number);
+        append_text(&line, number);
     }
     line.text[line.used++] = '\n';
     fwrite(line.text, 1, line.used, log->stream);
@@ -138,7 +140,7 @@ static json_t *text_to_json(const char *text)
 {
     char *own = text ? strdup(text) : NULL;
     if (own)
-        clean(own);
+        clean_text(own);
     json_t *value = json_string(own ? own : "-");
     free(own);
     return value;

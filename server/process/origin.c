@@ -11,7 +11,7 @@ static bool is_name(const char *host, size_t length)
            host[0] != '-';
 }
 
-/* "[::1]": as inet_ntop has it, which is how browsers do. */
+/* Returns true for an address such as "[::1]" in the form of inet_ntop, which browsers use. */
 static bool is_v6(const char *host, size_t length)
 {
     char inner[INET6_ADDRSTRLEN], plain[INET6_ADDRSTRLEN];
@@ -24,7 +24,7 @@ static bool is_v6(const char *host, size_t length)
            strcmp(inner, plain) == 0;
 }
 
-/* What stands behind the host: nothing, or a port other than the scheme's own. */
+/* Returns true if the text after the host is empty, or a port other than the scheme's default. */
 static bool is_port(const char *text, unsigned long own)
 {
     if (*text == '\0')

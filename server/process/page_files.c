@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* As of carried.c: gcc and clang take literals of any length. */
+/* As in carried.c: gcc and clang accept literals of any length. */
 #pragma GCC diagnostic ignored "-Woverlength-strings"
 #include "dashboard.h"
 

@@ -1,6 +1,6 @@
 /*
- * Files of the dashboard (client/dashboard) that the daemon carries inside, plain and by gzip.
- * Constant data; threads do not matter.
+ * Files of the dashboard (client/dashboard) that are embedded in the daemon, plain and
+ * gzip-compressed. Constant data; any thread.
  */
 #ifndef ORL_SERVER_PROCESS_PAGE_FILES_H
 #define ORL_SERVER_PROCESS_PAGE_FILES_H
@@ -9,14 +9,14 @@
 
 struct orl_page_file {
     const char *name, *type; /* "viewer/gl.js", "text/javascript; charset=utf-8" */
-    const char *sha;         /* of the plain bytes */
+    const char *sha;         /* digest of the plain bytes */
     size_t size, packed_size;
     const char *plain, *packed; /* bytes */
 };
 
-/* A digest of them all, which stands in their addresses. */
+/* Returns a digest of all files, which is part of their URLs. */
 const char *orl_page_version(void);
-/* The file of that name, or NULL. */
+/* Returns the file of that name, or NULL. */
 const struct orl_page_file *orl_page_file_find(const char *name);
 
 #endif

@@ -8,12 +8,12 @@
 #include "process/signal_stack.h"
 
 struct preparing {
-    pthread_barrier_t all; /* nobody takes two works */
+    pthread_barrier_t all; /* keeps a thread from taking two of the works */
     unsigned n_left;
     uv_work_t works[];
 };
 
-static void prepare(uv_work_t *work)
+static void prepare_thread(uv_work_t *work)
 {
     struct preparing *preparing = work->data;
     orl_signal_stack_install();
@@ -21,7 +21,7 @@ static void prepare(uv_work_t *work)
     pthread_barrier_wait(&preparing->all);
 }
 
-static void prepared(uv_work_t *work, int status)
+static void end_preparing(uv_work_t *work, int status)
 {
     struct preparing *preparing = work->data;
     (void)status;
@@ -41,6 +41,6 @@ void orl_pool_prepare(uv_loop_t *loop, unsigned n_threads)
     preparing->n_left = n_threads;
     for (unsigned i = 0; i < n_threads; i++) {
         preparing->works[i].data = preparing;
-        uv_queue_work(loop, &preparing->works[i], prepare, prepared);
+        uv_queue_work(loop, &preparing->works[i], prepare_thread, end_preparing);
     }
 }

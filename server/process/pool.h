@@ -1,5 +1,5 @@
 /*
- * The threads of libuv's pool, made ready for what strangers send before the first of it comes.
+ * Prepares the threads of libuv's pool before they read the first untrusted data.
  *
  * Threads: the loop thread only.
  */
@@ -8,8 +8,8 @@
 
 #include <uv.h>
 
-/* The first works of all that are queued: one for each thread, which prepares it
- * (orl_prepare_thread). Without memory for that nothing is done: scenes are built all the same. */
+/* Queues one work for each thread, which prepares it (orl_prepare_thread). Call it before any other
+ * work is queued. Without memory it does nothing; scenes can be built all the same. */
 void orl_pool_prepare(uv_loop_t *loop, unsigned n_threads);
 
 #endif

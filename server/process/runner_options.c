@@ -17,7 +17,7 @@ void orl_runner_options_init(struct orl_runner_options *options)
         .parts = USUAL_PARTS, .part_threads = 1, .least_s = USUAL_LEAST_S};
 }
 
-static int take_number(const char *name, const char *value, unsigned long least, unsigned long most,
+static int parse_count(const char *name, const char *value, unsigned long least, unsigned long most,
                        uint32_t *ret_number, struct orl_error *err)
 {
     char *end = NULL;
@@ -30,7 +30,8 @@ static int take_number(const char *name, const char *value, unsigned long least,
     return 0;
 }
 
-static int take_runner(struct orl_runner_options *options, const char *value, struct orl_error *err)
+static int parse_runner(struct orl_runner_options *options, const char *value,
+                        struct orl_error *err)
 {
     options->slurm = strcmp(value, "slurm") == 0;
     return options->slurm || strcmp(value, "local") == 0
@@ -39,8 +40,9 @@ static int take_runner(struct orl_runner_options *options, const char *value, st
                                value);
 }
 
-/* sbatch is called with an argument vector; a word that is no option would be its script. */
-static int take_word(struct orl_runner_options *options, const char *value, struct orl_error *err)
+/* Appends an option of sbatch, which gets an argument vector. It would take a word that is not an
+ * option for its script. */
+static int add_word(struct orl_runner_options *options, const char *value, struct orl_error *err)
 {
     if (value[0] != '-' || options->n_words == ORL_RUNNER_WORDS)
         return orl_error_set(err, ORL_ERR_INVALID,
@@ -51,7 +53,7 @@ static int take_word(struct orl_runner_options *options, const char *value, stru
     return 0;
 }
 
-static bool take_named(struct orl_runner_options *options, const char *name, const char *value)
+static bool parse_named(struct orl_runner_options *options, const char *name, const char *value)
 {
     static const char start[] = "--slurm-";
     for (size_t i = 0; i < ORL_RUNNER_NAMED; i++)
@@ -69,19 +71,19 @@ int orl_runner_options_apply(struct orl_runner_options *options, const char *nam
     int rc = 0;
     *ret_known = true;
     if (strcmp(name, "--runner") == 0)
-        return take_runner(options, value, err);
+        return parse_runner(options, value, err);
     if (strcmp(name, "--slurm-option") == 0)
-        rc = take_word(options, value, err);
+        rc = add_word(options, value, err);
     else if (strcmp(name, "--shared") == 0)
         options->shared = value;
     else if (strcmp(name, "--parts") == 0)
-        rc = take_number(name, value, 1, MOST_PARTS, &options->parts, err);
+        rc = parse_count(name, value, 1, MOST_PARTS, &options->parts, err);
     else if (strcmp(name, "--part-threads") == 0)
-        rc = take_number(name, value, 1, MOST_THREADS, &options->part_threads, err);
+        rc = parse_count(name, value, 1, MOST_THREADS, &options->part_threads, err);
     else if (strcmp(name, "--least") == 0)
-        rc = take_number(name, value, 0, MOST_SECONDS, &options->least_s, err);
+        rc = parse_count(name, value, 0, MOST_SECONDS, &options->least_s, err);
     else
-        *ret_known = take_named(options, name, value);
+        *ret_known = parse_named(options, name, value);
     options->any = options->any || *ret_known;
     return rc;
 }

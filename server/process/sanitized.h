@@ -1,4 +1,4 @@
-/* Whether this is a build with AddressSanitizer or ThreadSanitizer: 1 or 0. */
+/* 1 in a build with AddressSanitizer or ThreadSanitizer, otherwise 0. */
 #ifndef ORL_SERVER_PROCESS_SANITIZED_H
 #define ORL_SERVER_PROCESS_SANITIZED_H
 

@@ -6,7 +6,7 @@
 
 #include "process/sanitized.h"
 
-/* Room for a signal frame with all vector registers (up to 11 kB) and for unwinding. */
+/* Space for a signal frame with all vector registers (up to 11 kB) and for unwinding. */
 static _Thread_local _Alignas(16) char stack[32 << 10];
 static _Thread_local bool installed;
 

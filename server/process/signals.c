@@ -5,16 +5,16 @@
 
 enum { SIGNALS = 3 };
 
-/* A signal's handler has no argument but its number. */
+/* The handled signals. The table is global since a handler's only argument is the signal number. */
 static struct handled {
     atomic_int signum; /* 0: this entry is free. Atomic: any thread may run a handler */
     uv_async_t arrival;
-    atomic_uint arrived; /* signals whose callback is due */
+    atomic_uint arrived; /* signals whose callback has not run yet */
     orl_signal_cb on_signal;
     void *ctx;
 } table[SIGNALS];
 
-static void note_signal(int signum)
+static void record_signal(int signum)
 {
     for (int i = 0; i < SIGNALS; i++)
         if (atomic_load(&table[i].signum) == signum) {
@@ -30,7 +30,7 @@ static void on_arrival(uv_async_t *arrival)
         handled->on_signal(atomic_load(&handled->signum), handled->ctx);
 }
 
-static void handle_by(int signum, void (*handler)(int signum))
+static void set_handler(int signum, void (*handler)(int signum))
 {
     struct sigaction action = {.sa_handler = handler, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
@@ -39,7 +39,7 @@ static void handle_by(int signum, void (*handler)(int signum))
 
 void orl_signal_ignore(int signum)
 {
-    handle_by(signum, SIG_IGN);
+    set_handler(signum, SIG_IGN);
 }
 
 int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *ctx)
@@ -56,7 +56,7 @@ int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *
     table[i].ctx = ctx;
     table[i].arrival.data = &table[i];
     atomic_store(&table[i].signum, signum);
-    handle_by(signum, note_signal);
+    set_handler(signum, record_signal);
     return 0;
 }
 

@@ -1,10 +1,10 @@
 /*
  * Signals as callbacks on the event loop: SIGTERM, SIGINT, SIGHUP. Unlike libuv's signal handles,
  * these never restore a signal's default effect: once a signal has been handled, it is ignored
- * until the process exits. Otherwise one that comes while the process cleans up would end it before
- * the database is closed.
+ * until the process exits. Otherwise a signal during the cleanup would end the process before the
+ * database is closed.
  *
- * Threads: the loop's. One loop of a process.
+ * Threads: the loop's. One loop per process.
  */
 #ifndef ORL_SERVER_PROCESS_SIGNALS_H
 #define ORL_SERVER_PROCESS_SIGNALS_H
@@ -18,7 +18,7 @@ void orl_signal_ignore(int signum);
 /* Calls on_signal on the loop, once for each signal that arrived. Returns 0 or libuv's error. */
 int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *ctx);
 
-/* Ignores all signals that were handled from now on, and closes their handles. */
+/* From now on ignores all handled signals, and closes their handles. */
 void orl_signals_stop(void);
 
 #endif

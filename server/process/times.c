@@ -39,7 +39,8 @@ void orl_time_format(int64_t ms, char ret_text[ORL_TIME_TEXT])
              utc.tm_hour % 100, utc.tm_min % 100, utc.tm_sec % 100, fraction);
 }
 
-/* Every digit of the pattern's 0s is one, and all else is the same; what follows is *ret_rest. */
+/* Returns true if text begins like the pattern, with any digit in place of each 0. *ret_rest is the
+ * text after it. */
 static bool is_like(const char *text, const char *pattern, const char **ret_rest)
 {
     for (; *pattern; pattern++, text++)
@@ -63,7 +64,7 @@ bool orl_time_parse(const char *text, int64_t *ret_ms)
             fraction += scale * (*rest - '0');
     }
     const struct tm given = utc;
-    const int64_t seconds = timegm(&utc); /* which makes March of the 30th of February */
+    const int64_t seconds = timegm(&utc); /* makes the 30th of February March: compared below */
     *ret_ms = 1000 * seconds + fraction;
     return strcmp(rest, "Z") == 0 && seconds >= 0 && utc.tm_mon == given.tm_mon &&
            utc.tm_mday == given.tm_mday && given.tm_sec < 60;

@@ -10,7 +10,7 @@ enum { LOOK_MS = 250, HEARTBEAT_S = 15, ADMISSION_S = 5 };
 
 /* ---- The timer ------------------------------------------------------------------------------ */
 
-static void resume(struct orl_event_stream *stream)
+static void resume_stream(struct orl_event_stream *stream)
 {
     if (!stream->suspended)
         return;
@@ -18,8 +18,8 @@ static void resume(struct orl_event_stream *stream)
     MHD_resume_connection(stream->connection);
 }
 
-/* Has what let it in ended meanwhile? */
-static void ask_for_admission(struct orl_event_stream *stream, double now_s)
+/* Ends the stream if the token or session that admitted it has ended. */
+static void check_admission(struct orl_event_stream *stream, double now_s)
 {
     if (now_s - stream->asked_s < ADMISSION_S)
         return;
@@ -27,16 +27,16 @@ static void ask_for_admission(struct orl_event_stream *stream, double now_s)
     stream->over = !orl_access_holds(&stream->source->server->context, &stream->admission);
 }
 
-static void look(uv_timer_t *timer)
+static void look_for_news(uv_timer_t *timer)
 {
     struct orl_event_source *source = timer->data;
     const double now_s = orl_time_steady_s();
     source->calls->look(source);
     for (struct orl_event_stream *stream = source->streams; stream; stream = stream->next) {
         stream->beat = now_s - stream->active_s >= source->heartbeat_s;
-        ask_for_admission(stream, now_s);
+        check_admission(stream, now_s);
         if (stream->beat || stream->over || source->calls->has_news(stream))
-            resume(stream);
+            resume_stream(stream);
     }
     if (!source->streams)
         uv_timer_stop(timer);
@@ -46,12 +46,13 @@ static void look(uv_timer_t *timer)
 void orl_event_source_wake(struct orl_event_source *source)
 {
     if (source->streams && !source->stopping)
-        uv_timer_start(&source->timer, look, 0, LOOK_MS);
+        uv_timer_start(&source->timer, look_for_news, 0, LOOK_MS);
 }
 
 /* ---- Streams -------------------------------------------------------------------------------- */
 
-/* MHD's: fills buffer; without anything to say the connection sleeps until look wakes it. */
+/* MHD's content reader: fills buffer. If there is no news, it suspends the connection until
+ * look_for_news resumes it. */
 static ssize_t read_stream(void *ctx, uint64_t position, char *buffer, size_t max)
 {
     struct orl_event_stream *stream = ctx;
@@ -123,7 +124,7 @@ struct MHD_Response *orl_event_stream_open(struct orl_event_source *source,
     if (!response)
         free_stream(stream);
     else if (!uv_is_active((const uv_handle_t *)&source->timer))
-        uv_timer_start(&source->timer, look, LOOK_MS, LOOK_MS);
+        uv_timer_start(&source->timer, look_for_news, LOOK_MS, LOOK_MS);
     return response;
 }
 
@@ -132,7 +133,7 @@ struct MHD_Response *orl_event_stream_open(struct orl_event_source *source,
 int orl_event_source_init(struct orl_event_source *source, struct orl_server *server,
                           const struct orl_event_calls *calls, struct orl_error *err)
 {
-    /* Well before whoever is as impatient as this daemon is gives a stream up. */
+    /* Send heartbeats well before a proxy with this daemon's idle timeout closes a stream. */
     const double half_s = server->config.idle_timeout_s / 2.0;
     *source = (struct orl_event_source){.server = server,
                                         .calls = calls,
@@ -154,7 +155,7 @@ void orl_event_source_stop(struct orl_event_source *source)
 {
     source->stopping = true;
     for (struct orl_event_stream *stream = source->streams; stream; stream = stream->next)
-        resume(stream);
+        resume_stream(stream);
     orl_http_kick(source->server->http);
     uv_close((uv_handle_t *)&source->timer, NULL);
 }

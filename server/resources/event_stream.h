@@ -1,12 +1,12 @@
 /*
- * Streams of server-sent events (WHATWG HTML, 9.2), whatever they tell of: what those of one job
- * (events.h) and those of all (hub.h) have in common.
+ * Streams of server-sent events (WHATWG HTML, 9.2): the common part of streams of one job
+ * (events.h) and of all jobs (hub.h).
  *
- * A stream is a suspended connection and a small struct: no thread, no timer of its own. Streams of
- * one source share its timer, which looks four times a second, and once more when it is woken,
- * whether there is something to say. A text that has been begun is sent to its end; a slow client
- * delays nobody. In silence a comment goes out now and then, which also finds clients that have
- * gone. A stream ends within seconds of the token or session that let it in.
+ * A stream is a suspended connection and a small struct, without a thread or timer of its own.
+ * Streams of one source share its timer. It looks for news four times a second, and once more when
+ * it is woken. A text whose sending has begun is sent to its end; a slow client delays no other. In
+ * silence a comment is sent now and then, which also finds clients that have gone. A stream ends
+ * within seconds of the end of the token or session that admitted it.
  *
  * Threads: the loop thread only.
  */
@@ -23,33 +23,34 @@
 struct orl_event_source;
 struct orl_server;
 
-/* The first member of a source's own streams. */
+/* A stream. It must be the first member of a source's own stream struct. */
 struct orl_event_stream {
     struct orl_event_source *source;
     struct MHD_Connection *connection;
-    struct orl_client *client; /* counted there; or NULL */
+    struct orl_client *client; /* client that counts the stream; or NULL */
     struct orl_event_text *sending;
-    size_t sent; /* of it */
+    size_t sent; /* bytes sent of it */
     struct orl_admission admission;
-    double asked_s;  /* when that was last looked at */
-    double active_s; /* when something was last begun */
+    double asked_s;  /* time of the last check of admission */
+    double active_s; /* time when the last text was begun */
     bool suspended, beat, over;
     struct orl_event_stream *next, **link;
 };
 
 struct orl_event_calls {
-    /* The timer's, before it asks for each stream whether it has news. */
+    /* Called by the timer before it calls has_news for each stream. */
     void (*look)(struct orl_event_source *source);
-    /* Is there a text for the stream, or is it at its end? */
+    /* Returns true if there is a text for the stream, or the stream is at its end. */
     bool (*has_news)(const struct orl_event_stream *stream);
-    /* *ret_text: what the stream is to send now, with a reference of its own; or NULL, nothing.
-     * False: the stream ends. */
+    /* Sets *ret_text to the next text of the stream, with a new reference, or to NULL if there is
+     * none. Returns false if the stream ends. */
     bool (*next)(struct orl_event_stream *stream, struct orl_event_text **ret_text);
-    /* The stream is over, and in no list any more. */
+    /* Frees a stream that has ended and is in no list any more. */
     void (*free)(struct orl_event_stream *stream);
 };
 
-/* The first member of what has streams, which reads its members. */
+/* A source of streams. It must be the first member of the struct that has them, which may read its
+ * members. */
 struct orl_event_source {
     struct orl_server *server;
     const struct orl_event_calls *calls;
@@ -57,24 +58,25 @@ struct orl_event_source {
     struct orl_event_text *heartbeat;
     double heartbeat_s;
     struct orl_event_stream *streams;
-    size_t count; /* of them */
+    size_t count; /* number of streams */
     bool stopping;
 };
 
-/* Borrows server, whose http may come later, and calls. */
+/* Initialises a source. Borrows server, whose http may be set later, and calls. */
 int orl_event_source_init(struct orl_event_source *source, struct orl_server *server,
                           const struct orl_event_calls *calls, struct orl_error *err);
-/* Once the loop has run dry and no response lives. */
+/* Frees the source's data. Call it once the loop has ended and no response exists. */
 void orl_event_source_done(struct orl_event_source *source);
 
-/* Lets all streams come to their end, and closes the timer with the loop's next turns. */
+/* Ends all streams, and closes the timer in the loop's next turns. */
 void orl_event_source_stop(struct orl_event_source *source);
 
-/* There may be news. From anywhere on the loop thread, handlers included. */
+/* Makes the timer look for news at once. Call it anywhere on the loop thread, including in
+ * handlers. */
 void orl_event_source_wake(struct orl_event_source *source);
 
-/* A response that streams. Takes stream, whose own part is set; NULL, and it is freed, when out of
- * memory. */
+/* Returns a response that streams. Takes ownership of stream, whose own part must be set. Returns
+ * NULL, and frees stream, when out of memory. */
 struct MHD_Response *orl_event_stream_open(struct orl_event_source *source,
                                            struct orl_event_stream *stream,
                                            struct orl_request *request);

@@ -1,4 +1,4 @@
-/* What goes out on event streams, shared by all that send it. Threads: the loop thread only. */
+/* A text for event streams, shared by all streams that send it. Threads: the loop thread only. */
 #ifndef ORL_SERVER_RESOURCES_EVENT_TEXT_H
 #define ORL_SERVER_RESOURCES_EVENT_TEXT_H
 
@@ -11,11 +11,12 @@ struct orl_event_text {
     char data[];
 };
 
-/* With one reference. NULL when out of memory. */
+/* Returns a text with one reference. NULL when out of memory. */
 struct orl_event_text *orl_event_text_new(const char *data, size_t size);
-void orl_event_text_unref(struct orl_event_text *text); /* NULL is fine */
+void orl_event_text_unref(struct orl_event_text *text); /* NULL is allowed */
 
-/* "id: ...\nevent: NAME\ndata: {...}\n\n"; takes data. NULL when that is, or memory runs out. */
+/* Returns the text "id: ...\nevent: NAME\ndata: {...}\n\n". Takes ownership of data. NULL if data
+ * is NULL or memory runs out. */
 struct orl_event_text *orl_event_text_of(const char *id, const char *name, json_t *data);
 
 #endif

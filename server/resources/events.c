@@ -8,12 +8,12 @@
 #include "resources/job_event.h"
 #include "server.h"
 
-/* A job that somebody watches. */
+/* A watched job. */
 struct feed {
-    const struct orl_jobs_job *job; /* NULL: it has ended and been removed */
+    const struct orl_jobs_job *job; /* NULL: the job has ended and been removed */
     char id[ORL_JOB_EVENT_ID];
     struct orl_event_text *latest;
-    uint64_t serial; /* of latest */
+    uint64_t serial; /* serial number of latest */
     bool final;
     size_t n_streams;
     struct feed *next;
@@ -23,7 +23,7 @@ struct stream {
     struct orl_event_stream base;
     struct orl_events *events;
     struct feed *feed;
-    uint64_t serial; /* of the last event begun */
+    uint64_t serial; /* last event whose sending has begun */
 };
 
 struct orl_events {
@@ -33,8 +33,8 @@ struct orl_events {
 
 /* ---- Feeds ---------------------------------------------------------------------------------- */
 
-/* Looks at the job. True when there is an event that was not there before. */
-static bool refresh(const struct orl_events *events, struct feed *feed)
+/* Checks the job. Returns true if there is a new event. */
+static bool refresh_feed(const struct orl_events *events, struct feed *feed)
 {
     const struct orl_jobs *jobs = events->source.server->jobs;
     char id[ORL_JOB_EVENT_ID];
@@ -45,7 +45,7 @@ static bool refresh(const struct orl_events *events, struct feed *feed)
         return false;
     struct orl_event_text *text = orl_event_text_of(id, "status", orl_job_event(jobs, feed->job));
     if (!text)
-        return false; /* the next look tries again */
+        return false; /* the next check tries again */
     orl_event_text_unref(feed->latest);
     feed->latest = text;
     feed->serial++;
@@ -93,7 +93,7 @@ void orl_events_forget(struct orl_events *events, const struct orl_jobs_job *job
         feed = feed->next;
     if (!feed)
         return;
-    refresh(events, feed);
+    refresh_feed(events, feed);
     feed->job = NULL;
     feed->final = true;
     orl_events_wake(events);
@@ -101,11 +101,11 @@ void orl_events_forget(struct orl_events *events, const struct orl_jobs_job *job
 
 /* ---- Streams -------------------------------------------------------------------------------- */
 
-static void refresh_all(struct orl_event_source *source)
+static void refresh_feeds(struct orl_event_source *source)
 {
     struct orl_events *events = (struct orl_events *)source;
     for (struct feed *feed = events->feeds; feed; feed = feed->next)
-        refresh(events, feed);
+        refresh_feed(events, feed);
 }
 
 static bool has_news(const struct orl_event_stream *base)
@@ -144,7 +144,7 @@ struct MHD_Response *orl_events_stream(struct orl_events *events, struct orl_req
         return NULL;
     }
     feed->n_streams++;
-    refresh(events, feed);
+    refresh_feed(events, feed);
     stream->events = events;
     stream->feed = feed;
     if (last_id && strcmp(last_id, feed->id) == 0)
@@ -162,7 +162,7 @@ size_t orl_events_count(const struct orl_events *events)
 int orl_events_open(struct orl_server *server, struct orl_events **ret_events,
                     struct orl_error *err)
 {
-    static const struct orl_event_calls calls = {refresh_all, has_news, next_text, free_stream};
+    static const struct orl_event_calls calls = {refresh_feeds, has_news, next_text, free_stream};
     struct orl_events *events = calloc(1, sizeof *events);
     if (!events)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -178,7 +178,7 @@ void orl_events_stop(struct orl_events *events)
 {
     if (!events || events->source.stopping)
         return;
-    refresh_all(&events->source);
+    refresh_feeds(&events->source);
     orl_event_source_stop(&events->source);
 }
 

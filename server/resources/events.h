@@ -1,13 +1,13 @@
 /*
  * Event streams: GET /v1/jobs/{id}/events as server-sent events (WHATWG HTML, 9.2).
  *
- * An event is a job at a glance (job_event.h), sent when it differs from the last; its id
- * says what it shows, so that a client that comes back with a Last-Event-ID, even to another
- * daemon on the same data, is told only what is new to it. Nothing is replayed: the latest says
- * all. A stream (event_stream.h) ends after the job's final state.
+ * An event is a short form of a job's status (job_event.h), sent when it differs from the last one.
+ * Its id encodes the contents. So a client that returns with a Last-Event-ID, even to another
+ * daemon on the same data, gets only news. Nothing is replayed: the latest event says everything. A
+ * stream (event_stream.h) ends after the job's final state.
  *
- * Looked at are the jobs that somebody watches; streams of one job share the text of its event. A
- * slow client misses events, never part of one.
+ * Only watched jobs are checked; streams of one job share the text of its event. A slow client
+ * misses events, never part of one.
  *
  * Threads: the loop thread only.
  */
@@ -19,26 +19,27 @@
 
 struct orl_events;
 
-/* Borrows server, whose jobs and http may come later. */
+/* Opens the source of job events. Borrows server, whose jobs and http may be set later. */
 int orl_events_open(struct orl_server *server, struct orl_events **ret_events,
                     struct orl_error *err);
-/* Ends all streams and closes the timer with the loop's next turns. Before http stops. */
+/* Ends all streams and closes the timer in the loop's next turns. Call it before http stops. */
 void orl_events_stop(struct orl_events *events); /* NULL is allowed */
-/* Once the loop has run dry and no response lives. */
+/* Frees the source. Call it once the loop has ended and no response exists. */
 void orl_events_free(struct orl_events *events);
 
-/* A job may have changed. From anywhere on the loop thread, handlers included. */
+/* Announces that a job may have changed. Call it anywhere on the loop thread, including in
+ * handlers. */
 void orl_events_wake(struct orl_events *events);
 
-/* A job that has ended is removed: who watches it is told how it ended, and no more. */
+/* Announces that an ended job is removed. Its streams send its final state and end. */
 void orl_events_forget(struct orl_events *events, const struct orl_jobs_job *job);
 
-/* How many streams are open. */
+/* Returns the number of open streams. */
 size_t orl_events_count(const struct orl_events *events);
 
 /*
- * A response that streams the job's events; last_id is what the client has seen, or NULL. NULL when
- * out of memory.
+ * Returns a response that streams the job's events. last_id: the last event the client has seen, or
+ * NULL. NULL when out of memory.
  */
 struct MHD_Response *orl_events_stream(struct orl_events *events, struct orl_request *request,
                                        const struct orl_jobs_job *job, const char *last_id);

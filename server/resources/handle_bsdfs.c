@@ -12,15 +12,15 @@
 #include "server.h"
 #include "store/scenes.h"
 
-/* A BSDF on its way in. */
+/* A BSDF being uploaded. */
 struct upload {
-    char name[256]; /* for messages; as the sender calls it */
+    char name[256]; /* for messages; the sender's name for it */
     char id[ORL_SHA_HEX];
     uint64_t bytes;
     char *summary;           /* JSON text */
-    struct orl_blobs *blobs; /* with a claim on it; NULL: none */
+    struct orl_blobs *blobs; /* holds a claim on the file; NULL: no claim */
     struct orl_check check;
-    bool kept; /* its file is a blob already */
+    bool kept; /* its file is stored as a blob already */
     int rc;
     struct orl_error err;
 };
@@ -46,8 +46,8 @@ static void hash_upload(struct orl_request *request)
     upload->bytes = upload->rc == 0 ? file.size : 0;
 }
 
-/* What is known already mends what is damaged in the store, no more. */
-static void keep(struct orl_request *request)
+/* Stores the file. For a known BSDF this only repairs damage in the store. */
+static void store_file(struct orl_request *request)
 {
     struct upload *upload = request->state;
     const struct orl_folders *folders = &request->server->folders;
@@ -70,7 +70,7 @@ static void check_and_keep(struct orl_request *request)
     const struct orl_folders *folders = &request->server->folders;
     char blob[ORL_PATH_MAX];
     const char *file = blob;
-    upload->rc = 0; /* of an attempt before */
+    upload->rc = 0; /* left by an earlier attempt */
     if (upload->kept)
         orl_blob_path(folders, upload->id, blob);
     else
@@ -79,7 +79,7 @@ static void check_and_keep(struct orl_request *request)
         upload->rc =
             orl_ask_bsdf(&upload->check.asking, file, upload->name, &upload->summary, &upload->err);
     if (upload->rc == 0)
-        keep(request);
+        store_file(request);
 }
 
 /* ---- On the loop ---------------------------------------------------------------------------- */
@@ -101,7 +101,7 @@ static void insert_and_reply(struct orl_request *request)
     orl_reply_when_safe(request);
 }
 
-/* Of a file that is claimed. */
+/* Starts the check of a file that is claimed. */
 static void begin_check(struct orl_request *request)
 {
     struct upload *upload = request->state;
@@ -111,8 +111,8 @@ static void begin_check(struct orl_request *request)
                         insert_and_reply);
 }
 
-/* Whether the BSDF is known. */
-static void is_here(struct orl_request *request, bool *ret_found)
+/* Looks the BSDF up. *ret_found is true if it is stored. */
+static void find_stored_bsdf(struct orl_request *request, bool *ret_found)
 {
     struct upload *upload = request->state;
     struct orl_stored_item item;
@@ -122,29 +122,29 @@ static void is_here(struct orl_request *request, bool *ret_found)
         free(item.summary);
 }
 
-/* Where it was removed meanwhile it comes as a new one. */
+/* Replies for a known BSDF. If it was removed meanwhile, it is checked as a new one. */
 static void reply_known(struct orl_request *request)
 {
     struct upload *upload = request->state;
     bool created = false, found = false;
     if (upload->rc == 0)
-        is_here(request, &found);
+        find_stored_bsdf(request, &found);
     if (upload->rc) {
         orl_reply_error(request, &upload->err);
     } else if (!found) {
         begin_check(request);
     } else {
         orl_reply_stored_item(request, &orl_item_bsdf, upload->id, 200, &created);
-        orl_reply_when_safe(request); /* one that comes at once may have brought it this moment */
+        orl_reply_when_safe(request); /* a concurrent upload may have written the row just now */
     }
 }
 
-static void look_up(struct orl_request *request)
+static void look_up_bsdf(struct orl_request *request)
 {
     struct upload *upload = request->state;
     bool found = false;
     if (upload->rc == 0)
-        is_here(request, &found);
+        find_stored_bsdf(request, &found);
     if (upload->rc == 0)
         upload->rc = orl_blobs_claim(request->server->blobs, upload->id, &upload->err);
     if (upload->rc) {
@@ -153,7 +153,7 @@ static void look_up(struct orl_request *request)
     }
     upload->blobs = request->server->blobs;
     if (found)
-        orl_request_work(request, keep, reply_known);
+        orl_request_work(request, store_file, reply_known);
     else
         begin_check(request);
 }
@@ -175,7 +175,7 @@ void orl_handle_bsdf_post(struct orl_request *request)
         return;
     }
     snprintf(upload->name, sizeof upload->name, "%s", name ? name : "bsdf.xml");
-    orl_request_work(request, hash_upload, look_up);
+    orl_request_work(request, hash_upload, look_up_bsdf);
 }
 
 void orl_handle_bsdf_delete(struct orl_request *request)

@@ -8,8 +8,8 @@
 #include "http/reply.h"
 #include "process/page_files.h"
 
-/* Nothing but the daemon's own files, no script in the page itself, no eval, and no frame of others
- * around it. */
+/* Allows only the daemon's own files: no script in the page itself, no eval, and no embedding in
+ * other sites' frames. */
 static const char policy[] =
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' "
     "blob:; worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -21,7 +21,7 @@ bool orl_dashboard_is_wanted(const struct orl_request *request)
            orl_negotiate_weight(accept, "application/json");
 }
 
-/* Either form has a tag of its own: both are strong. */
+/* Sends a file, compressed if the client accepts that. Each form has a strong tag of its own. */
 static void send_file(struct orl_request *request, const struct orl_page_file *file,
                       const char *vary, const char *cache)
 {
@@ -49,7 +49,7 @@ void orl_dashboard_reply(struct orl_request *request)
     send_file(request, orl_page_file_find("index.html"), "Accept, Accept-Encoding", "no-cache");
 }
 
-/* The version in their address tells one daemon's from another's, so that they may be kept. */
+/* The files' URLs contain the version, so browsers may cache them without limit. */
 void orl_handle_dashboard_file(struct orl_request *request)
 {
     const struct orl_page_file *file = NULL;

@@ -1,4 +1,5 @@
-/* GET /v1/jobs/{id}/document: what was asked for, byte for byte, so that it can be asked again. */
+/* GET /v1/jobs/{id}/document: the submitted document, byte for byte, so that it can be submitted
+ * again. */
 #include "resources/handlers.h"
 
 #include <errno.h>

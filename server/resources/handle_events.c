@@ -11,7 +11,8 @@
 #include "resources/page.h"
 #include "server.h"
 
-/* Whoever has seen the job end has nothing to wait for; 204 keeps an EventSource from asking on. */
+/* Returns true if the client has seen the job end. A 204 then keeps its EventSource from
+ * reconnecting. */
 static bool has_seen_all(const struct orl_request *request, const struct orl_jobs_job *job,
                          const char *last_id)
 {
@@ -22,11 +23,12 @@ static bool has_seen_all(const struct orl_request *request, const struct orl_job
     return strcmp(id, last_id) == 0;
 }
 
-/* False after another reply: there may be no more streams, or none was asked for. */
+/* Returns true if a stream may open. Otherwise returns false after a reply: a HEAD, or too many
+ * streams. */
 static bool may_stream(struct orl_request *request)
 {
     const struct orl_server *server = request->server;
-    /* A HEAD gets no stream: libmicrohttpd 0.9.75 would end its chunks, "0", all the same. */
+    /* A HEAD gets no stream: libmicrohttpd 0.9.75 would still send the final chunk, "0". */
     if (strcmp(request->method, "HEAD") == 0) {
         orl_reply_text(request, "text/event-stream", "");
         return false;
@@ -41,7 +43,7 @@ static bool may_stream(struct orl_request *request)
     return false;
 }
 
-static void finish(struct orl_request *request)
+static void add_stream_headers(struct orl_request *request)
 {
     orl_reply_header(request, "Cache-Control", "no-store");
     orl_reply_header(request, "X-Accel-Buffering", "no");
@@ -62,10 +64,10 @@ void orl_handle_job_events(struct orl_request *request)
         return;
     orl_reply_stream(request, orl_events_stream(server->events, request, job, last_id),
                      "text/event-stream");
-    finish(request);
+    add_stream_headers(request);
 }
 
-/* ---- Of all jobs ---------------------------------------------------------------------------- */
+/* ---- Events of all jobs --------------------------------------------------------------------- */
 
 struct wanted {
     struct orl_hub_filter filter;
@@ -114,5 +116,5 @@ void orl_handle_all_events(struct orl_request *request)
                      orl_hub_stream(request->server->hub, request, &wanted.filter,
                                     orl_request_header(request, "Last-Event-ID")),
                      "text/event-stream");
-    finish(request);
+    add_stream_headers(request);
 }

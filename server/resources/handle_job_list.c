@@ -18,7 +18,7 @@
 #include "resources/page.h"
 #include "server.h"
 
-/* Tags that a list may be asked for: with them its next link stays within a header. */
+/* Maximum number of tags in a filter, so that the next link fits a header. */
 enum { FILTER_TAGS = 4 };
 
 struct filter {
@@ -27,7 +27,7 @@ struct filter {
     const char *tags[FILTER_TAGS]; /* all of them */
     size_t n_tags;
     bool wrong_tag;
-    int64_t since_ms; /* created then or later */
+    int64_t since_ms; /* created at that time or later */
     unsigned long limit;
     const struct orl_jobs_job *first;
 };
@@ -48,8 +48,7 @@ static enum MHD_Result add_tag(void *ctx, enum MHD_ValueKind kind, const char *k
     return filter->wrong_tag ? MHD_NO : MHD_YES;
 }
 
-/* ?before=, the id of a job that is here, or ?cursor=, of a next link, whatever has become of its
- * job. */
+/* Reads ?before=, the id of an existing job, or ?cursor= of a next link, whose job may be gone. */
 static bool read_place(struct orl_request *request, struct filter *filter)
 {
     const struct orl_jobs *jobs = request->server->jobs;
@@ -70,7 +69,7 @@ static bool read_place(struct orl_request *request, struct filter *filter)
     return true;
 }
 
-/* False after a 400. */
+/* Reads the filter. Returns false after a 400. */
 static bool read_filter(struct orl_request *request, struct filter *filter)
 {
     const char *since = orl_request_query(request, "since");
@@ -106,13 +105,13 @@ static bool is_wanted(const struct filter *filter, const struct orl_jobs_job *jo
 struct list {
     FILE *text;
     bool summary;
-    const struct orl_jobs_job *last; /* of those in it */
+    const struct orl_jobs_job *last; /* last job in the list */
     unsigned long count;
 };
 
-/* The text of one job's document, borrowed or in *ret_made; NULL when out of memory. */
-static const char *show(struct orl_server *server, const struct orl_jobs_job *job, bool summary,
-                        char **ret_made, size_t *ret_size)
+/* Returns the text of a job's document, borrowed or in *ret_made; NULL when out of memory. */
+static const char *job_text(struct orl_server *server, const struct orl_jobs_job *job, bool summary,
+                            char **ret_made, size_t *ret_size)
 {
     if (!summary && job->row.state >= ORL_JOB_SUCCEEDED)
         return orl_status_cache_text(server->statuses, server->jobs, job, ret_size);
@@ -123,13 +122,13 @@ static const char *show(struct orl_server *server, const struct orl_jobs_job *jo
     return *ret_made;
 }
 
-/* One more job's document behind those in text; false: it does not fit, or there is no memory. */
+/* Appends a job's document to the list. Returns false if it does not fit or there is no memory. */
 static bool add_to_list(struct orl_server *server, const struct orl_jobs_job *job,
                         struct list *list)
 {
     size_t size = 0;
     char *made = NULL;
-    const char *shown = show(server, job, list->summary, &made, &size);
+    const char *shown = job_text(server, job, list->summary, &made, &size);
     const long used = ftell(list->text);
     const bool fits = shown && (list->count == 0 || (size_t)used + size < ORL_SERVER_LIST_BYTES);
     if (fits) {
@@ -141,8 +140,8 @@ static bool add_to_list(struct orl_server *server, const struct orl_jobs_job *jo
     return fits;
 }
 
-/* Those that are wanted, and whether there are more. */
-static bool fill(struct orl_server *server, const struct filter *filter, struct list *list)
+/* Writes the jobs that match the filter. Returns true if there are more. */
+static bool write_jobs(struct orl_server *server, const struct filter *filter, struct list *list)
 {
     bool more = false;
     fputs("{\"jobs\":[", list->text);
@@ -153,7 +152,7 @@ static bool fill(struct orl_server *server, const struct filter *filter, struct 
     return more;
 }
 
-/* Polled over and over: what has not changed is not sent again. */
+/* Replies with the list. Summaries are polled, so an unchanged list is not sent again. */
 static void reply_list(struct orl_request *request, const char *text, size_t size, bool summary)
 {
     char tag[ORL_SHA_HEX];
@@ -184,7 +183,7 @@ void orl_handle_job_list(struct orl_request *request)
     list.summary = fields && strcmp(fields, "summary") == 0;
     list.text = open_memstream(&text, &size);
     if (list.text)
-        more = fill(request->server, &filter, &list);
+        more = write_jobs(request->server, &filter, &list);
     if (list.text && fclose(list.text) != 0) {
         free(text);
         text = NULL;

@@ -26,17 +26,17 @@
 
 enum { REQUEST_KEY_MAX = 255 };
 
-/* A job on its way in. */
+/* A job being submitted. */
 struct job_post {
     struct orl_job_brief brief;
     struct orl_job_memory memory;
     struct orl_job_inputs inputs;
-    struct orl_job_inputs_found found; /* in them, once they are read */
+    struct orl_job_inputs_found found; /* results of reading them */
     struct orl_check check;
     char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
     char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
-    struct orl_blobs *blobs;       /* with a claim on the document; NULL: none */
-    struct orl_blob_claims claims; /* on the inputs */
+    struct orl_blobs *blobs;       /* holds a claim on the document; NULL: no claim */
+    struct orl_blob_claims claims; /* claims on the input files */
     int rc;
     struct orl_error err;
 };
@@ -65,7 +65,7 @@ static void read_document(struct orl_request *request)
         post->rc = orl_job_brief_read(&body, &post->brief, &post->err);
 }
 
-/* A large one, in a child. */
+/* Reads a large document in a child. */
 static void check_document(struct orl_request *request)
 {
     struct job_post *post = request->state;
@@ -134,7 +134,7 @@ static void reply_job(struct orl_request *request, unsigned status, const struct
     }
 }
 
-/* Once no power cut can undo that it is. */
+/* Replies 202 after the job's row is on disk. */
 static void reply_accepted(struct orl_request *request, const struct orl_jobs_job *job)
 {
     reply_job(request, 202, job);
@@ -152,8 +152,8 @@ static bool refuse_when_full(struct orl_request *request)
 }
 
 /*
- * Replies when the request has been answered before, by its key: the same document gets the job
- * that it made, another one a 422 (draft-ietf-httpapi-idempotency-key-header).
+ * Replies if a request with this key was answered before. An equal document gets the job that was
+ * made then, another one a 422 (draft-ietf-httpapi-idempotency-key-header).
  */
 static bool answer_by_key(struct orl_request *request)
 {
@@ -187,12 +187,13 @@ static uint64_t larger(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* Of a row of measurements with its mirror images, while they are fitted. */
+/* Bytes of a row of measurements with its mirror images, while they are fitted. */
 enum { MEASURED_ROW = 400 };
 
-/* What of the scene says how much memory the job takes, and whether it suits it. */
-static int note_needs(struct orl_server *server, struct job_post *post,
-                      const struct orl_bundle *bundle)
+/* Adds the scene's quantities to the memory estimate, and checks that the scene suits this kind of
+ * job. */
+static int estimate_memory(struct orl_server *server, struct job_post *post,
+                           const struct orl_bundle *bundle)
 {
     struct orl_stored_item scene = {.summary = NULL};
     bool found = false;
@@ -219,7 +220,7 @@ static int note_needs(struct orl_server *server, struct job_post *post,
     return orl_kinds[post->brief.kind].suits(&contents, &post->err);
 }
 
-/* What can never fit is refused; before its sensors' file is read, and after. */
+/* Refuses a job that can never fit in memory. Called before and after reading its sensors. */
 static int check_memory(const struct orl_server *server, struct job_post *post)
 {
     const uint64_t most = orl_memory_most(&server->memory);
@@ -228,7 +229,7 @@ static int check_memory(const struct orl_server *server, struct job_post *post)
                : orl_job_memory_refuse(&post->memory, most, &post->err);
 }
 
-/* What the document refers to must be here. */
+/* Checks that everything the document refers to is stored. */
 static int check_references(struct orl_server *server, struct job_post *post)
 {
     const struct orl_job_brief *brief = &post->brief;
@@ -242,15 +243,16 @@ static int check_references(struct orl_server *server, struct job_post *post)
     if (rc == 0)
         rc = orl_job_inputs_check(brief, &bundle, &post->err);
     if (rc == 0)
-        rc = note_needs(server, post, &bundle);
+        rc = estimate_memory(server, post, &bundle);
     if (rc == 0 && post->inputs.files.count == 0)
         rc = orl_job_inputs_note(brief, &bundle, &post->inputs, &post->err);
     orl_bundle_done(&bundle);
     return rc ? rc : check_memory(server, post);
 }
 
-/* Whoever is told of no job, for want of memory, asks again; only with a key for this same one. */
-static void withdraw(struct orl_server *server, const struct orl_jobs_job *job)
+/* Cancels a job whose id could not be sent (out of memory). The client will retry, and only a key
+ * would lead it to this job. */
+static void cancel_unreported(struct orl_server *server, const struct orl_jobs_job *job)
 {
     struct orl_error err = {0};
     if (orl_jobs_cancel(server->jobs, job->row.id, &err))
@@ -258,18 +260,18 @@ static void withdraw(struct orl_server *server, const struct orl_jobs_job *job)
                       "why", err.message);
 }
 
-static void submit(struct orl_request *request)
+static void submit_job(struct orl_request *request)
 {
     struct job_post *post = request->state;
     const struct orl_jobs_job *job = NULL;
-    /* Asked again, since the same request may have come twice at once. */
+    /* Check the key again, since the request may have come twice at once. */
     if (post->rc == 0 && answer_by_key(request))
         return;
     if (post->rc == 0 && refuse_when_full(request))
         return;
-    if (post->rc == 0) /* again, for the scene may have been removed meanwhile */
+    if (post->rc == 0) /* again, since the scene may have been removed meanwhile */
         post->rc = check_references(request->server, post);
-    /* Sensors of a file are counted by now, and hours of a year. */
+    /* Sensors of files and hours of an annual job have been counted by now. */
     const uint64_t read_bytes = post->brief.sensor_bytes * post->found.sensors +
                                 post->brief.hour_bytes * orl_job_memory_hours(&post->memory) +
                                 ORL_MATRIX_CHANNELS * orl_job_memory_windows(&post->memory);
@@ -295,10 +297,10 @@ static void submit(struct orl_request *request)
     }
     reply_accepted(request, job);
     if (request->status != 202 && !order.request_key)
-        withdraw(request->server, job);
+        cancel_unreported(request->server, job);
 }
 
-static void admit(struct orl_request *request)
+static void check_capacity(struct orl_request *request)
 {
     struct job_post *post = request->state;
     struct orl_server *server = request->server;
@@ -311,7 +313,7 @@ static void admit(struct orl_request *request)
     post->blobs = server->blobs;
     const uint64_t bytes = post->brief.result_bytes + (here ? 0 : request->body.size);
     if (!orl_reply_if_full(request, bytes))
-        orl_request_work(request, keep_document, submit);
+        orl_request_work(request, keep_document, submit_job);
 }
 
 static void inputs_checked(struct orl_request *request)
@@ -322,10 +324,10 @@ static void inputs_checked(struct orl_request *request)
     if (post->rc)
         orl_reply_error(request, &post->err);
     else
-        admit(request);
+        check_capacity(request);
 }
 
-static void look_up(struct orl_request *request)
+static void look_up_references(struct orl_request *request)
 {
     struct job_post *post = request->state;
     if (*post->document && answer_by_key(request))
@@ -343,10 +345,10 @@ static void look_up(struct orl_request *request)
         orl_check_begin(&request->server->checks, &post->check, request, check_inputs,
                         inputs_checked);
     else
-        admit(request);
+        check_capacity(request);
 }
 
-/* The key, in quotes (a structured string) or without. False after a 400. */
+/* Reads the key, in quotes (a structured string) or without. Returns false after a 400. */
 static bool read_key(struct orl_request *request, const char *key,
                      char ret_key[REQUEST_KEY_MAX + 1])
 {
@@ -364,11 +366,11 @@ static bool read_key(struct orl_request *request, const char *key,
     return good;
 }
 
-static void look_up_checked(struct orl_request *request)
+static void look_up_checked_document(struct orl_request *request)
 {
     struct job_post *post = request->state;
     if (orl_check_ended(&post->check, &post->rc, &post->err))
-        look_up(request);
+        look_up_references(request);
 }
 
 void orl_handle_job_post(struct orl_request *request)
@@ -390,10 +392,10 @@ void orl_handle_job_post(struct orl_request *request)
     if (!orl_client_name(request, post->client) || !read_key(request, key, post->key))
         return;
     if (request->body.size <= ORL_SERVER_SMALL_JSON)
-        orl_request_work(request, read_document, look_up);
+        orl_request_work(request, read_document, look_up_references);
     else
         orl_check_begin(&request->server->checks, &post->check, request, check_document,
-                        look_up_checked);
+                        look_up_checked_document);
 }
 
 void orl_handle_job_get(struct orl_request *request)
@@ -424,7 +426,7 @@ void orl_handle_job_delete(struct orl_request *request)
 {
     struct orl_server *server = request->server;
     struct orl_error err;
-    /* By its whole id: a prefix sent again might mean another one by then. */
+    /* Needs the whole id: a prefix sent again might match another job by then. */
     const struct orl_jobs_job *job = orl_jobs_find(server->jobs, request->params[0]);
     if (!job) {
         orl_reply_not_found(request, "job");

@@ -1,4 +1,4 @@
-/* POST /v1/jobs/{id}/links: signed links to files of its results, for a while. */
+/* POST /v1/jobs/{id}/links: signed links to files of its results, for a limited time. */
 #include "resources/handlers.h"
 
 #include <jansson.h>
@@ -45,7 +45,7 @@ static int read_wanted(const json_t *doc, struct wanted *wanted, struct orl_erro
     return orl_json_members(doc, "", members, err);
 }
 
-/* {"file", "url"}; NULL when out of memory. */
+/* Returns {"file", "url"}; NULL when out of memory. */
 static json_t *link_to_json(const struct orl_request *request, const char *job, const char *file,
                             int64_t until_s)
 {
@@ -101,7 +101,7 @@ void orl_handle_job_links(struct orl_request *request)
     struct orl_error err;
     struct orl_file body;
     json_t *doc = NULL;
-    /* It is no larger than what is kept in memory, so that this reads no file. */
+    /* The body is small enough to stay in memory, so this reads no file on the loop. */
     int rc = orl_body_view(&request->body, &request->server->folders, &body, &err);
     if (rc == 0)
         rc = orl_json_parse(NULL, body.data, body.size, &doc, &err);

@@ -1,7 +1,8 @@
 /*
- * Looks at what is stored, made anew each time in a child (checks/child_looks.h): GET
- * /v1/scenes/ID/outline, a scene's floor plan; GET /v1/bsdfs/ID/polar, where a BSDF sends light;
- * and GET /v1/bsdfs/ID of those that came with a scene. Of others the check was kept.
+ * Previews of stored objects, made each time in a child (checks/child_looks.h): GET
+ * /v1/scenes/ID/outline, a scene's floor plan; GET /v1/bsdfs/ID/polar, the directions into which a
+ * BSDF scatters light; and GET /v1/bsdfs/ID for BSDFs that came with a scene. For other BSDFs the
+ * summary of their check is stored.
  */
 #include "resources/handlers.h"
 
@@ -17,18 +18,19 @@
 #include "server.h"
 #include "store/scene_lists.h"
 
-/* A scene is some kilometres large, in whatever unit; light comes from less than 90 degrees. */
+/* Limits of the arguments: a scene's heights in any unit; incidence is less than 90 degrees from
+ * the normal. */
 static const double highest = 1e9, most_theta_deg = 89.9, most_phi_deg = 360;
 
 struct look {
     const struct orl_item_kind *kind;
-    double height;             /* of a floor plan; NAN: half-way up */
-    struct orl_incidence from; /* of a polar map */
+    double height;             /* height of the floor plan; NAN: half-way up */
+    struct orl_incidence from; /* incidence of the polar plot */
     struct orl_bundle scene;
     struct orl_blob_claims claims; /* on the scene's files */
     char bsdf[ORL_SHA_HEX];
-    struct orl_scene_bsdf of_scene; /* which came with one */
-    struct orl_blobs *blobs;        /* with a claim on the BSDF; NULL: none */
+    struct orl_scene_bsdf of_scene; /* the BSDF, if it came with a scene */
+    struct orl_blobs *blobs;        /* holds a claim on the BSDF; NULL: no claim */
     struct orl_check check;
     char *text; /* the answer */
     int rc;
@@ -48,7 +50,7 @@ static void look_free(void *state)
 
 /* ---- On the pool ---------------------------------------------------------------------------- */
 
-static void look_at_scene(struct orl_request *request)
+static void make_floor_plan(struct orl_request *request)
 {
     struct look *look = request->state;
     free(look->text);
@@ -57,7 +59,7 @@ static void look_at_scene(struct orl_request *request)
         orl_ask_outline(&look->check.asking, &look->scene, look->height, &look->text, &look->err);
 }
 
-static void look_at_bsdf(struct orl_request *request)
+static void make_polar(struct orl_request *request)
 {
     struct look *look = request->state;
     char path[ORL_PATH_MAX];
@@ -67,7 +69,7 @@ static void look_at_bsdf(struct orl_request *request)
     look->rc = orl_ask_polar(&look->check.asking, path, &look->from, &look->text, &look->err);
 }
 
-static void check_bsdf(struct orl_request *request)
+static void check_scene_bsdf(struct orl_request *request)
 {
     struct look *look = request->state;
     char path[ORL_PATH_MAX];
@@ -80,9 +82,9 @@ static void check_bsdf(struct orl_request *request)
 
 /* ---- On the loop ---------------------------------------------------------------------------- */
 
-/* Is it there? err is set on failure alone. */
-static int find(struct orl_request *request, const struct orl_item_kind *kind, bool *ret_found,
-                struct orl_error *err)
+/* Looks the object up. err is set on failure only. */
+static int find_object(struct orl_request *request, const struct orl_item_kind *kind,
+                       bool *ret_found, struct orl_error *err)
 {
     struct orl_stored_item item = {.summary = NULL};
     const int rc = kind->find(&request->server->db, request->params[0], &item, ret_found, err);
@@ -93,8 +95,9 @@ static int find(struct orl_request *request, const struct orl_item_kind *kind, b
     return orl_scene_bsdf_find(&request->server->db, request->params[0], &bsdf, ret_found, err);
 }
 
-/* What was good once and now is not has been damaged, or a fault is ours: nobody else's. */
-static void blame_us(struct orl_error *err)
+/* Turns an error into ORL_ERR_CORRUPT. The stored object was valid once, so it is damaged, or the
+ * daemon has a fault; the client has none. */
+static void mark_corrupt(struct orl_error *err)
 {
     if (err->code != ORL_ERR_LIMIT && err->code != ORL_ERR_NOMEM && err->code != ORL_ERR_IO)
         err->code = ORL_ERR_CORRUPT;
@@ -107,24 +110,24 @@ static void reply_look(struct orl_request *request)
         return;
     if (look->rc) {
         bool found = true;
-        blame_us(&look->err);
-        if (find(request, look->kind, &found, &look->err) == 0 && !found)
-            orl_reply_not_found(request, look->kind->name); /* it has gone meanwhile */
+        mark_corrupt(&look->err);
+        if (find_object(request, look->kind, &found, &look->err) == 0 && !found)
+            orl_reply_not_found(request, look->kind->name); /* it was removed meanwhile */
         else
             orl_reply_error(request, &look->err);
         return;
     }
-    /* The thing is its digest: it stays as it is. */
+    /* The id is a digest, so the content never changes. */
     orl_reply_json_text(request, 200, look->text, strlen(look->text));
     orl_reply_header(request, "Cache-Control", "private, max-age=86400");
 }
 
-/* NULL: it has been replied to, since there is no such thing. */
-static struct look *begin(struct orl_request *request, const struct orl_item_kind *kind)
+/* Makes the request's state. Returns NULL after a reply: the object does not exist, or an error. */
+static struct look *make_look(struct orl_request *request, const struct orl_item_kind *kind)
 {
     struct orl_error err;
     bool found = false;
-    if (find(request, kind, &found, &err)) {
+    if (find_object(request, kind, &found, &err)) {
         orl_reply_error(request, &err);
         return NULL;
     }
@@ -143,9 +146,9 @@ static struct look *begin(struct orl_request *request, const struct orl_item_kin
     return look;
 }
 
-/* False: it has been replied to, since the argument is no such number. */
-static bool take_number(struct orl_request *request, const char *name, double low, double high,
-                        double *number)
+/* Reads a number from an argument, if given. Returns false after a reply: it is invalid. */
+static bool read_argument(struct orl_request *request, const char *name, double low, double high,
+                          double *number)
 {
     const char *text = orl_request_query(request, name);
     if (!text || orl_query_number(text, low, high, number))
@@ -155,9 +158,9 @@ static bool take_number(struct orl_request *request, const char *name, double lo
     return false;
 }
 
-/* Of the request's BSDF, which stays while it is looked at. */
-static void begin_bsdf(struct orl_request *request, void (*work)(struct orl_request *request),
-                       void (*done)(struct orl_request *request))
+/* Claims the request's BSDF while it is read, and starts its check. */
+static void start_bsdf_check(struct orl_request *request, void (*work)(struct orl_request *request),
+                             void (*done)(struct orl_request *request))
 {
     struct orl_server *server = request->server;
     struct look *look = request->state;
@@ -173,23 +176,23 @@ static void begin_bsdf(struct orl_request *request, void (*work)(struct orl_requ
 void orl_handle_scene_outline(struct orl_request *request)
 {
     struct orl_server *server = request->server;
-    struct look *look = begin(request, &orl_item_scene);
+    struct look *look = make_look(request, &orl_item_scene);
     if (!look)
         return;
     look->height = NAN;
-    if (!take_number(request, "height", -highest, highest, &look->height))
+    if (!read_argument(request, "height", -highest, highest, &look->height))
         return;
     if (orl_scene_files(&server->db, &server->folders, request->params[0], &look->scene,
                         &look->err) ||
         orl_blobs_claim_files(server->blobs, &look->scene, &look->claims, &look->err))
         orl_reply_error(request, &look->err);
     else
-        orl_check_begin(&server->checks, &look->check, request, look_at_scene, reply_look);
+        orl_check_begin(&server->checks, &look->check, request, make_floor_plan, reply_look);
 }
 
 void orl_handle_bsdf_polar(struct orl_request *request)
 {
-    struct look *look = begin(request, &orl_item_bsdf);
+    struct look *look = make_look(request, &orl_item_bsdf);
     if (!look)
         return;
     const char *from = orl_request_query(request, "from");
@@ -199,13 +202,13 @@ void orl_handle_bsdf_polar(struct orl_request *request)
         return;
     }
     look->from.front = !from || strcmp(from, "front") == 0;
-    if (!take_number(request, "theta_deg", 0, most_theta_deg, &look->from.theta_deg) ||
-        !take_number(request, "phi_deg", 0, most_phi_deg, &look->from.phi_deg))
+    if (!read_argument(request, "theta_deg", 0, most_theta_deg, &look->from.theta_deg) ||
+        !read_argument(request, "phi_deg", 0, most_phi_deg, &look->from.phi_deg))
         return;
-    begin_bsdf(request, look_at_bsdf, reply_look);
+    start_bsdf_check(request, make_polar, reply_look);
 }
 
-/* A scene may have XML files that are none. */
+/* Replies for a BSDF of a scene. A scene may contain XML files that are not BSDFs. */
 static void reply_bsdf(struct orl_request *request)
 {
     struct look *look = request->state;
@@ -244,9 +247,9 @@ void orl_handle_bsdf_get(struct orl_request *request)
     }
     if (orl_reply_if_none_match(request, request->params[0]))
         return;
-    struct look *look = begin(request, &orl_item_bsdf);
+    struct look *look = make_look(request, &orl_item_bsdf);
     if (look) {
         look->of_scene = of_scene;
-        begin_bsdf(request, check_bsdf, reply_bsdf);
+        start_bsdf_check(request, check_scene_bsdf, reply_bsdf);
     }
 }

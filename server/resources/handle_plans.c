@@ -1,6 +1,6 @@
 /*
- * POST /v1/plans: what a render job would simulate, and why, without rendering it. Made in a child
- * (checks/child_plan.h), as uploads are checked; nothing is kept of it.
+ * POST /v1/plans: the plan of a render job, with reasons, without rendering it. A child makes it
+ * (checks/child_plan.h), like checks of uploads; nothing is stored.
  */
 #include "resources/handlers.h"
 
@@ -21,7 +21,7 @@
 struct plan_post {
     struct orl_job_brief brief;
     struct orl_bundle scene;
-    struct orl_blob_claims claims; /* on its files */
+    struct orl_blob_claims claims; /* claims on the scene's files */
     struct orl_check check;
     char *text; /* the answer */
     int rc;
@@ -49,18 +49,18 @@ static void read_document(struct orl_request *request)
         post->rc = orl_job_brief_read(&body, &post->brief, &post->err);
 }
 
-/* A large one, in a child. */
+/* Reads a large document in a child. */
 static void check_document(struct orl_request *request)
 {
     struct plan_post *post = request->state;
     const char *path = NULL;
-    orl_job_brief_done(&post->brief); /* of an attempt before */
+    orl_job_brief_done(&post->brief); /* left by an earlier attempt */
     post->rc = orl_body_file(&request->body, &request->server->folders, &path, &post->err);
     if (post->rc == 0)
         post->rc = orl_ask_job(&post->check.asking, path, &post->brief, &post->err);
 }
 
-/* In place of the work that the child tells of: where such a job runs. */
+/* Replaces the work that the child estimated by the place where such a job would run. */
 static int add_runner(const struct orl_server *server, struct plan_post *post)
 {
     json_t *doc = json_loads(post->text, 0, NULL);
@@ -96,7 +96,7 @@ static void make_plan(struct orl_request *request)
 
 /* ---- On the loop ---------------------------------------------------------------------------- */
 
-/* The scene must be here, with what the document names of it. */
+/* Checks that the scene is stored, with the files that the document names. */
 static int find_scene(struct orl_request *request, struct plan_post *post)
 {
     struct orl_server *server = request->server;
@@ -125,7 +125,7 @@ static void plan_made(struct orl_request *request)
     orl_reply_header(request, "Cache-Control", "no-store");
 }
 
-static void look_up(struct orl_request *request)
+static void start_plan(struct orl_request *request)
 {
     struct plan_post *post = request->state;
     if (post->rc == 0)
@@ -136,11 +136,11 @@ static void look_up(struct orl_request *request)
         orl_check_begin(&request->server->checks, &post->check, request, make_plan, plan_made);
 }
 
-static void look_up_checked(struct orl_request *request)
+static void start_plan_after_check(struct orl_request *request)
 {
     struct plan_post *post = request->state;
     if (orl_check_ended(&post->check, &post->rc, &post->err))
-        look_up(request);
+        start_plan(request);
 }
 
 void orl_handle_plan_post(struct orl_request *request)
@@ -153,8 +153,8 @@ void orl_handle_plan_post(struct orl_request *request)
     request->state = post;
     request->free_state = plan_post_free;
     if (request->body.size <= ORL_SERVER_SMALL_JSON)
-        orl_request_work(request, read_document, look_up);
+        orl_request_work(request, read_document, start_plan);
     else
         orl_check_begin(&request->server->checks, &post->check, request, check_document,
-                        look_up_checked);
+                        start_plan_after_check);
 }

@@ -36,15 +36,15 @@ static const char *type_of(const char *name)
 
 enum { TAG_MAX = 2 * ORL_PARAM_MAX };
 
-/* What a request for results may be given. */
+/* The results that a request may read. */
 struct shown {
     const struct orl_jobs_job *job;
     bool running;              /* they change with every round */
     json_t *summary;           /* job_output.h; owned */
-    char folder[ORL_PATH_MAX]; /* where they are */
+    char folder[ORL_PATH_MAX]; /* folder of the files */
 };
 
-/* The summary's entry of that name; NULL: none. Nothing else is ever opened. */
+/* Returns the summary's entry of that name; NULL: none. Only listed files are ever opened. */
 static const json_t *find_listed(const struct shown *shown, const char *name)
 {
     const json_t *entry;
@@ -58,7 +58,7 @@ static const json_t *find_listed(const struct shown *shown, const char *name)
     return NULL;
 }
 
-/* A job that ends at this moment has moved its results to where they stay. */
+/* Opens a file. A job that has just ended has moved its files to results/. */
 static int open_file(struct orl_request *request, const struct shown *shown, const char *name)
 {
     char path[ORL_PATH_MAX];
@@ -70,8 +70,8 @@ static int open_file(struct orl_request *request, const struct shown *shown, con
     return orl_open_regular(path, O_RDONLY | O_NOFOLLOW);
 }
 
-/* The digest of the bytes. Of jobs of before there were any, the job and the name: results never
- * change once the job has succeeded. */
+/* Writes the tag: the digest of the bytes. Results from before digests existed have the job and the
+ * name; they never change once the job has succeeded. */
 static void make_tag(const struct shown *shown, const json_t *entry, char ret_tag[TAG_MAX])
 {
     const char *sha = json_string_value(json_object_get(entry, "sha256"));
@@ -82,15 +82,15 @@ static void make_tag(const struct shown *shown, const json_t *entry, char ret_ta
                  json_string_value(json_object_get(entry, "name")));
 }
 
-/* ---- A file that is final ------------------------------------------------------------------- */
+/* ---- Final files ---------------------------------------------------------------------------- */
 
-/* On its way out; the descriptor is closed with it, unless the answer has taken it. */
+/* A file being sent. The descriptor is closed with it, unless the reply has taken it. */
 struct final_file {
     int fd;
     struct stat st;
     char sha[ORL_SHA_HEX], tag[TAG_MAX];
     const char *type;
-    uint64_t commit; /* the job's end, which must be on disk before its results go out */
+    uint64_t commit; /* commit of the job's end, waited for before its results are sent */
     int rc;
     struct orl_error err;
 };
@@ -111,14 +111,14 @@ static void send_final(struct orl_request *request, struct final_file *file)
     orl_reply_when_commit_is_safe(request, file->commit);
 }
 
-/* On the pool. */
-static void verify(struct orl_request *request)
+/* Verifies the file on the pool. */
+static void verify_file(struct orl_request *request)
 {
     struct final_file *file = request->state;
     file->rc = orl_verify_file(file->fd, file->sha, &file->err);
 }
 
-static void verified(struct orl_request *request)
+static void send_verified(struct orl_request *request)
 {
     struct final_file *file = request->state;
     if (file->rc) {
@@ -131,7 +131,8 @@ static void verified(struct orl_request *request)
     send_final(request, file);
 }
 
-/* Takes the descriptor. A file without a digest, written by an older version, is not verified. */
+/* Replies with a final file. Takes ownership of the descriptor. A file without a digest, written by
+ * an older version, is not verified. */
 static void reply_final(struct orl_request *request, const struct orl_jobs_job *job, int fd,
                         const struct stat *st, const json_t *entry, const char *tag)
 {
@@ -155,12 +156,12 @@ static void reply_final(struct orl_request *request, const struct orl_jobs_job *
     if (!sha || orl_verified_has(&request->server->verified, st))
         send_final(request, file);
     else
-        orl_request_work(request, verify, verified);
+        orl_request_work(request, verify_file, send_verified);
 }
 
-/* ---- Whatever is asked for ------------------------------------------------------------------ */
+/* ---- All results ---------------------------------------------------------------------------- */
 
-/* 409: nothing, or not that yet. */
+/* Replies 409: there are no results, or not these yet. */
 static void refuse_for_now(struct orl_request *request, const struct orl_jobs_job *job)
 {
     const enum orl_job_state state = job->row.state;
@@ -184,7 +185,7 @@ static void send_file(struct orl_request *request, const struct shown *shown, co
     if (!shown->running && orl_reply_if_none_match(request, tag))
         return;
     const int fd = open_file(request, shown, name);
-    if (fd < 0 && errno == ENOENT && shown->running) { /* a cancelled one's go when it stops */
+    if (fd < 0 && errno == ENOENT && shown->running) { /* a cancelled job has removed its files */
         refuse_for_now(request, shown->job);
         return;
     }
@@ -204,8 +205,8 @@ static void send_file(struct orl_request *request, const struct shown *shown, co
     }
 }
 
-/* 410: they were here, and are not any more. */
-static void tell_evicted(struct orl_request *request, const struct orl_jobs_job *job)
+/* Replies 410: the results have been evicted. */
+static void reply_evicted(struct orl_request *request, const struct orl_jobs_job *job)
 {
     char when[ORL_TIME_TEXT];
     orl_time_format(job->row.evicted_ms, when);
@@ -215,7 +216,7 @@ static void tell_evicted(struct orl_request *request, const struct orl_jobs_job 
                       when);
 }
 
-/* The summary of what the job has to show, as text that is the caller's; NULL: nothing. */
+/* Returns the summary of the job's results as text that the caller owns; NULL: no results. */
 static char *find_summary(struct orl_request *request, struct shown *shown)
 {
     const struct orl_jobs_job *job = shown->job;
@@ -227,8 +228,8 @@ static char *find_summary(struct orl_request *request, struct shown *shown)
     return job->row.state != ORL_JOB_FAILED && job->outcome ? strdup(job->outcome) : NULL;
 }
 
-/* False after a 404 or 409. A job has results when it has succeeded, after its first round or view,
- * and cancelled when some of its skies were done. */
+/* Finds the job's results. Returns false after a 404, 409 or 503. A job has results after its first
+ * round or view, when it has succeeded, and when it was cancelled with some skies finished. */
 static bool find_results(struct orl_request *request, struct shown *ret_shown)
 {
     struct shown shown = {.job = orl_job_of_path(request)};
@@ -255,7 +256,7 @@ static void send_results(struct orl_request *request, const char *name)
         return;
     const json_t *entry = find_listed(&shown, name);
     if (entry && !shown.running && shown.job->row.evicted_ms > 0)
-        tell_evicted(request, shown.job);
+        reply_evicted(request, shown.job);
     else if (entry)
         send_file(request, &shown, entry);
     else if (shown.running && strcmp(name, "result.json") == 0)

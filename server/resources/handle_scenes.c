@@ -11,12 +11,12 @@
 #include "server.h"
 #include "uploads/unzip.h"
 
-/* A request's scene, between the loop and the pool. */
+/* A scene being uploaded, shared by the loop and the pool. */
 struct scene_post {
     struct orl_scene_upload upload;
     struct orl_blobs *blobs;
     struct orl_check check;
-    size_t claimed; /* of the upload's files, the first */
+    size_t claimed; /* number of files claimed, from the first */
     int rc;
     struct orl_error err;
 };
@@ -32,7 +32,7 @@ static void scene_post_free(void *state)
 
 /* ---- On the pool ---------------------------------------------------------------------------- */
 
-/* Every argument of the query: main files, or what is chosen of a project. */
+/* Reads an argument of the query: a main file, or a choice of a project. */
 static enum MHD_Result add_main(void *ctx, enum MHD_ValueKind kind, const char *key,
                                 const char *value)
 {
@@ -47,7 +47,7 @@ static enum MHD_Result add_main(void *ctx, enum MHD_ValueKind kind, const char *
     return post->rc ? MHD_NO : MHD_YES;
 }
 
-static void take_apart(struct orl_request *request)
+static void split_upload(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     const struct orl_folders held = orl_request_folders(request), *folders = &held;
@@ -55,7 +55,7 @@ static void take_apart(struct orl_request *request)
     struct orl_asking *asking = &post->check.asking;
     struct orl_file body;
     const char *path = NULL;
-    orl_scene_upload_done(&post->upload); /* of an attempt before */
+    orl_scene_upload_done(&post->upload); /* left by an earlier attempt */
     const bool parts = type && strncasecmp(type, "multipart/", 10) == 0;
     post->rc = parts ? orl_body_view(&request->body, folders, &body, &post->err)
                      : orl_body_file(&request->body, folders, &path, &post->err);
@@ -99,7 +99,8 @@ static void insert_and_reply(struct orl_request *request)
     orl_reply_when_safe(request);
 }
 
-/* No file of it may go from now on. One that came before, a BSDF, may have gone until now. */
+/* Claims all files, so that none is removed from now on. A BSDF that was uploaded earlier may have
+ * been removed before. */
 static int claim_files(const struct orl_folders *folders, struct scene_post *post)
 {
     const struct orl_bundle *bundle = &post->upload.bundle;
@@ -119,7 +120,7 @@ static int claim_files(const struct orl_folders *folders, struct scene_post *pos
     return 0;
 }
 
-/* What keeping it would take, beside what is here. */
+/* Returns the bytes of the files that are not stored yet. */
 static uint64_t count_new_bytes(const struct orl_folders *folders, const struct orl_bundle *bundle)
 {
     uint64_t bytes = 0;
@@ -128,7 +129,7 @@ static uint64_t count_new_bytes(const struct orl_folders *folders, const struct 
     return bytes;
 }
 
-/* Of files that are claimed. */
+/* Starts the check of files that are claimed. */
 static void begin_check(struct orl_request *request)
 {
     struct scene_post *post = request->state;
@@ -138,8 +139,8 @@ static void begin_check(struct orl_request *request)
                         insert_and_reply);
 }
 
-/* Whether the scene is known. */
-static void is_here(struct orl_request *request, bool *ret_found)
+/* Looks the scene up. *ret_found is true if it is stored. */
+static void find_stored_scene(struct orl_request *request, bool *ret_found)
 {
     struct scene_post *post = request->state;
     struct orl_stored_item item;
@@ -149,46 +150,46 @@ static void is_here(struct orl_request *request, bool *ret_found)
         free(item.summary);
 }
 
-/* Files of a scene that is known: they mend those that are damaged in the store, no more. */
-static void keep_again(struct orl_request *request)
+/* Stores the files of a known scene again, which only repairs damage in the store. */
+static void store_files_again(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     post->rc = orl_scene_upload_keep(&post->upload, &request->server->folders, &post->err);
 }
 
-/* Where it was removed meanwhile it comes as a new one. */
+/* Replies for a known scene. If it was removed meanwhile, it is checked as a new one. */
 static void reply_known(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     bool created = false, found = false;
     if (post->rc == 0)
-        is_here(request, &found);
+        find_stored_scene(request, &found);
     if (post->rc) {
         orl_reply_error(request, &post->err);
     } else if (!found) {
         begin_check(request);
     } else {
         orl_reply_stored_item(request, &orl_item_scene, post->upload.id, 200, &created);
-        orl_reply_when_safe(request); /* one that comes at once may have brought it this moment */
+        orl_reply_when_safe(request); /* a concurrent upload may have written the row just now */
     }
 }
 
-/* A scene that is here already is not checked again. */
-static void look_up(struct orl_request *request)
+/* Looks the scene up. A scene that is stored already is not checked again. */
+static void look_up_scene(struct orl_request *request)
 {
     struct scene_post *post = request->state;
     bool found = false;
     if (!orl_check_ended(&post->check, &post->rc, &post->err))
         return;
     if (post->rc == 0)
-        is_here(request, &found);
+        find_stored_scene(request, &found);
     post->blobs = request->server->blobs;
     if (post->rc == 0)
         post->rc = claim_files(&request->server->folders, post);
     if (post->rc)
         orl_reply_error(request, &post->err);
     else if (found)
-        orl_request_work(request, keep_again, reply_known);
+        orl_request_work(request, store_files_again, reply_known);
     else
         begin_check(request);
 }
@@ -202,7 +203,7 @@ void orl_handle_scene_post(struct orl_request *request)
     }
     request->state = post;
     request->free_state = scene_post_free;
-    orl_check_begin(&request->server->checks, &post->check, request, take_apart, look_up);
+    orl_check_begin(&request->server->checks, &post->check, request, split_upload, look_up_scene);
 }
 
 void orl_handle_scene_get(struct orl_request *request)

@@ -26,7 +26,7 @@ void orl_handle_index(struct orl_request *request)
     orl_reply_header(request, "Vary", "Accept");
 }
 
-/* Alive: the loop turns. */
+/* Liveness: the loop runs. */
 void orl_handle_health(struct orl_request *request)
 {
     const struct orl_server *server = request->server;
@@ -37,8 +37,8 @@ void orl_handle_health(struct orl_request *request)
     orl_reply_header(request, "Cache-Control", "no-store");
 }
 
-/* Ready: it takes jobs, has a disk to keep them on, and the pool, without which there is none,
- * answers. A stopping daemon is answered for before any handler (request.c). */
+/* Readiness: the daemon accepts jobs, the disk has space for them, and the pool, which runs them,
+ * responds. Requests to a stopping daemon are refused before any handler (serve.c). */
 void orl_handle_ready(struct orl_request *request)
 {
     const struct orl_jobs *jobs = request->server->jobs;

@@ -1,4 +1,4 @@
-/* /v1/session: a browser signs in with a token, asks whether it is, and signs out. */
+/* /v1/session: signs a browser in with a token, reports its session, and signs it out. */
 #include "resources/handlers.h"
 
 #include <jansson.h>
@@ -47,7 +47,7 @@ void orl_handle_session_post(struct orl_request *request)
                           "this daemon asks for no tokens");
         return;
     }
-    /* A cookie does not beget another: who has stolen one has it for its time, no longer. */
+    /* A session may not create another one, so a stolen cookie is valid for its own time only. */
     if (!orl_request_header(request, MHD_HTTP_HEADER_AUTHORIZATION)) {
         orl_access_refuse(request, false);
         return;

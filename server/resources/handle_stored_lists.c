@@ -1,4 +1,4 @@
-/* GET /v1/scenes and GET /v1/bsdfs: what is stored, by whom it is used, and when it was last. */
+/* GET /v1/scenes and GET /v1/bsdfs: stored objects, their uses, and when they were last used. */
 #include "resources/handlers.h"
 
 #include <jansson.h>
@@ -17,12 +17,13 @@
 struct list {
     json_t *items; /* NULL: out of memory */
     unsigned long limit;
-    const char *scene; /* of BSDFs: whose; NULL: all */
+    const char *scene; /* lists the BSDFs of this scene; NULL: all */
     bool more;
-    struct orl_stored_place last; /* of those in it */
+    struct orl_stored_place last; /* place of the last item in it */
 };
 
-/* "1711107000123-<64 digits>", as its link has it; absent: the first page. False after a 400. */
+/* Reads a cursor, "1711107000123-<64 digits>"; if absent, the first page. Returns false after a
+ * 400. */
 static bool read_cursor(struct orl_request *request, struct orl_stored_place *ret_place)
 {
     const char *cursor = orl_request_query(request, "cursor");
@@ -37,8 +38,9 @@ static bool read_cursor(struct orl_request *request, struct orl_stored_place *re
     return true;
 }
 
-/* Takes item; one more than may be shown says that there are others. */
-static int add(struct list *list, json_t *item, const struct orl_stored_place *place)
+/* Appends an item, and takes ownership of it. An item beyond the limit only shows that there are
+ * more. */
+static int add_item(struct list *list, json_t *item, const struct orl_stored_place *place)
 {
     if (json_array_size(list->items) == list->limit) {
         list->more = true;
@@ -58,15 +60,15 @@ static int add_scene(void *ctx, const struct orl_listed_scene *scene)
     char created[ORL_TIME_TEXT], used[ORL_TIME_TEXT];
     orl_time_format(scene->place.created_ms, created);
     orl_time_format(scene->last_used_ms, used);
-    return add(ctx,
-               json_pack("{s:s, s:s, s:I, s:s, s:I, s:I}", "id", scene->place.id, "created_at",
-                         created, "bytes", (json_int_t)scene->bytes, "last_used", used,
-                         "jobs_under_way", (json_int_t)scene->jobs_under_way, "jobs",
-                         (json_int_t)scene->all_jobs),
-               &scene->place);
+    return add_item(ctx,
+                    json_pack("{s:s, s:s, s:I, s:s, s:I, s:I}", "id", scene->place.id, "created_at",
+                              created, "bytes", (json_int_t)scene->bytes, "last_used", used,
+                              "jobs_under_way", (json_int_t)scene->jobs_under_way, "jobs",
+                              (json_int_t)scene->all_jobs),
+                    &scene->place);
 }
 
-/* Ids with commas between them. */
+/* Returns the ids of a list separated by commas. */
 static json_t *split_ids(const char *ids)
 {
     json_t *list = json_array();
@@ -86,13 +88,13 @@ static int add_bsdf(void *ctx, const struct orl_listed_bsdf *bsdf)
     char created[ORL_TIME_TEXT], used[ORL_TIME_TEXT];
     orl_time_format(bsdf->place.created_ms, created);
     orl_time_format(bsdf->last_used_ms, used);
-    return add(ctx,
-               json_pack("{s:s, s:o, s:s, s:b, s:I, s:s, s:I, s:o}", "id", bsdf->place.id, "name",
-                         orl_json_from_text(bsdf->name), "created_at", created, "by_itself",
-                         bsdf->by_itself, "bytes", (json_int_t)bsdf->bytes, "last_used", used,
-                         "scene_count", (json_int_t)bsdf->n_scenes, "scenes",
-                         split_ids(bsdf->scenes)),
-               &bsdf->place);
+    return add_item(ctx,
+                    json_pack("{s:s, s:o, s:s, s:b, s:I, s:s, s:I, s:o}", "id", bsdf->place.id,
+                              "name", orl_json_from_text(bsdf->name), "created_at", created,
+                              "by_itself", bsdf->by_itself, "bytes", (json_int_t)bsdf->bytes,
+                              "last_used", used, "scene_count", (json_int_t)bsdf->n_scenes,
+                              "scenes", split_ids(bsdf->scenes)),
+                    &bsdf->place);
 }
 
 static int read_scenes(struct orl_db *db, const struct orl_stored_place *behind, struct list *list,
@@ -113,7 +115,8 @@ struct kind {
                 struct orl_error *err);
 };
 
-static void reply(struct orl_request *request, const struct list *list, const struct kind *kind)
+static void reply_items(struct orl_request *request, const struct list *list,
+                        const struct kind *kind)
 {
     static const char *const kept[] = {"limit", "scene", NULL};
     char cursor[ORL_SHA_HEX + 24];
@@ -139,7 +142,7 @@ static void reply_list(struct orl_request *request, const struct kind *kind, con
         json_decref(list.items);
         orl_reply_error(request, &err);
     } else {
-        reply(request, &list, kind);
+        reply_items(request, &list, kind);
     }
 }
 

@@ -7,7 +7,7 @@
 
 #include "http/request.h"
 
-/* handle_service.c: what the daemon is and how it fares */
+/* handle_service.c: the daemon's index, state, limits and contract */
 void orl_handle_index(struct orl_request *request);
 void orl_handle_health(struct orl_request *request);
 void orl_handle_ready(struct orl_request *request);
@@ -15,12 +15,12 @@ void orl_handle_metrics(struct orl_request *request); /* handle_metrics.c */
 void orl_handle_openapi(struct orl_request *request);
 void orl_handle_limits(struct orl_request *request);
 
-/* handle_dashboard.c: does the client want the page rather than the index? Then it gets that */
+/* handle_dashboard.c: is_wanted returns true if the client prefers the page to the index */
 bool orl_dashboard_is_wanted(const struct orl_request *request);
 void orl_dashboard_reply(struct orl_request *request);
 void orl_handle_dashboard_file(struct orl_request *request);
 
-/* handle_scenes.c, handle_bsdfs.c: uploads; handle_stored_lists.c: all of them */
+/* handle_scenes.c, handle_bsdfs.c: uploads; handle_stored_lists.c: lists of them */
 void orl_handle_scene_list(struct orl_request *request);
 void orl_handle_bsdf_list(struct orl_request *request);
 void orl_handle_scene_post(struct orl_request *request);
@@ -30,11 +30,11 @@ void orl_handle_bsdf_post(struct orl_request *request);
 void orl_handle_bsdf_get(struct orl_request *request);
 void orl_handle_bsdf_delete(struct orl_request *request);
 
-/* handle_looks.c: a scene's floor plan, where a BSDF sends light */
+/* handle_looks.c: previews: a scene's floor plan, directions of light from a BSDF */
 void orl_handle_scene_outline(struct orl_request *request);
 void orl_handle_bsdf_polar(struct orl_request *request);
 
-/* handle_jobs.c: submitting, watching, cancelling, removing; handle_results.c: what came of them */
+/* handle_jobs.c: submitting, status, cancelling, removing; handle_results.c: results */
 void orl_handle_job_post(struct orl_request *request);
 void orl_handle_job_list(struct orl_request *request);
 void orl_handle_job_get(struct orl_request *request);
@@ -43,19 +43,19 @@ void orl_handle_job_delete(struct orl_request *request);
 void orl_handle_job_result(struct orl_request *request);
 void orl_handle_job_file(struct orl_request *request);
 
-/* handle_document.c: what was asked for */
+/* handle_document.c: the job's document */
 void orl_handle_job_document(struct orl_request *request);
 
 /* handle_plans.c */
 void orl_handle_plan_post(struct orl_request *request);
 
-/* handle_session.c, handle_links.c: for browsers, which send no tokens */
+/* handle_session.c, handle_links.c: for browsers, which do not send tokens */
 void orl_handle_session_get(struct orl_request *request);
 void orl_handle_session_post(struct orl_request *request);
 void orl_handle_session_delete(struct orl_request *request);
 void orl_handle_job_links(struct orl_request *request);
 
-/* handle_events.c: a job's state, as it changes */
+/* handle_events.c: changes of jobs' states */
 void orl_handle_job_events(struct orl_request *request);
 void orl_handle_all_events(struct orl_request *request);
 

@@ -18,7 +18,7 @@ struct event {
     uint64_t serial;
     char job[ORL_JOB_ID];
     char *tags;                  /* labels_json.h; NULL: none */
-    char seen[ORL_JOB_EVENT_ID]; /* what it shows, while the job runs */
+    char seen[ORL_JOB_EVENT_ID]; /* the id of its contents while the job runs */
     struct orl_event_text *text;
     struct event *older, *newer;
 };
@@ -27,16 +27,16 @@ struct stream {
     struct orl_event_stream base;
     struct orl_hub *hub;
     struct orl_hub_filter filter;
-    uint64_t serial; /* of the last event begun or passed over */
+    uint64_t serial; /* last event begun or skipped */
     bool reset;
 };
 
 struct orl_hub {
     struct orl_event_source source;
-    char start[17]; /* told apart from others by it */
+    char start[17]; /* random; identifies this run of the daemon */
     struct event *oldest, *newest;
     size_t count, bytes;
-    uint64_t serial, let_go; /* of the newest there was; of the newest that is kept no more */
+    uint64_t serial, let_go; /* newest event so far; newest dropped event */
 };
 
 /* ---- Events --------------------------------------------------------------------------------- */
@@ -62,7 +62,7 @@ static void free_event(struct event *event)
     free(event);
 }
 
-static void append(struct orl_hub *hub, struct event *event)
+static void append_event(struct orl_hub *hub, struct event *event)
 {
     event->older = hub->newest;
     event->newer = NULL;
@@ -75,8 +75,8 @@ static void append(struct orl_hub *hub, struct event *event)
     hub->bytes += event->text ? event->text->size : 0;
 }
 
-/* Never the newest. */
-static void bound(struct orl_hub *hub)
+/* Drops the oldest events until the limits hold. Keeps the newest. */
+static void drop_oldest_events(struct orl_hub *hub)
 {
     struct event *event = hub->oldest;
     while (event && event->newer &&
@@ -89,7 +89,7 @@ static void bound(struct orl_hub *hub)
     }
 }
 
-static struct event *find(const struct orl_hub *hub, const char *job)
+static struct event *find_event(const struct orl_hub *hub, const char *job)
 {
     struct event *event = hub->newest;
     while (event && strcmp(event->job, job) != 0)
@@ -97,10 +97,10 @@ static struct event *find(const struct orl_hub *hub, const char *job)
     return event;
 }
 
-/* The job's event, out of the order; NULL when out of memory. */
+/* Returns the job's event, taken out of the list; NULL when out of memory. */
 static struct event *take_event(struct orl_hub *hub, const struct orl_jobs_job *job)
 {
-    struct event *event = find(hub, job->row.id);
+    struct event *event = find_event(hub, job->row.id);
     if (event) {
         unlink_event(hub, event);
         return event;
@@ -122,9 +122,10 @@ static void name_event(const struct orl_hub *hub, uint64_t serial, char ret_id[I
     snprintf(ret_id, ID, "%s-%llu", hub->start, (unsigned long long)serial);
 }
 
-/* Takes data. Whoever has no memory for it is told to ask anew. */
-static void note(struct orl_hub *hub, const struct orl_jobs_job *job, const char *name,
-                 json_t *data)
+/* Records an event. Takes ownership of data. Without memory, the streams that miss it are cut off,
+ * and start again with a reset. */
+static void record_event(struct orl_hub *hub, const struct orl_jobs_job *job, const char *name,
+                         json_t *data)
 {
     char id[ID];
     struct event *event = take_event(hub, job);
@@ -141,33 +142,33 @@ static void note(struct orl_hub *hub, const struct orl_jobs_job *job, const char
     event->text = text;
     event->serial = hub->serial;
     orl_job_event_id(job->jobs, job, event->seen);
-    append(hub, event);
-    bound(hub);
+    append_event(hub, event);
+    drop_oldest_events(hub);
 }
 
-/* ---- News ----------------------------------------------------------------------------------- */
+/* ---- Changes of jobs ------------------------------------------------------------------------ */
 
-static void look_at_job(void *ctx, const struct orl_jobs_job *job)
+static void check_job(void *ctx, const struct orl_jobs_job *job)
 {
     struct orl_hub *hub = ctx;
     char seen[ORL_JOB_EVENT_ID];
-    const struct event *event = find(hub, job->row.id);
+    const struct event *event = find_event(hub, job->row.id);
     orl_job_event_id(job->jobs, job, seen);
     if (!event || strcmp(event->seen, seen) != 0)
-        note(hub, job, "job", orl_job_summary(job->jobs, job));
+        record_event(hub, job, "job", orl_job_summary(job->jobs, job));
 }
 
-static void look(struct orl_event_source *source)
+static void check_running_jobs(struct orl_event_source *source)
 {
     if (source->server->jobs)
-        orl_jobs_running(source->server->jobs, look_at_job, source);
+        orl_jobs_running(source->server->jobs, check_job, source);
 }
 
 void orl_hub_changed(struct orl_hub *hub, const struct orl_jobs_job *job)
 {
     if (!hub)
         return;
-    note(hub, job, "job", orl_job_summary(job->jobs, job));
+    record_event(hub, job, "job", orl_job_summary(job->jobs, job));
     orl_event_source_wake(&hub->source);
 }
 
@@ -175,7 +176,7 @@ void orl_hub_forget(struct orl_hub *hub, const struct orl_jobs_job *job)
 {
     if (!hub)
         return;
-    note(hub, job, "removed", json_pack("{s:s}", "id", job->row.id));
+    record_event(hub, job, "removed", json_pack("{s:s}", "id", job->row.id));
     orl_event_source_wake(&hub->source);
 }
 
@@ -191,8 +192,7 @@ static bool is_wanted(const struct orl_hub_filter *filter, const struct event *e
     return wanted;
 }
 
-/* The first event behind the stream's place that it wants; NULL: none. Those before are passed
- * over. */
+/* Returns the next event that the stream wants; NULL: none. Skips the events before it. */
 static const struct event *next_event(struct stream *stream)
 {
     const struct event *event = stream->hub->newest;
@@ -214,7 +214,7 @@ static bool has_news(const struct orl_event_stream *base)
     return stream->reset || stream->serial != stream->hub->serial;
 }
 
-/* One that has yet to read what is kept no more is left behind, and ends. */
+/* Returns the next text. A stream whose unread events were dropped ends. */
 static bool next_text(struct orl_event_stream *base, struct orl_event_text **ret_text)
 {
     struct stream *stream = (struct stream *)base;
@@ -241,7 +241,7 @@ static void free_stream(struct orl_event_stream *base)
     free((struct stream *)base);
 }
 
-/* Where a client is that has seen last_id; false: that is not known here. */
+/* Returns the place of a client that has seen last_id. False: it is not known here. */
 static bool find_place(const struct orl_hub *hub, const char *last_id, uint64_t *ret_serial)
 {
     const size_t head = strlen(hub->start);
@@ -278,7 +278,8 @@ size_t orl_hub_count(const struct orl_hub *hub)
 
 int orl_hub_open(struct orl_server *server, struct orl_hub **ret_hub, struct orl_error *err)
 {
-    static const struct orl_event_calls calls = {look, has_news, next_text, free_stream};
+    static const struct orl_event_calls calls = {check_running_jobs, has_news, next_text,
+                                                 free_stream};
     unsigned char start[8];
     struct orl_hub *hub = calloc(1, sizeof *hub);
     if (!hub)

@@ -1,20 +1,19 @@
 /*
  * Events of all jobs in one stream: GET /v1/events.
  *
- *     event: job        a JobSummary (job_summary.h): it is new, or differs from the last one
+ *     event: job        a JobSummary (job_summary.h): the job is new, or has changed
  *     event: removed    {"id"}
- *     event: reset      {}: what was before is not known here, so that lists are to be asked for
- * anew
+ *     event: reset      {}: earlier events are not known here, so fetch all lists again
  *
- * Of each job the latest event is kept, up to ORL_SERVER_HUB_EVENTS of them and
- * ORL_SERVER_HUB_BYTES, in the order they came; ids are "<this daemon's start>-<serial>". A stream
- * (event_stream.h) is a place in that order: it costs a small struct whatever its reader does. One
- * that comes back with a Last-Event-ID goes on behind it; where that was another daemon's, or what
- * came since is not all kept, and with none, it begins with a reset. A reader so slow that what it
- * has yet to read is let go is cut off. A slow one misses what newer events say better.
+ * The latest event of each job is kept, in order of arrival, up to ORL_SERVER_HUB_EVENTS events and
+ * ORL_SERVER_HUB_BYTES. Ids are "<this daemon's start>-<serial>". A stream (event_stream.h) is a
+ * place in that order: it costs a small struct regardless of its reader. A stream with a
+ * Last-Event-ID continues after that event. It begins with a reset if the id is missing or another
+ * daemon's, or if later events are no longer all kept. A reader so slow that its unread events are
+ * dropped is cut off. Otherwise a slow reader misses only events that newer ones replace.
  *
- * Jobs that run are looked at while there are streams; changes of state are noted as they happen,
- * with or without.
+ * Running jobs are checked while there are streams. Changes of state are recorded as they happen,
+ * with or without streams.
  *
  * Threads: the loop thread only.
  */
@@ -27,30 +26,31 @@
 
 struct orl_hub;
 
-/* What a stream is about. */
+/* Selects the jobs of a stream. */
 enum { ORL_HUB_JOBS = 16, ORL_HUB_TAGS = 4 };
 struct orl_hub_filter {
-    char jobs[ORL_HUB_JOBS][ORL_JOB_ID]; /* any of them, by their first digits; none: all */
-    char tags[ORL_HUB_TAGS][4 * ORL_LABEL_TAG + 1]; /* all of them */
+    char jobs[ORL_HUB_JOBS][ORL_JOB_ID]; /* any of these, by their first digits; none: all jobs */
+    char tags[ORL_HUB_TAGS][4 * ORL_LABEL_TAG + 1]; /* all of these tags */
     size_t n_jobs, n_tags;
 };
 
-/* Borrows server, whose jobs and http may come later. */
+/* Opens the hub. Borrows server, whose jobs and http may be set later. */
 int orl_hub_open(struct orl_server *server, struct orl_hub **ret_hub, struct orl_error *err);
-/* Ends all streams and closes the timer with the loop's next turns. Before http stops. */
+/* Ends all streams and closes the timer in the loop's next turns. Call it before http stops. */
 void orl_hub_stop(struct orl_hub *hub); /* NULL is allowed */
-/* Once the loop has run dry and no response lives. */
+/* Frees the hub. Call it once the loop has ended and no response exists. */
 void orl_hub_free(struct orl_hub *hub);
 
-/* The job is new, or is not what it was; it is about to be removed. */
+/* changed: announces that the job is new or has changed. forget: announces that it is about to be
+ * removed. */
 void orl_hub_changed(struct orl_hub *hub, const struct orl_jobs_job *job);
 void orl_hub_forget(struct orl_hub *hub, const struct orl_jobs_job *job);
 
-/* How many streams are open. */
+/* Returns the number of open streams. */
 size_t orl_hub_count(const struct orl_hub *hub);
 
-/* A response that streams what filter wants; last_id is what the client has seen, or NULL. NULL
- * when out of memory. */
+/* Returns a response that streams the jobs of filter. last_id: the last event the client has seen,
+ * or NULL. NULL when out of memory. */
 struct MHD_Response *orl_hub_stream(struct orl_hub *hub, struct orl_request *request,
                                     const struct orl_hub_filter *filter, const char *last_id);
 

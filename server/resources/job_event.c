@@ -10,20 +10,21 @@
 #include "resources/job_status.h"
 #include "runner/runner_json.h"
 
-/* In tenths of a percent, so that a long job is not told of a thousand times a second. */
+/* The contents of an event. Progress is in tenths of a percent, so that a long job does not send a
+ * thousand events a second. */
 struct event {
     const char *stage; /* NULL: none */
-    int permille;      /* -1: not known */
+    int permille;      /* -1: unknown */
     double eta_s;
     uint32_t rounds;
     size_t views, skies;
     size_t points, position;
-    size_t n_warnings; /* so far, of one that runs */
+    size_t n_warnings; /* so far, of a running job */
     bool in_parts;
     struct orl_parts_count parts;
 };
 
-/* Those of one that has ended are in its outcome. A new reference, NULL where there are none.
+/* Returns the warnings of an ended job's outcome as a new reference, or NULL if there are none.
  * False: no memory. */
 static bool final_warnings(const struct orl_jobs_job *job, json_t **ret_warnings)
 {
@@ -33,7 +34,7 @@ static bool final_warnings(const struct orl_jobs_job *job, json_t **ret_warnings
     return outcome || !job->outcome;
 }
 
-static struct event take(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
+static struct event read_event(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
     struct event event = {.permille = -1, .eta_s = NAN};
     struct orl_job_progress progress;
@@ -63,7 +64,7 @@ static struct event take(const struct orl_jobs *jobs, const struct orl_jobs_job 
 void orl_job_event_id(const struct orl_jobs *jobs, const struct orl_jobs_job *job,
                       char ret_id[ORL_JOB_EVENT_ID])
 {
-    const struct event event = take(jobs, job);
+    const struct event event = read_event(jobs, job);
     snprintf(ret_id, ORL_JOB_EVENT_ID, "%s-%d-%s-%d-%u-%zu-%zu-%zu-%zu-%zu-%llu.%llu.%llu",
              orl_jobs_state_name(job), job->row.attempts, event.stage ? event.stage : "",
              event.permille, event.rounds, event.views, event.skies, event.points, event.n_warnings,
@@ -71,7 +72,7 @@ void orl_job_event_id(const struct orl_jobs *jobs, const struct orl_jobs_job *jo
              (unsigned long long)event.parts.running, (unsigned long long)event.parts.again);
 }
 
-/* The warnings so far, or those that it has ended with; likewise. */
+/* Returns the warnings of a running or ended job, like final_warnings. */
 static bool list_warnings(const struct orl_jobs_job *job, json_t **ret_warnings)
 {
     struct orl_job_progress progress;
@@ -84,7 +85,7 @@ static bool list_warnings(const struct orl_jobs_job *job, json_t **ret_warnings)
 
 json_t *orl_job_event(const struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
-    const struct event event = take(jobs, job);
+    const struct event event = read_event(jobs, job);
     const bool runs = job->row.state == ORL_JOB_RUNNING;
     json_t *doc =
         json_pack("{s:s, s:s, s:s?, s:o, s:o}", "id", job->row.id, "state",

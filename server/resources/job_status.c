@@ -44,7 +44,7 @@ json_t *orl_job_warnings(const struct orl_job_progress *progress)
     return warnings;
 }
 
-/* How many skies are done, and which is under way. */
+/* Adds the number of skies, the number of finished ones, and the current one. */
 static int add_skies(json_t *doc, const struct orl_job_progress *progress)
 {
     const char *sky = *progress->sky ? progress->sky : NULL;
@@ -92,7 +92,7 @@ json_t *orl_job_file_url(const char *id, const char *name)
     return json_string(url);
 }
 
-/* Where the results are that a summary lists. */
+/* Adds links to the results that a summary lists. */
 static int add_links(json_t *links, const char *id, const json_t *summary)
 {
     json_t *files = json_array();
@@ -119,11 +119,11 @@ static int add_links(json_t *links, const char *id, const json_t *summary)
     return rc | json_object_set_new(links, "result", json_string(url));
 }
 
-/* What is being run, and the points so far. */
+/* Adds the current run and the points so far. */
 static int add_study(json_t *doc, const struct orl_job_progress *progress)
 {
     const struct orl_study_step *step = &progress->step;
-    if (step->runs == 0) /* its first run has not begun */
+    if (step->runs == 0) /* its first run has not started */
         return 0;
     json_t *study = orl_study_setting_to_json(&step->setting), *points = json_array();
     int rc = points ? 0 : -1;
@@ -138,7 +138,7 @@ static int add_study(json_t *doc, const struct orl_job_progress *progress)
     return rc;
 }
 
-/* How its verdict stands, where it is to be sure. */
+/* Adds the state of the verdict, for a job that runs until its verdict is certain. */
 static int add_annual(json_t *doc, const struct orl_job_progress *progress)
 {
     const int rc = add_stage(doc, progress);
@@ -183,7 +183,7 @@ static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *jo
     return rc;
 }
 
-/* As json_object_update_missing, which does not tell when it found no memory for a member. */
+/* Works like json_object_update_missing, but also reports when there is no memory for a member. */
 static int add_missing(json_t *doc, json_t *outcome)
 {
     const char *key;
@@ -216,7 +216,7 @@ static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *j
     return rc;
 }
 
-/* What every status has, where nothing is known of it. */
+/* Adds null for members that every status has, if they are missing. */
 static int add_unknown(json_t *doc)
 {
     static const char *const names[] = {"stage", "percent", "eta_s"};

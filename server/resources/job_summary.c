@@ -6,13 +6,13 @@
 #include "jobs/job_results.h"
 #include "resources/job_status.h"
 
-/* What is known of one that runs. */
+/* The state of a running job. */
 struct running {
-    const char *stage; /* NULL: nothing */
+    const char *stage; /* NULL: unknown */
     double percent, eta_s, error;
 };
 
-static struct running look(const struct orl_jobs_job *job)
+static struct running read_progress(const struct orl_jobs_job *job)
 {
     struct running seen = {NULL, (double)NAN, (double)NAN, (double)NAN};
     struct orl_job_progress progress;
@@ -35,7 +35,7 @@ static struct running look(const struct orl_jobs_job *job)
 json_t *orl_job_summary(struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
     const struct orl_job_row *row = &job->row;
-    struct running seen = look(job);
+    struct running seen = read_progress(job);
     if (row->state > ORL_JOB_RUNNING)
         seen.error = orl_job_results_error(jobs, row->id);
     json_t *doc = json_pack(

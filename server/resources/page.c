@@ -59,7 +59,7 @@ void orl_page_link(struct orl_request *request, const char *path, const char *co
     size_t size = 0;
     struct link link = {open_memstream(&text, &size), names};
     if (!link.text)
-        return; /* the client sees "more" all the same */
+        return; /* "more" in the body still shows that there is another page */
     fprintf(link.text, "<%s?", path);
     MHD_get_connection_values(request->connection, MHD_GET_ARGUMENT_KIND, add_argument, &link);
     fprintf(link.text, "cursor=%s>; rel=\"next\"", cursor);

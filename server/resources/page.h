@@ -1,6 +1,6 @@
 /*
- * Lists that come a page at a time: what their arguments say, and the link to the next (RFC 8288).
- * Threads: the loop thread only.
+ * Paged lists: their arguments, and the link to the next page (RFC 8288). Threads: the loop thread
+ * only.
  */
 #ifndef ORL_SERVER_RESOURCES_PAGE_H
 #define ORL_SERVER_RESOURCES_PAGE_H
@@ -9,16 +9,17 @@
 
 #include "http/request.h"
 
-/* The argument limit, if there is one, of 1 to ORL_SERVER_LIST; what comes at once is fewer. False
- * after a 400. */
+/* Reads the argument limit, if given, from 1 to ORL_SERVER_LIST; an answer may have fewer items.
+ * Returns false after a 400. */
 bool orl_page_limit(struct orl_request *request, unsigned long *ret_limit);
 
-/* 400: an argument of the query is not understood, and what it would have to be. False. */
+/* Replies 400: an argument of the query is invalid. wanted: what it must be. Returns false. */
 bool orl_page_refuse(struct orl_request *request, const char *wanted);
 
 /*
- * Adds to the reply made: Link: <path?arguments&cursor=CURSOR>; rel="next", with those arguments of
- * the request that names (which end with NULL) lists. CURSOR is of letters, digits, '-' and '.'.
+ * Adds the header Link: <path?arguments&cursor=CURSOR>; rel="next" to the reply made. The arguments
+ * are those of the request that names lists (ends with NULL). CURSOR may have letters, digits, '-'
+ * and '.'.
  */
 void orl_page_link(struct orl_request *request, const char *path, const char *const *names,
                    const char *cursor);

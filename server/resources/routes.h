@@ -1,4 +1,4 @@
-/* The daemon's resources: the table of all routes, with what answers each. */
+/* The daemon's resources: the table of all routes with their handlers. */
 #ifndef ORL_SERVER_RESOURCES_ROUTES_H
 #define ORL_SERVER_RESOURCES_ROUTES_H
 

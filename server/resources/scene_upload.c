@@ -21,8 +21,8 @@ void orl_scene_upload_done(struct orl_scene_upload *upload)
     upload->choice = NULL;
 }
 
-static int choose(struct orl_scene_upload *upload, const char *group, size_t length,
-                  const char *state, struct orl_error *err)
+static int add_choice(struct orl_scene_upload *upload, const char *group, size_t length,
+                      const char *state, struct orl_error *err)
 {
     if (!upload->choice)
         upload->choice = json_pack("{s:{}}", "states");
@@ -38,7 +38,7 @@ int orl_scene_upload_choose_state(struct orl_scene_upload *upload, const char *c
 {
     const char *state = strchr(choice, '=');
     if (state)
-        return choose(upload, choice, (size_t)(state - choice), state + 1, err);
+        return add_choice(upload, choice, (size_t)(state - choice), state + 1, err);
     orl_error_set(err, ORL_ERR_INVALID, "a state is chosen by GROUP=STATE");
     orl_error_at(err, NULL, 0, "state");
     return ORL_ERR_INVALID;
@@ -47,10 +47,10 @@ int orl_scene_upload_choose_state(struct orl_scene_upload *upload, const char *c
 int orl_scene_upload_choose_sky(struct orl_scene_upload *upload, const char *name,
                                 struct orl_error *err)
 {
-    return choose(upload, NULL, 0, name, err);
+    return add_choice(upload, NULL, 0, name, err);
 }
 
-/* What is chosen of a project, nothing for one; NULL where main files are named. */
+/* Returns the choices of a project, empty if none were made; NULL if main files are named. */
 static const json_t *choice_of(struct orl_scene_upload *upload)
 {
     if (!upload->choice)
@@ -72,7 +72,7 @@ int orl_scene_upload_add_main(struct orl_scene_upload *upload, const char *names
     return 0;
 }
 
-/* One entry of "bsdfs": a BSDF uploaded before, under the name the scene calls it by. */
+/* Adds one entry of "bsdfs": a BSDF uploaded before, under its name in the scene. */
 static int add_bsdf(struct orl_scene_upload *upload, const char *name, const json_t *id,
                     const struct orl_folders *folders, struct orl_error *err)
 {
@@ -109,7 +109,7 @@ static int add_bsdfs(struct orl_scene_upload *upload, json_t *bsdfs,
     return 0;
 }
 
-/* Makes the file of that name a main one, behind those that are. */
+/* Makes the file of that name a main file, after those that are. */
 static int make_main(struct orl_bundle *bundle, size_t place, const char *name,
                      struct orl_error *err)
 {
@@ -157,8 +157,8 @@ static int choose_mains(struct orl_scene_upload *upload, struct orl_error *err)
     return rc;
 }
 
-/* Of the bundle's files those that end in .rad, or all where none does: the first of them, by name.
- */
+/* Lists the first names of the bundle: of main files, or else of files that end in .rad, or of all
+ * if none do. */
 static void list_names(const struct orl_bundle *bundle, bool mains, char *ret_text, size_t room)
 {
     enum { MOST = 8 };
@@ -178,7 +178,7 @@ static void list_names(const struct orl_bundle *bundle, bool mains, char *ret_te
     }
 }
 
-/* Nobody has said which files are the scene, and none could be told. */
+/* Refuses an upload whose main files were not named and cannot be guessed. */
 static int refuse_without_mains(struct orl_bundle *bundle, struct orl_error *err)
 {
     char names[ORL_ERROR_TEXT_MAX / 2] = "";
@@ -199,8 +199,9 @@ static int refuse_without_mains(struct orl_bundle *bundle, struct orl_error *err
     return ORL_ERR_INVALID;
 }
 
-/* What all forms end with: at least one main file, none of them empty; the order and the id. */
-static int finish(struct orl_scene_upload *upload, struct orl_error *err)
+/* Completes every form of upload: checks that there are main files and none is empty, sorts the
+ * files, and computes the id. */
+static int finish_upload(struct orl_scene_upload *upload, struct orl_error *err)
 {
     const int rc = choose_mains(upload, err);
     if (rc)
@@ -229,8 +230,8 @@ static int add_zips(struct orl_scene_upload *upload, const struct orl_bundle *zi
     return rc;
 }
 
-/* The place of the Honeybee model among the parts: a main file that is called .hbjson, or .json if
- * it is the only one. bundle->count: there is none. */
+/* Returns the index of the Honeybee model among the parts: a main file named .hbjson, or .json if
+ * it is the only one. Returns bundle->count if there is none. */
 static size_t find_model(const struct orl_bundle *bundle, bool alone)
 {
     for (size_t i = 0; i < bundle->count; i++)
@@ -244,7 +245,7 @@ static size_t find_model(const struct orl_bundle *bundle, bool alone)
     return bundle->count;
 }
 
-/* One scene is of one model: the second is refused, not kept unread. */
+/* Refuses a second model, since a scene is one model and the second would be stored unread. */
 static int refuse_second_model(const struct orl_bundle *bundle, size_t first, struct orl_error *err)
 {
     for (size_t i = first + 1; i < bundle->count; i++) {
@@ -260,7 +261,7 @@ static int refuse_second_model(const struct orl_bundle *bundle, size_t first, st
     return 0;
 }
 
-/* Puts the files of the model at that place in place of it. Other files are kept beside them. */
+/* Replaces the model at that index by its files. Other files are stored with them. */
 static int add_model(struct orl_scene_upload *upload, size_t place,
                      const struct orl_folders *folders, struct orl_asking *asking,
                      struct orl_error *err)
@@ -308,7 +309,7 @@ int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Conne
         json_decref(bsdfs);
     }
     orl_multipart_done(&parts);
-    return rc ? rc : finish(upload, err);
+    return rc ? rc : finish_upload(upload, err);
 }
 
 int orl_scene_upload_zip(struct orl_scene_upload *upload, const char *path,
@@ -317,7 +318,7 @@ int orl_scene_upload_zip(struct orl_scene_upload *upload, const char *path,
 {
     const int rc = orl_ask_unzip(asking, path, folders, choice_of(upload), &upload->bundle, err);
     upload->listed = upload->guessed = !upload->mains;
-    return rc ? rc : finish(upload, err);
+    return rc ? rc : finish_upload(upload, err);
 }
 
 int orl_scene_upload_json(struct orl_scene_upload *upload, const char *path,
@@ -331,13 +332,13 @@ int orl_scene_upload_json(struct orl_scene_upload *upload, const char *path,
     if (rc == 0 && bsdfs)
         rc = add_bsdfs(upload, bsdfs, folders, err);
     json_decref(bsdfs);
-    return rc ? rc : finish(upload, err);
+    return rc ? rc : finish_upload(upload, err);
 }
 
 /* ---- Checking and keeping ------------------------------------------------------------------- */
 
-/* Of an error in a scene whose main files were found, not said: which they were. */
-static void say_what_was_read(const struct orl_scene_upload *upload, struct orl_error *err)
+/* Adds to an error's hint the main files, if they were guessed and not named. */
+static void add_mains_hint(const struct orl_scene_upload *upload, struct orl_error *err)
 {
     char names[ORL_ERROR_TEXT_MAX / 2] = "", hint[ORL_ERROR_TEXT_MAX];
     list_names(&upload->bundle, true, names, sizeof names);
@@ -352,7 +353,7 @@ int orl_scene_upload_check(struct orl_scene_upload *upload, struct orl_asking *a
     const int rc = orl_ask_scene(asking, &upload->bundle, upload->listed ? upload->choice : NULL,
                                  &upload->summary, err);
     if (rc && upload->guessed && rc != ORL_ERR_NOMEM && rc != ORL_ERR_IO && rc != ORL_ERR_CANCELLED)
-        say_what_was_read(upload, err);
+        add_mains_hint(upload, err);
     return rc;
 }
 

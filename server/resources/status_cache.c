@@ -18,7 +18,7 @@ void orl_status_cache_free(struct orl_status_cache *cache)
     free(cache);
 }
 
-/* Ids are random hexadecimal digits. */
+/* Returns the job's entry. Ids are random hexadecimal digits, so the last few serve as the hash. */
 static struct orl_status_entry *entry_of(struct orl_status_cache *cache, const char *id)
 {
     char tail[5];
@@ -26,7 +26,8 @@ static struct orl_status_entry *entry_of(struct orl_status_cache *cache, const c
     return &cache->entries[strtoul(tail, NULL, 16) % ORL_STATUS_CACHE];
 }
 
-/* Bytes between members may differ where nothing else does: then it is made once more. */
+/* Compares two rows bytewise. Padding may differ while all members are equal; the text is then made
+ * again. */
 static bool is_same(const void *row, const void *other)
 {
     return memcmp(row, other, sizeof(struct orl_job_row)) == 0;

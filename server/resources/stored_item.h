@@ -1,5 +1,6 @@
 /*
- * What scenes and BSDFs share: content-addressed items with an id, a size, a date and a summary.
+ * The common part of scenes and BSDFs: content-addressed items with an id, a size, a date and a
+ * summary.
  */
 #ifndef ORL_SERVER_RESOURCES_STORED_ITEM_H
 #define ORL_SERVER_RESOURCES_STORED_ITEM_H
@@ -17,13 +18,13 @@ struct orl_item_kind {
 };
 extern const struct orl_item_kind orl_item_scene, orl_item_bsdf;
 
-/* The document of one, as below; NULL: out of memory. */
+/* Returns an item's document, as described below; NULL: out of memory. */
 json_t *orl_stored_item_to_json(const char *id, const struct orl_stored_item *item,
                                 const bool *created);
 
 /*
  * Replies with the item's document: {"id", "created_at", "bytes", "summary"} and, when created is
- * given (after a POST), "created". 404 when there is none, 304 when the client has it.
+ * given (after a POST), "created". 404 if there is no such item, 304 if the client has it.
  */
 void orl_reply_stored_item(struct orl_request *request, const struct orl_item_kind *kind,
                            const char *id, unsigned status, const bool *created);

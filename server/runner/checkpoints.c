@@ -81,7 +81,8 @@ int orl_checkpoint_open(const char *folder, const char *key, struct orl_error *e
     return orl_write_file(path, key, strlen(key), err);
 }
 
-/* Notes and what is for them; photon maps and files half written that a round was killed over. */
+/* Returns true if the file is for users. Notes and their files are not, nor are photon maps and
+ * half-written files left by a killed round. */
 static bool is_for_users(const char *name)
 {
     const char *ending = strrchr(name, '.');
@@ -156,7 +157,7 @@ int orl_checkpoint_add(const char *folder, const char *part, json_t *files, json
     return rc;
 }
 
-/* Is the file still what it was when it was noted? */
+/* Returns true if the file still matches its note. */
 static bool is_whole(const char *folder, const json_t *entry)
 {
     const char *name = json_string_value(json_object_get(entry, "name"));
@@ -207,7 +208,7 @@ json_t *orl_checkpoint_view_to_json(const struct orl_view_result *view)
     return json;
 }
 
-/* A copy, or NULL: there is none, or no memory for it. */
+/* Returns a copy, or NULL: there is no such text, or no memory. */
 static char *copy_text(const json_t *json, const char *key)
 {
     const char *text = json_string_value(json_object_get(json, key));
@@ -219,7 +220,7 @@ bool orl_checkpoint_view_from_json(const json_t *json, struct orl_view_result *r
     struct orl_view_result view = {.name = copy_text(json, "name")};
     view.seconds = json_number_value(json_object_get(json, "seconds"));
     view.black = json_is_true(json_object_get(json, "black"));
-    /* What was found of its glare is not kept: the view is rendered again. */
+    /* Glare results of a view are not stored, so such a view is rendered again. */
     if (!json_is_true(json_object_get(json, "rated")) && orl_pictures_read_back(json, &view) &&
         view.name) {
         *ret_view = view;
@@ -231,7 +232,7 @@ bool orl_checkpoint_view_from_json(const json_t *json, struct orl_view_result *r
 
 /* ---- Sensors --------------------------------------------------------------------------------- */
 
-/* The file is the numbers of one sensor after the other: value, error, bias, low, high. */
+/* Layout of the file: for each sensor, one after the other, value, error, bias, low, high. */
 enum { SENSOR_NUMBERS = 5 };
 
 int orl_checkpoint_sensors_write(const char *folder, const char *name,

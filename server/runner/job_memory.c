@@ -8,7 +8,7 @@
 enum { PARTS = 16 };
 
 struct part {
-    const char *name; /* of many */
+    const char *name; /* plural */
     uint64_t count, bytes;
 };
 
@@ -27,9 +27,10 @@ uint64_t orl_job_memory_windows(const struct orl_job_memory *needs)
 
 uint64_t orl_job_memory_seats(const struct orl_job_memory *needs)
 {
-    /* VIEW: the bound of terms, spots and places of a view while it is made. YEAR: the sums of a
-     * block of sensors, and the pictures of the hours that threads rate. A row of weather has
-     * light for at most six tenths of the seats' floats: four of a seat, two of a place. */
+    /* VIEW: bound of the terms, spots and places of one view while it is made. YEAR: the sums of a
+     * block of sensors, and the pictures of the hours that threads rate. ROW, ROW_SEAT: at most six
+     * tenths of the rows of weather have light; each then has four floats of a viewpoint, two of a
+     * place. */
     enum { VIEW = 64 << 20, YEAR = 64 << 20, ROW_SEAT = 10, ROW = 640 };
     const uint64_t at_once = ORL_GLARE_SEATS_AT_ONCE;
     const uint64_t views = needs->seats < at_once ? needs->seats : at_once;
@@ -49,11 +50,10 @@ static void list_parts(const struct orl_job_memory *needs, struct part ret_parts
 {
     enum { SURFACE = 400, TRIANGLE = 300, BSDF = 8, PHOTON = 60, SENSOR = 1300, PIXEL = 64 };
     enum { FILE_SENSOR = 900, ROW = 16 << 10, MASK_PIXEL = 24 };
-    /* Sums of a block of sensors, and maps of sunlight. Behind windows with BSDFs the peak of a
-     * year of 570 sensors rose by 42 MB for each set. */
+    /* Sums of a block of sensors, and maps of sunlight. Behind windows with BSDFs the peak of an
+     * annual job of 570 sensors rose by 42 MB for each set. */
     enum { SUN_NODES = 48 << 20 };
-    /* A tenth more: on a busy machine, peaks of the process were 2 MB above the 19 of the values.
-     */
+    /* A tenth more: on a busy machine, the process's peak was 2 MB above 19 MB of values. */
     const uint64_t values = needs->array_bytes * (needs->sensors + needs->file_sensors);
     const uint64_t arrays = values + values / 10;
     const uint64_t hours = orl_job_memory_hours(needs);
@@ -83,7 +83,7 @@ static void list_parts(const struct orl_job_memory *needs, struct part ret_parts
 
 uint64_t orl_job_memory_estimate(const struct orl_job_memory *needs)
 {
-    const uint64_t base = 32UL << 20; /* of a job of next to nothing */
+    const uint64_t base = 32UL << 20; /* a nearly empty job */
     struct part parts[PARTS];
     uint64_t bytes = base;
     list_parts(needs, parts);

@@ -69,14 +69,15 @@ void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL
     snprintf(ret_path, ORL_PATH_MAX, "%.*s/%.400s", ORL_PATH_MAX - 512, folder, name);
 }
 
-static _Thread_local const atomic_bool *heeded;
+static _Thread_local const atomic_bool *cancel_flag;
 
 void orl_job_output_heed(const atomic_bool *cancel)
 {
-    heeded = cancel;
+    cancel_flag = cancel;
 }
 
-/* A gigabyte takes some seconds. */
+/* Computes the digest in steps and polls the cancel flag between them: a gigabyte takes some
+ * seconds. */
 static int find_digest(const struct orl_file *file, char ret_sha[ORL_SHA_HEX],
                        struct orl_error *err)
 {
@@ -85,7 +86,7 @@ static int find_digest(const struct orl_file *file, char ret_sha[ORL_SHA_HEX],
     struct orl_sha256 hash;
     orl_sha256_init(&hash);
     for (size_t at = 0; at < file->size; at += STEP) {
-        if (orl_is_cancelled(heeded))
+        if (orl_is_cancelled(cancel_flag))
             return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while listing results");
         orl_sha256_add(&hash, file->data + at, file->size - at < STEP ? file->size - at : STEP);
     }
@@ -204,7 +205,7 @@ void orl_job_output_prune(const json_t *list, const char *folder)
         closedir(entries);
 }
 
-/* A document as a file, on the list. */
+/* Writes a document as a file, and appends it to the list. */
 static int write_document(const json_t *doc, const char *name, const char *folder, json_t *list,
                           struct orl_error *err)
 {
@@ -220,7 +221,7 @@ static int write_document(const json_t *doc, const char *name, const char *folde
 
 static const char result_file[] = "result.json";
 
-/* The summary as text; takes it, NULL included, which is an error. */
+/* Returns the summary as text. Takes ownership of it; NULL is an error. */
 static int dump_summary(json_t *summary, char **ret_summary, struct orl_error *err)
 {
     char *text = summary ? orl_json_text(summary, JSON_COMPACT) : NULL;
@@ -231,7 +232,7 @@ static int dump_summary(json_t *summary, char **ret_summary, struct orl_error *e
     return 0;
 }
 
-/* The first of a document's warnings, as many as are told while a job runs. */
+/* Returns the first of a document's warnings, as many as are reported while a job runs. */
 static json_t *first_warnings(const json_t *doc)
 {
     const json_t *warnings = json_object_get(doc, "warnings");
@@ -369,7 +370,7 @@ int orl_bsdf_output_write(const struct orl_bsdf_output *output, const char *fold
     return rc;
 }
 
-/* ---- Years ----------------------------------------------------------------------------------- */
+/* ---- Annual jobs ---------------------------------------------------------------------------- */
 
 static json_t *copy_or_null(const json_t *object, const char *key)
 {
@@ -421,8 +422,8 @@ static json_t *short_verdicts(const json_t *document)
     return verdicts;
 }
 
-/* The folders that a name lies in, below that of the results, unless the next name lies in the
- * same: all that is in one is there by then. */
+/* Syncs the folders of a name, below the results' folder. Skips folders that the next name is also
+ * in: they are synced once all their files exist. */
 static int sync_folders(const char *next, const char *name, const char *folder,
                         struct orl_error *err)
 {

@@ -1,6 +1,4 @@
-/*
- * Between a job's document, what it asks for, and the files of its results. Pool threads; no state.
- */
+/* Reads a job's document and writes the files of its results. Pool threads; no state. */
 #ifndef ORL_SERVER_RUNNER_JOB_OUTPUT_H
 #define ORL_SERVER_RUNNER_JOB_OUTPUT_H
 
@@ -13,24 +11,24 @@
 #include "task_json.h"
 
 /*
- * Parses and validates a document. Returns what it asks for (orl_task_done), without the files
- * of its scene, and in *ret_scene_id (NULL is allowed) the scene's id, owned.
+ * Parses and validates a document. Returns its request (orl_task_done), without the files of its
+ * scene. *ret_scene_id (NULL is allowed) is the scene's id, owned by the caller.
  */
 int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char **ret_scene_id,
                  struct orl_error *err);
 
-/* Gives the job the bundle's main files. */
+/* Adds the bundle's main files to the job. */
 int orl_job_set_scene(struct orl_task *task, const struct orl_bundle *bundle,
                       struct orl_error *err);
 
-/* From now on orl_job_output_list, on this thread, heeds *cancel (ORL_ERR_CANCELLED); NULL:
- * nothing. */
+/* Makes orl_job_output_list on this thread poll *cancel from now on (ORL_ERR_CANCELLED); NULL: no
+ * polling. */
 void orl_job_output_heed(const atomic_bool *cancel);
 
-/* Where a file of the results is. */
+/* Writes the path of a result file. */
 void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL_PATH_MAX]);
-/* Syncs a file of the results, or those of a view, and appends {"name", "bytes", "sha256"} of each
- * to list. */
+/* Sync a file of the results, or those of a view, and append {"name", "bytes", "sha256"} of each to
+ * list. */
 int orl_job_output_list(const char *name, const char *folder, json_t *list, struct orl_error *err);
 int orl_job_output_list_view(const struct orl_view_result *view, const char *folder, json_t *list,
                              struct orl_error *err);
@@ -39,56 +37,57 @@ int orl_job_output_list_sensors(const struct orl_sensor_files *sensors, const ch
 int orl_job_output_list_grids(const struct orl_result *result, const char *folder, json_t *list,
                               struct orl_error *err);
 
-/* The same of the files of a job's sequences (sequence_json.h), if it has any. */
+/* Does so for the files of a job's sequences (sequence_json.h), if it has any. */
 int orl_job_output_list_sequence(const json_t *results, const char *folder, json_t *list,
                                  struct orl_error *err);
 
-/* Removes whatever else is in the folder. */
+/* Removes all files from the folder that are not on the list. */
 void orl_job_output_prune(const json_t *list, const char *folder);
 
 /*
- * Writes result.json, with that state, into folder and syncs it and the images. *ret_summary is the
- * JSON text kept with the job's row: {"technique", "threads", "timings_s", "maps", "warnings",
- * "accuracy" of a job with a goal, "files": [{"name", "bytes", "sha256"}]}, owned; of warnings the
- * first ORL_JOB_WARNINGS.
+ * Writes result.json, with that state, into folder, and syncs it and the images. *ret_summary is
+ * the JSON text stored with the job's row: {"technique", "threads", "timings_s", "maps",
+ * "warnings", "accuracy" of a job with a goal, "files": [{"name", "bytes", "sha256"}]}, owned by
+ * the caller. It has the first ORL_JOB_WARNINGS warnings.
  */
 enum { ORL_JOB_WARNINGS = 32 };
 int orl_job_output_write(const struct orl_result *result, const char *state, const char *folder,
                          char **ret_summary, struct orl_error *err);
 
-/* The result of one sky as <sky>.json, on the list of files ... */
+/* Writes the result of one sky as <sky>.json, and appends it to the list of files. */
 int orl_sky_output_write(const json_t *result, const char *sky, const char *folder, json_t *files,
                          struct orl_error *err);
-/* ... and those that are done, of count (skies_result_json.h), with that state, which is added to
- * the list; the summary is {"threads", "timings_s", "skies": {"count", "done"}, "warnings",
- * "files"}. */
+/* Writes result.json, with that state, of a job of `count` skies. results: the finished skies
+ * (skies_result_json.h). Appends the file to the list. The summary is {"threads", "timings_s",
+ * "skies": {"count", "done"}, "warnings", "files"}. */
 int orl_skies_output_write(json_t *results, const char *state, size_t count, const char *folder,
                            json_t *files, char **ret_summary, struct orl_error *err);
 
 /*
- * The same of a year, whose files but result.json are there already, some in folders: the summary
- * is {"threads", "timings_s", "annual": {"accuracy", "verdicts": [{"rule", "target", "grid",
- * "unit", "value", "interval_95", "verdict", "note"}]}, "warnings", "files"}, of verdicts the first
- * ORL_JOB_VERDICTS: of rules, of the job's own targets, then of rules' targets.
+ * Writes result.json of an annual job, whose other files exist already, some in subfolders. The
+ * summary is {"threads", "timings_s", "annual": {"accuracy", "verdicts": [{"rule", "target",
+ * "grid", "unit", "value", "interval_95", "verdict", "note"}]}, "warnings", "files"}. It has the
+ * first ORL_JOB_VERDICTS verdicts: those of rules, then of the job's own targets, then of rules'
+ * targets.
  */
 enum { ORL_JOB_VERDICTS = 64 };
 int orl_annual_output_write(const json_t *document, const json_t *names, const char *folder,
                             char **ret_summary, struct orl_error *err);
 
-/* The same of a study: result.json, study.csv, study.svg, study.png; {"threads", "warnings",
- * "files"}. */
+/* Writes a study's result.json, study.csv, study.svg and study.png. The summary is {"threads",
+ * "warnings", "files"}. */
 int orl_study_output_write(const struct orl_study *study, const struct orl_study_request *request,
                            const char *folder, char **ret_summary, struct orl_error *err);
 
 /*
- * The same of a BSDF that was made, whose file is there already: {"threads", "timings_s", "maps",
- * "bsdf":
- * {"id", "bytes"}, "warnings", "files"}. seconds: that the job took, and that making it did once.
+ * Writes result.json of a job that made a BSDF, whose file exists already. The summary is
+ * {"threads", "timings_s", "maps", "bsdf": {"id", "bytes"}, "warnings", "files"}. The timings are
+ * the job's seconds, and those that making the BSDF took when it was made.
  */
 struct orl_bsdf_output {
-    json_t *told, *warnings; /* of what was made; taken */
+    json_t *told, *warnings; /* report and warnings of the BSDF; owned by the call */
     const struct orl_map_info *kept;
-    const char *file, *id; /* its name below folder; its digest */
+    const char *file, *id; /* name below folder; digest */
     size_t bytes;
     uint32_t threads;
     double total_s;

@@ -3,8 +3,8 @@
 #include <stdio.h>
 
 /*
- * Rays that a sample of each kind takes on its way through a room, and how many of them a core
- * traces in a second: in a room of a dozen surfaces, 0.8 to 1.3 times what was measured.
+ * Rays traced for a sample of each kind on its way through a room, and rays that a core traces per
+ * second. In a room of a dozen surfaces the estimate is 0.8 to 1.3 times the measured time.
  */
 static const double rays_per_s = 1e6;
 enum { PATH_RAYS = 8, GATHER_RAYS = 2, PHOTON_RAYS = 4 };
@@ -14,7 +14,7 @@ struct count {
     double sensors;
 };
 
-/* A line each, more or less. */
+/* Counts the sensors of a file: about one per line. */
 static int count_sensors(void *ctx, const struct orl_task_file *named, struct orl_error *err)
 {
     struct count *count = ctx;
@@ -22,7 +22,7 @@ static int count_sensors(void *ctx, const struct orl_task_file *named, struct or
     struct orl_file file;
     (void)err;
     if (named->role != ORL_FILE_SENSORS || files->open(files->ctx, named->name, &file, NULL))
-        return 0; /* which the run will tell of */
+        return 0; /* the run will report the error */
     const char *text = file.data;
     for (size_t i = 0; i < file.size; i++)
         count->sensors += text[i] == '\n';

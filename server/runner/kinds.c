@@ -4,7 +4,7 @@
 
 #include "process/limits.h"
 
-/* Measurements are no scene. */
+/* Refuses measurements. */
 static int any_scene_suits(const struct orl_contents *contents, struct orl_error *err)
 {
     if (contents->measured_rows == 0)
@@ -17,9 +17,9 @@ static int any_scene_suits(const struct orl_contents *contents, struct orl_error
 
 /* ---- Render jobs ----------------------------------------------------------------------------- */
 
-/* Of result.json, without sensors; of one of these. */
+/* Bytes of result.json without sensors, of a study's results, and of one sensor. */
 enum { DOCUMENT = 8192, STUDY = 1 << 18, SENSOR = 200 };
-/* Of the outlines and pixels of some heat maps; of a sensor in map and tables. */
+/* Bytes of the outlines and pixels of some heat maps, and of a sensor in maps and tables. */
 enum { HEAT_MAPS = 1 << 20, HEAT_MAP_SENSOR = 400 };
 
 /* Bytes of a pixel in all the files of a view, errors included. */
@@ -36,7 +36,8 @@ static uint64_t pixel_bytes(const struct orl_view_request *view)
     return bytes + (view->false_color.asked ? 3 * RGB : 0);
 }
 
-/* Of a sky's part in sequences: a picture, the same in the animation and, smaller, on the sheet. */
+/* Returns the bytes of a sky's part in sequences: a picture, the same picture in the animation, and
+ * a smaller one on the sheet. */
 static uint64_t sequence_bytes(const struct orl_job *job)
 {
     enum { RGB = 3, PICTURES = 3, MARGINS = 1 << 16 };
@@ -62,7 +63,7 @@ static uint64_t render_result_bytes(const struct orl_task *task)
         bytes += sequence_bytes(job);
     if (job->heat_map.asked)
         bytes += HEAT_MAPS + HEAT_MAP_SENSOR * (uint64_t)job->n_sensors;
-    /* Of each sky as much, and of all together less than of one more. */
+    /* As much for each sky; results of all skies together take less than one more. */
     return job->n_skies > 0 ? (job->n_skies + 1) * bytes : bytes;
 }
 
@@ -121,9 +122,9 @@ static void study_needs(const struct orl_task *task, struct orl_job_memory *ret_
             ret_needs->photons = 2 * study->photons[i];
 }
 
-/* ---- Years ----------------------------------------------------------------------------------- */
+/* ---- Annual jobs ---------------------------------------------------------------------------- */
 
-/* A picture is made for every metric of every grid. */
+/* Limits the pictures: one for every metric of every grid. */
 static int admit_annual(const struct orl_task *task, struct orl_error *err)
 {
     const struct orl_annual_job *job = &task->of.annual;
@@ -138,7 +139,7 @@ static int admit_annual(const struct orl_task *task, struct orl_error *err)
     return ORL_ERR_LIMIT;
 }
 
-/* A year has skies of its own. */
+/* Refuses scenes with distant sources, since an annual job has skies of its own. */
 static int annual_suits(const struct orl_contents *contents, struct orl_error *err)
 {
     const int rc = any_scene_suits(contents, err);
@@ -152,15 +153,17 @@ static int annual_suits(const struct orl_contents *contents, struct orl_error *e
     return ORL_ERR_INVALID;
 }
 
-/* Of a map's or carpet's outlines and pixels, a page; of a sensor in a map, and in a table. */
+/* Bytes of a map's or carpet's outlines and pixels, of a page, of a sensor in a map, of a sensor in
+ * a table, and of a row of hours. */
 enum { MAP = 100 << 10, PAGE = 1 << 20, MAP_SENSOR = 300, FIGURE = 40, HOURS_ROW = 64 };
 /* Bytes that a grid adds to a row of hours.csv: the mean and its standard error. */
 enum { HOURS_GRID = 26 };
-/* Of a sensor and hour with light: what is kept until the job ends, and each series of results. */
+/* Bytes of a sensor for an hour with light: stored until the job ends, and in each series of
+ * results. */
 enum { KEPT_HOUR = 12, SERIES_HOUR = 12 };
 
-/* That leave rows: all open; of shades combinations of states, which are no more than each group's
- * states, and windows in no group. */
+/* Returns the number of runs that store rows: one with all shades open. With shades, also
+ * combinations of states, no more than the sum of all groups' states, and windows in no group. */
 static uint64_t annual_runs(const struct orl_annual_request *request)
 {
     uint64_t runs = request->n_groups > 0 ? 2 : 1;
@@ -176,7 +179,8 @@ static uint64_t annual_hour_bytes(const struct orl_task *task)
     return KEPT_HOUR * annual_runs(&task->of.annual.request) + series * SERIES_HOUR;
 }
 
-/* Matrices of floats that are kept until the job ends, without windows' own; of a sensor. */
+/* Returns the bytes of one sensor's float matrices that are stored until the job ends, without the
+ * windows' own matrices. */
 static uint64_t annual_array_bytes(const struct orl_annual_formats *formats)
 {
     const uint64_t values = (formats->coefficients ? (uint64_t)ORL_ANNUAL_PATCHES : 0) +
@@ -190,7 +194,7 @@ static uint64_t annual_sensor_bytes(const struct orl_task *task)
            ORL_MATRIX_CHANNELS * annual_array_bytes(&task->of.annual.formats);
 }
 
-/* Bytes in results: a seat's numbers in a row of glare.csv, and its headings; a point's row in
+/* Bytes in results: a viewpoint's numbers in a row of glare.csv, and its headings; a point's row in
  * exposure.csv or view-out.csv together with its entry in the document. */
 enum { SEAT_HOUR = 40, SEAT_HEADINGS = 512, POINT_ROW = 400 };
 
@@ -207,7 +211,8 @@ static uint64_t annual_result_bytes(const struct orl_task *task)
            points * POINT_ROW;
 }
 
-/* Glare seats of the largest list: reported ones, or those of a control; each list is one run. */
+/* Returns the glare viewpoints of the largest list: reported ones, or those of a control. Each list
+ * is one run. */
 static uint64_t annual_seats(const struct orl_annual_job *job)
 {
     uint64_t most = job->wishes.glare.n_seats;
@@ -222,8 +227,8 @@ static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret
 {
     const struct orl_annual_job *job = &task->of.annual;
     ret_needs->sensors = job->request.n_sensors;
-    /* More of as many sensors lie beside what there is, where a verdict is to be sure; and another
-     * state of shades beside the open one, in each round. */
+    /* If verdicts must be certain, a second set of as many sensors' hours exists in memory. With
+     * shades, another state exists beside the open one in each round. */
     const uint64_t rounds = job->wishes.until ? 2 : 1, states = job->request.n_groups > 0 ? 2 : 1;
     ret_needs->hour_bytes = KEPT_HOUR * (rounds + states - 1);
     ret_needs->hour_bytes += job->request.n_terms > 0 ? sizeof(double) : 0; /* sums of products */
@@ -233,7 +238,7 @@ static void annual_needs(const struct orl_task *task, struct orl_job_memory *ret
                              : ORL_ANNUAL_MOST_MAP_VALUES;
     ret_needs->seats = annual_seats(job);
     ret_needs->sun_nodes = (1U << 2 * job->request.sun_halvings) - 1;
-    /* Light of one group is never told apart from the rest. */
+    /* With one group, its light is not separated from the rest. */
     ret_needs->window_groups = job->request.n_groups > 1 ? job->request.n_groups : 0;
     ret_needs->windows = job->formats.phases ? ORL_PHASES_MOST_WINDOWS : 0;
 }
@@ -246,11 +251,12 @@ static bool annual_whole(const struct orl_task *task)
 
 /* ---- BSDFs of panels ------------------------------------------------------------------------- */
 
-/* Of a value in its file, and of its standard error; of trees all values that there may be. */
+/* Bytes of a value in its file and of its standard error; for trees the bytes of the maximum number
+ * of values. */
 enum { VALUE = 12, ERROR = 24, TREES = 160 << 20 };
 enum { PARTS = 4, SUMS = 16 * 2 * 8, TREE_MEMORY = 640 << 20 };
 
-/* Pairs of directions in a part. */
+/* Returns the pairs of directions in a component (front or back, reflection or transmission). */
 static uint64_t bsdf_pairs(enum orl_bsdf_basis basis)
 {
     const uint64_t n = basis == ORL_BSDF_KLEMS_FULL ? 145 : basis == ORL_BSDF_KLEMS_HALF ? 77 : 41;
@@ -282,7 +288,7 @@ static void bsdf_needs(const struct orl_task *task, struct orl_job_memory *ret_n
             : 2 * bsdf_pairs(request->basis) * channels * SUMS + 2 * bsdf_result_bytes(task);
 }
 
-/* It has no light of its own. */
+/* Refuses scenes with distant sources: a panel has no light of its own. */
 static int bsdf_suits(const struct orl_contents *contents, struct orl_error *err)
 {
     const int rc = any_scene_suits(contents, err);
@@ -303,7 +309,7 @@ static enum orl_bsdf_basis fit_basis(const struct orl_bsdf_fit_request *request)
     return request->has_basis ? request->basis : ORL_BSDF_TENSOR_TREE_4;
 }
 
-/* And what is told of each scan. */
+/* Returns the bytes of the BSDF and of the report of each scan. */
 static uint64_t fit_result_bytes(const struct orl_task *task)
 {
     const enum orl_bsdf_basis basis = fit_basis(&task->of.bsdf_fit);
@@ -312,7 +318,7 @@ static uint64_t fit_result_bytes(const struct orl_task *task)
                : 2 * (uint64_t)DOCUMENT + PARTS * bsdf_pairs(basis) * VALUE;
 }
 
-/* What of it goes by the rows is known once they are counted. */
+/* Estimates memory without the rows of measurements, which are counted later. */
 static void fit_needs(const struct orl_task *task, struct orl_job_memory *ret_needs)
 {
     ret_needs->bsdf_made_bytes = orl_bsdf_basis_is_tree(fit_basis(&task->of.bsdf_fit))

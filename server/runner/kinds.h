@@ -1,6 +1,6 @@
 /*
- * What the daemon has to know of each kind of job to take it: how far it goes along with it, what
- * its results and its run are likely to take. How they run is worker_run.c's.
+ * Properties of each kind of job that the daemon needs to accept it: limits, and the likely size of
+ * its results and memory. worker_run.c has how each kind runs.
  *
  * Threads: any; no state.
  */
@@ -10,27 +10,28 @@
 #include "runner/job_memory.h"
 #include "task_json.h"
 
-/* What an upload holds, by the summary that its check left. */
+/* The contents of an upload, by the summary that its check made. */
 struct orl_contents {
-    uint64_t sources;       /* distant ones of a scene */
-    uint64_t measured_rows; /* above 0: it is no scene, but measurements */
+    uint64_t sources;       /* distant sources of a scene */
+    uint64_t measured_rows; /* above 0: the upload is measurements, not a scene */
 };
 
 struct orl_kind {
-    /* What the daemon takes of it, where that is less than what the command does: ORL_ERR_LIMIT.
-     * NULL: all of it. */
+    /* Checks the daemon's limits, if these are below the command's: ORL_ERR_LIMIT. NULL: none. */
     int (*admit)(const struct orl_task *task, struct orl_error *err);
-    /* What its results may take at most, more or less; bytes: by the document, and for each sensor
-     * of a file, which the document does not tell the number of. */
+    /* Return the approximate maximum size of the results: the bytes by the document, and the bytes
+     * for each sensor of a file, whose number is not in the document. */
     uint64_t (*result_bytes)(const struct orl_task *task);
     uint64_t (*sensor_bytes)(const struct orl_task *task);
-    /* ... and for an hour with light of each sensor of a year; NULL: it is none. */
+    /* Returns the result bytes for each sensor and hour with light in an annual job; NULL: not
+     * annual. */
     uint64_t (*hour_bytes)(const struct orl_task *task);
-    /* What it asks for, which memory goes by; nothing is set yet. */
+    /* Fills in the request's quantities for the memory estimate; *ret_needs is all zeros before. */
     void (*needs)(const struct orl_task *task, struct orl_job_memory *ret_needs);
-    /* Some of its files are checked together with the document and the scene. NULL: none. */
+    /* Returns true if some of its files are checked together with the document and the scene. NULL:
+     * none. */
     bool (*whole)(const struct orl_task *task);
-    /* Whether what was uploaded suits it. */
+    /* Checks that the uploaded contents suit this kind of job. */
     int (*suits)(const struct orl_contents *contents, struct orl_error *err);
 };
 

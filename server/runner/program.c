@@ -15,7 +15,7 @@ static const char *aligned(const char *at, size_t to, const char *from)
     return from + ((size_t)(at - from) + to - 1) / to * to;
 }
 
-/* The build ID among notes of so many bytes, in memory (elf(5)); NULL: there is none. */
+/* Returns the build ID among `bytes` bytes of notes in memory (elf(5)); NULL: none. */
 static const unsigned char *find_build_id(const char *notes, size_t bytes, size_t align,
                                           size_t *ret_size)
 {
@@ -58,7 +58,7 @@ static int add_object(struct dl_phdr_info *info, size_t size, void *hash)
     const char *name = info->dlpi_name ? info->dlpi_name : "";
     (void)size;
     if (*name && !strchr(name, '/'))
-        return 0; /* the kernel's, which is no file */
+        return 0; /* the kernel's vDSO, which is not a file */
     for (int i = 0; i < info->dlpi_phnum; i++) {
         const ElfW(Phdr) *part = &info->dlpi_phdr[i];
         size_t length = 0;

@@ -1,10 +1,11 @@
 /*
- * Which program runs: by the build IDs (the notes that linkers leave, a digest of what they link)
- * of itself and its libraries; of one without such a note by its name, size and time of change.
- * A copy of the same files, elsewhere or later, is the same program.
+ * Identity of the running program: a digest of the build IDs of itself and its libraries. A build
+ * ID is a note by the linker with a digest of its output. A library without the note counts by its
+ * name, size and modification time. A copy of the same files, elsewhere or later, is the same
+ * program.
  *
- * To be asked before there are threads: libraries load others when they are first used, which are
- * then found here, or not yet.
+ * Call it before there are threads. Libraries load others when they are first used, so a later call
+ * may find more of them.
  */
 #ifndef ORL_SERVER_RUNNER_PROGRAM_H
 #define ORL_SERVER_RUNNER_PROGRAM_H

@@ -1,4 +1,4 @@
-/* Where a job runs, as clients see it (Runner of api/openapi.yaml). */
+/* JSON for where a job runs (Runner of api/openapi.yaml). */
 #ifndef ORL_SERVER_RUNNER_RUNNER_JSON_H
 #define ORL_SERVER_RUNNER_RUNNER_JSON_H
 
@@ -7,9 +7,9 @@
 
 #include "parts/sharing.h"
 
-/* New references; NULL: out of memory. */
+/* Both return new references; NULL: out of memory. */
 json_t *orl_parts_to_json(const struct orl_parts_count *count);
-/* count: NULL where there are no parts. */
+/* count: NULL if the job is not split into parts. */
 json_t *orl_runner_to_json(bool in_parts, const char *why, const struct orl_parts_count *count);
 
 #endif

@@ -9,7 +9,8 @@
 
 #include "parts/runner.h"
 
-/* The daemon's own: what is there was uploaded by others, and runs as its user. */
+/* Checks that only the daemon's user has access: the folder holds uploads, and its contents run as
+ * that user. */
 static int check_folder(const char *folder, struct orl_error *err)
 {
     struct stat st;
@@ -30,7 +31,7 @@ static int check_folder(const char *folder, struct orl_error *err)
                                folder, strerror(errno));
 }
 
-/* It is installed beside the daemon. */
+/* Finds oriel, which is installed beside the daemon. */
 static int find_program(struct orl_shared_place *place, struct orl_error *err)
 {
     char own[4096];

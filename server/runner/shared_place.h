@@ -1,9 +1,9 @@
 /*
- * Where jobs in parts (parts/sharing.h) lie, and how their tasks are handed to Slurm: the daemon's
- * options (process/runner_options.h), looked over once at its start.
+ * The shared folder of jobs in parts (parts/sharing.h), and the command that submits their tasks to
+ * Slurm. These are the daemon's options (process/runner_options.h), checked once at its start.
  *
- * A job's folder is below the shared one, by its id. The shared folder is the daemon's user's
- * alone, as it holds what others have uploaded.
+ * A job's folder is below the shared one, by its id. Only the daemon's user has access to the
+ * shared folder, since it holds uploads of other users.
  */
 #ifndef ORL_SERVER_RUNNER_SHARED_PLACE_H
 #define ORL_SERVER_RUNNER_SHARED_PLACE_H
@@ -13,16 +13,16 @@
 
 enum { ORL_SHARED_WORD = 256 };
 
-/* Does not move once it is open: words point into it. */
+/* Must not move once it is open: words point into it. */
 struct orl_shared_place {
-    char folder[ORL_PATH_MAX], program[ORL_PATH_MAX]; /* program: oriel */
+    char folder[ORL_PATH_MAX], program[ORL_PATH_MAX]; /* program: the path of oriel */
     char named[ORL_RUNNER_NAMED][ORL_SHARED_WORD];
-    const char *words[ORL_RUNNER_NAMED + ORL_RUNNER_WORDS]; /* some borrowed from the options */
+    const char *words[ORL_RUNNER_NAMED + ORL_RUNNER_WORDS]; /* some are borrowed from the options */
     size_t n_words;
     uint32_t parts, part_threads, least_s;
 };
 
-/* Makes the shared folder, should there be none. */
+/* Makes the shared folder if it does not exist. */
 int orl_shared_place_open(const struct orl_runner_options *options,
                           struct orl_shared_place *ret_place, struct orl_error *err);
 

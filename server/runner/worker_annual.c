@@ -1,4 +1,4 @@
-/* A year on its way: rows of its sensors, kept as they are done. */
+/* A running annual job: rows of its sensors are stored when they are finished. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
-/* A block's part, and its file: no user's has such a name. */
+/* Writes the name of a block's part and file. Users' files have no such names. */
 static void name_block(const struct orl_annual_block *block, char ret_name[64])
 {
     snprintf(ret_name, 64, "+rows%u-%zu", block->round, block->first);
@@ -21,7 +21,7 @@ static size_t numbers_of(const struct orl_annual_block *block)
     return block->count * block->n_columns;
 }
 
-/* A block's arrays, one behind the other. */
+/* One of a block's arrays, which are stored one after the other. */
 struct array {
     float *at;
     size_t count;
@@ -46,8 +46,7 @@ static size_t bytes_of(const struct orl_annual_block *block)
     return (3 * numbers_of(block) + 3 * block->count) * sizeof(float);
 }
 
-/* A block that cannot be kept costs time alone, after a
- * restart. */
+/* Stores a block, best effort: a block that is not stored is computed again after a restart. */
 static void on_done(void *ctx, const struct orl_annual_block *block)
 {
     const struct orl_worker *worker = ctx;
@@ -101,7 +100,7 @@ static bool on_kept(void *ctx, struct orl_annual_block *block)
     return read_block(path, block);
 }
 
-/* ---- What is told ---------------------------------------------------------------------------- */
+/* ---- Progress ------------------------------------------------------------------------------- */
 
 static void on_round(void *ctx, const struct orl_annual_refinement *so_far)
 {
@@ -135,14 +134,14 @@ static int on_end(void *ctx, const struct orl_annual_result *result,
 
 /* ---- The job --------------------------------------------------------------------------------- */
 
-/* What a larger year is made of would take the place of too much else. */
+/* Data of a larger annual job would displace too much else from the cache. */
 enum { KEPT_SENSORS = 2000 };
 
 int orl_worker_run_annual(struct orl_worker *worker, struct orl_task *task,
                           const struct orl_files *files, struct orl_error *err)
 {
     const struct orl_run_env run = orl_worker_env(worker, files);
-    const bool here = !worker->in_parts; /* else its pieces are kept where they are shared */
+    const bool here = !worker->in_parts; /* otherwise its parts are stored in the shared folder */
     const struct orl_annual_job_env env = {.run = &run,
                                            .reuse = here,
                                            .reuse_most = KEPT_SENSORS,

@@ -1,5 +1,5 @@
-/* A BSDF being made, of a panel or of measurements: its file and what is told of it, and a BSDF for
- * scenes to name. */
+/* A job that makes a BSDF, of a panel or from measurements: it writes the BSDF's file and report,
+ * and stores the BSDF for scenes to name. */
 #include <malloc.h>
 #include <math.h>
 #include <stdio.h>
@@ -17,12 +17,12 @@
 #include "process/times.h"
 #include "runner/worker_run.h"
 
-/* ---- What is told ---------------------------------------------------------------------------- */
+/* ---- Progress ------------------------------------------------------------------------------- */
 
-/* What it is told by. */
+/* Context of the progress callbacks. */
 struct told {
     struct orl_worker *worker;
-    bool in_rounds; /* how many there will be is not known */
+    bool in_rounds; /* true if the number of rounds is unknown */
     double began_s;
 };
 
@@ -32,8 +32,9 @@ static double now_s(void *ctx)
     return orl_time_steady_s();
 }
 
-/* Of rounds whose number is not known each is taken to do half of what is left. */
-static double of_whole(const struct told *told, uint32_t round, double fraction)
+/* Returns the finished fraction of the job. If the number of rounds is unknown, each round counts
+ * as half of the rest. */
+static double job_fraction(const struct told *told, uint32_t round, double fraction)
 {
     const double before = 1 - ldexp(1, 1 - (int)round);
     return told->in_rounds ? before + (1 - before) * 0.5 * fraction : fraction;
@@ -43,7 +44,7 @@ static void on_progress(void *ctx, uint32_t round, double fraction)
 {
     const struct told *told = ctx;
     struct orl_worker *worker = told->worker;
-    const double done = of_whole(told, round, fraction), least = 0.01;
+    const double done = job_fraction(told, round, fraction), least = 0.01;
     const double spent_s = orl_time_steady_s() - told->began_s;
     atomic_store(&worker->stage, (int)ORL_STAGE_RENDER);
     atomic_store(&worker->stage_ppm, (int)(ORL_WORKER_WHOLE * fraction));
@@ -62,16 +63,17 @@ static void show_map(struct orl_worker *worker, const struct orl_map_info *info)
 
 /* ---- The BSDF -------------------------------------------------------------------------------- */
 
-/* What was made, as both kinds leave it. */
+/* A finished BSDF of either kind of job. */
 struct outcome {
-    const char *name; /* of its material, or NULL */
+    const char *name; /* name of its material, or NULL */
     const char *xml;
     size_t size;
     json_t *told, *warnings; /* owned */
 };
 
-/* As POST /v1/bsdfs looks at one; its text is the daemon's own. */
-static int examine(const struct outcome *made, char **ret_summary, struct orl_error *err)
+/* Summarises the BSDF like POST /v1/bsdfs does. No child is needed, since the daemon wrote the
+ * text. */
+static int summarise_bsdf(const struct outcome *made, char **ret_summary, struct orl_error *err)
 {
     struct orl_bsdf *bsdf = NULL;
     struct orl_bsdf_check *check = calloc(1, sizeof *check);
@@ -89,7 +91,7 @@ static int examine(const struct outcome *made, char **ret_summary, struct orl_er
     return rc;
 }
 
-/* Files call it by its material's name, where that is fit for one. */
+/* Names the BSDF after its material, if that is a valid file name. */
 static void name_bsdf(const char *material, struct orl_made_bsdf *made)
 {
     char name[sizeof made->name];
@@ -111,12 +113,12 @@ static int write_file(struct orl_worker *worker, const struct outcome *made, str
     orl_sha256_hex(made->xml, made->size, bsdf->id);
     bsdf->bytes = made->size;
     name_bsdf(made->name, bsdf);
-    const int rc = examine(made, &bsdf->summary, err);
+    const int rc = summarise_bsdf(made, &bsdf->summary, err);
     orl_job_output_path(worker->output, ORL_BSDF_MADE_FILE, path);
     return rc ? rc : orl_write_file(path, made->xml, made->size, err);
 }
 
-/* Takes what is told. */
+/* Writes all files. Takes ownership of made->told and made->warnings. */
 static int write_all(struct orl_worker *worker, const struct outcome *made, double total_s,
                      struct orl_error *err)
 {

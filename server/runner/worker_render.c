@@ -1,4 +1,4 @@
-/* A render job on its way: what it tells, and its parts as they are done. */
+/* A running render job: its progress, and its parts as they are finished. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,7 +45,7 @@ static void on_plan_ready(void *ctx, const struct orl_plan *plan)
 static void on_warned(void *ctx, const char *warning)
 {
     struct orl_worker *worker = ctx;
-    bool known = worker->n_warnings == ORL_WORKER_WARNINGS; /* the result has them all */
+    bool known = worker->n_warnings == ORL_WORKER_WARNINGS; /* the result has all warnings */
     for (size_t i = 0; i < worker->n_warnings; i++)
         known = known || strcmp(worker->warnings[i], warning) == 0;
     char *text = known ? NULL : strdup(warning);
@@ -64,7 +64,7 @@ static void on_map_ready(void *ctx, const struct orl_map_info *info)
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
-/* Takes summary, NULL included: then what was there stays. */
+/* Publishes a summary, and takes ownership of it. NULL keeps the previous one. */
 static void show_results(struct orl_worker *worker, char *summary)
 {
     pthread_mutex_lock(&worker->news_mutex);
@@ -86,14 +86,14 @@ void orl_worker_show_files(struct orl_worker *worker)
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
 
-/* A part by its name: behind the prefix of the sky that it is of. */
+/* Writes the name of a part: the prefix of its sky followed by the name. */
 static void name_part(const struct orl_worker *worker, const char *name, char ret_part[256])
 {
     snprintf(ret_part, 256, "%.80s%.160s", worker->part.prefix, name);
 }
 
-/* Files that are there to fetch. */
-static void take_view(struct orl_worker *worker, json_t *files)
+/* Adds files of a view that can be fetched. */
+static void add_view_files(struct orl_worker *worker, json_t *files)
 {
     json_array_extend(worker->part.files, files);
     if (worker->part.files != worker->files)
@@ -104,7 +104,7 @@ static void take_view(struct orl_worker *worker, json_t *files)
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
-/* A note that cannot be written costs time alone, after a restart. */
+/* Writes the view's note, best effort: without it the view is rendered again after a restart. */
 static void on_view_written(void *ctx, size_t index, const struct orl_view_result *view)
 {
     struct orl_worker *worker = ctx;
@@ -114,7 +114,7 @@ static void on_view_written(void *ctx, size_t index, const struct orl_view_resul
     name_part(worker, view->name, part);
     if (orl_job_output_list_view(view, worker->output, files, &worker->part.lost) == 0) {
         orl_checkpoint_add(worker->output, part, files, orl_checkpoint_view_to_json(view), NULL);
-        take_view(worker, files);
+        add_view_files(worker, files);
     }
     json_decref(files);
 }
@@ -129,13 +129,13 @@ static bool on_view_kept(void *ctx, size_t index, struct orl_view_result *ret_vi
         return false;
     const bool kept = orl_checkpoint_view_from_json(about, ret_view);
     if (kept)
-        take_view(worker, files);
+        add_view_files(worker, files);
     json_decref(files);
     json_decref(about);
     return kept;
 }
 
-/* No file of that name is a user's. */
+/* Users' files have no such name. */
 static const char sensors_part[] = "+sensors";
 
 static void on_sensors_done(void *ctx, const struct orl_result *result)
@@ -163,7 +163,7 @@ static bool on_sensors_kept(void *ctx, struct orl_result *result)
     return orl_checkpoint_sensors_read(worker->output, part, result);
 }
 
-/* A result that cannot be written now will be missed by nobody but who asks now. */
+/* Publishes the results of a round. Intermediate results are best effort. */
 static void on_round_ready(void *ctx, const struct orl_result *result)
 {
     struct orl_worker *worker = ctx;

@@ -9,7 +9,7 @@
 #include "runner/checkpoints.h"
 #include "store/mapped_file.h"
 
-/* What is asked for, read back from the document; its main files are the bundle's. */
+/* Reads the task from the document. Its main files come from the bundle. */
 static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
                          struct orl_error *err)
 {
@@ -25,7 +25,7 @@ static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
     else
         rc = orl_error_set(err, ORL_ERR_CORRUPT, "the job's document is damaged in the store");
     orl_json_heed(NULL);
-    /* Reading takes many times what is kept of it, in small pieces between others. */
+    /* Parsing leaves many small pieces of memory free, so return them to the system. */
     if (file.size > ORL_SERVER_SMALL_JSON)
         malloc_trim(0);
     orl_unmap_file(&file);
@@ -38,8 +38,8 @@ static int read_document(struct orl_worker *worker, struct orl_task *ret_task,
 }
 
 /*
- * Parts of a render job that are there once and for all are of use to a later start: not the rounds
- * of a job with a goal, but those of its skies that are done.
+ * Returns true if finished parts of a render job are final, so that a restart can use them. Rounds
+ * of a job with a goal are not, but its finished skies are.
  */
 static bool render_keeps(const struct orl_task *task)
 {
@@ -76,7 +76,7 @@ static bool annual_keeps(const struct orl_task *task)
 }
 
 static const struct {
-    bool (*keeps)(const struct orl_task *task); /* parts that are done */
+    bool (*keeps)(const struct orl_task *task); /* true if finished parts are kept for a restart */
     int (*run)(struct orl_worker *worker, struct orl_task *task, const struct orl_files *files,
                struct orl_error *err);
 } kinds[ORL_TASK_KIND_COUNT] = {
@@ -112,23 +112,24 @@ static int run_document(struct orl_worker *worker, struct orl_error *err)
     return rc;
 }
 
-/* What is in the work folder goes to where results stay. */
-static int publish(const struct orl_worker *worker, struct orl_error *err)
+/* Moves the work folder to the results. */
+static int publish_results(const struct orl_worker *worker, struct orl_error *err)
 {
     char final[ORL_PATH_MAX];
     orl_folders_path(worker->spec.folders, final, "results/%s", worker->spec.job_id);
     orl_checkpoint_forget(worker->output);
     int rc = orl_sync_path(worker->output, err);
-    /* A crash between the rename and the row leaves results of an earlier attempt. */
+    /* A crash between the rename and the row's update leaves results of an earlier attempt. */
     if (rc == 0)
         rc = orl_remove_tree(final, err);
     return rc ? rc : orl_rename_synced(worker->output, final, err);
 }
 
-/* What a cancelled job has to show; without that it is cancelled all the same. */
-static void publish_done(struct orl_worker *worker)
+/* Publishes the finished results of a cancelled job. If that fails, the job is cancelled without
+ * results. */
+static void publish_cancelled(struct orl_worker *worker)
 {
-    if (!worker->outcome.summary || publish(worker, NULL) == 0)
+    if (!worker->outcome.summary || publish_results(worker, NULL) == 0)
         return;
     free(worker->outcome.summary);
     worker->outcome.summary = NULL;
@@ -142,9 +143,9 @@ int orl_worker_lead(struct orl_worker *worker, struct orl_error *err)
     int rc = run_document(worker, err);
     orl_job_output_heed(NULL);
     if (rc == 0)
-        rc = publish(worker, err);
+        rc = publish_results(worker, err);
     else if (rc == ORL_ERR_CANCELLED)
-        publish_done(worker);
+        publish_cancelled(worker);
     if (rc && !(rc == ORL_ERR_CANCELLED && worker->keeps && atomic_load(&worker->stopped)))
         orl_remove_tree(output, NULL);
     malloc_trim(0);

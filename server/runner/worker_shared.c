@@ -1,4 +1,4 @@
-/* A job in parts: what is laid out for them, and what is told of them. */
+/* A job in parts: sets up its shared folder, and reports on its parts. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -22,7 +22,7 @@ static void on_told(void *ctx, const struct orl_parts_count *count)
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
-/* Where nobody takes them for long the oldest go. */
+/* Queues news of a part. If they are not fetched for long, the oldest are dropped. */
 static void on_part_told(void *ctx, const struct orl_part_news *told)
 {
     struct orl_worker *worker = ctx;
@@ -59,7 +59,8 @@ bool orl_worker_part_news(struct orl_worker *worker, struct orl_worker_part_news
     return any;
 }
 
-/* As the command would have it: with the names of its scene's files, which lie beside it. */
+/* Returns the document as the oriel command reads it: with the names of its scene's files, which
+ * are in the same folder. */
 static json_t *local_document(const struct orl_worker *worker)
 {
     const struct orl_bundle *bundle = &worker->spec.bundle;
@@ -73,7 +74,7 @@ static json_t *local_document(const struct orl_worker *worker)
     return NULL;
 }
 
-static int lay_out(struct orl_worker *worker, const json_t *doc, struct orl_error *err)
+static int set_up_folder(struct orl_worker *worker, const json_t *doc, struct orl_error *err)
 {
     const struct orl_bundle *bundle = &worker->spec.bundle;
     const struct orl_shared_place *place = worker->spec.place;
@@ -122,14 +123,14 @@ int orl_worker_share(struct orl_worker *worker, const struct orl_task *task, str
     if (!in_parts)
         return 0;
     json_t *doc = local_document(worker);
-    const int rc = doc ? lay_out(worker, doc, err)
+    const int rc = doc ? set_up_folder(worker, doc, err)
                        : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a document");
     json_decref(doc);
     return rc;
 }
 
-/* Into what is told of the job's results. Without memory for it, they are told without. */
-static void tell_runner(struct orl_worker *worker)
+/* Adds the runner to the summary of the results. Without memory, the summary stays without it. */
+static void add_runner(struct orl_worker *worker)
 {
     struct orl_worker_outcome *outcome = &worker->outcome;
     json_t *summary = outcome->summary ? json_loads(outcome->summary, 0, NULL) : NULL;
@@ -150,7 +151,7 @@ void orl_worker_unshare(struct orl_worker *worker, int code)
 {
     if (!worker->spec.place)
         return;
-    tell_runner(worker);
+    add_runner(worker);
     worker->outcome.tally.parts = worker->sharing.count;
     worker->outcome.tally.parts.waiting = worker->outcome.tally.parts.running = 0;
     const bool anew = code == ORL_ERR_CANCELLED && atomic_load(&worker->stopped);

@@ -1,4 +1,4 @@
-/* A job of several skies: the result of each in a file of its own, kept when it is done. */
+/* A job of several skies: each sky's result is a file of its own, kept once it is finished. */
 #include <oriel/skies.h>
 #include <stdio.h>
 #include <string.h>
@@ -19,7 +19,7 @@ static const char *name_of(const struct passage *p, size_t index)
     return p->job->skies[index].name;
 }
 
-/* No view's part has that name. */
+/* Writes the name of a sky's part. Parts of views have no such name. */
 static void name_part(const struct passage *p, size_t index, char ret_part[96])
 {
     snprintf(ret_part, 96, "+%.80s", name_of(p, index));
@@ -69,7 +69,8 @@ static void on_begins(void *ctx, size_t index, const struct orl_job *job, const 
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
-/* Files of views in rounds, which have not told of them, and of sensors. */
+/* Lists files of views rendered in rounds, which were not listed when written, and files of
+ * sensors. */
 static int list_rest(const struct passage *p, const struct orl_result *result, json_t *files,
                      struct orl_error *err)
 {
@@ -129,7 +130,7 @@ int orl_worker_render_skies(struct orl_worker *worker, const struct orl_job *job
         rc = orl_job_output_list_sequence(p.results, worker->output, worker->files, err);
     const bool cancelled = rc == ORL_ERR_CANCELLED && !atomic_load(&worker->stopped);
     if (cancelled)
-        orl_job_output_heed(NULL); /* the skies that are done stay: their list is short */
+        orl_job_output_heed(NULL); /* finished skies are kept; listing them is quick */
     if (rc == 0 || (cancelled && worker->skies_done > 0)) {
         const int written = orl_skies_output_write(p.results, rc == 0 ? "succeeded" : "cancelled",
                                                    job->n_skies, worker->output, worker->files,

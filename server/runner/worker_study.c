@@ -1,4 +1,4 @@
-/* A study on its way: the run it is at, and its points as they are settled. */
+/* A running study: its current run, and its finished points. */
 #include <stdlib.h>
 
 #include "process/times.h"
@@ -29,7 +29,8 @@ static void on_study_point(void *ctx, const struct orl_study_point *point)
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
-/* Without the map cache: what is measured begins without maps (oriel/study.h). */
+/* Runs a study without the map cache, since its measurements must start without maps
+ * (oriel/study.h). */
 int orl_worker_run_study(struct orl_worker *worker, struct orl_task *task,
                          const struct orl_files *files, struct orl_error *err)
 {

@@ -17,7 +17,7 @@ enum { BUCKETS = 1024 };
 struct claim {
     char sha[ORL_SHA_HEX];
     unsigned holders;
-    bool counted; /* in bytes: it was there before */
+    bool counted; /* true if bytes includes it: the blob existed before */
     struct claim *next;
 };
 
@@ -30,7 +30,7 @@ struct orl_blobs {
     struct claim *claims[BUCKETS];
 };
 
-/* Where the pointer to the digest's claim is, or would be. */
+/* Returns the slot of the digest's claim, or the slot where it would be. */
 static struct claim **find_claim(struct orl_blobs *blobs, const char *sha)
 {
     char head[5];
@@ -41,8 +41,8 @@ static struct claim **find_claim(struct orl_blobs *blobs, const char *sha)
     return at;
 }
 
-/* Bytes of the blob; -1 when it is not there. */
-static int64_t measure(const struct orl_blobs *blobs, const char *sha)
+/* Returns the bytes of the blob; -1 if it does not exist. */
+static int64_t blob_size(const struct orl_blobs *blobs, const char *sha)
 {
     char path[ORL_PATH_MAX];
     struct stat st;
@@ -50,25 +50,27 @@ static int64_t measure(const struct orl_blobs *blobs, const char *sha)
     return stat(path, &st) == 0 ? (int64_t)st.st_size : -1;
 }
 
-/* A blob whose row has gone: is it really, and has nobody claimed the blob meanwhile? */
+/* A blob whose row was deleted. Once that is safe on disk, the blob is removed unless it was
+ * claimed meanwhile. */
 struct farewell {
-    struct orl_settling_wait wait; /* the first: it is found by its address */
+    struct orl_settling_wait wait; /* first member, whose address is the struct's */
     struct orl_blobs *blobs;
     char sha[ORL_SHA_HEX];
 };
 
-static void settle(struct orl_blobs *blobs, const char *sha, bool counted);
+static void count_or_remove(struct orl_blobs *blobs, const char *sha, bool counted);
 
 static void on_row_gone(struct orl_settling_wait *wait, int rc, const struct orl_error *err)
 {
     struct farewell *farewell = (struct farewell *)wait;
     (void)err;
     if (rc == 0 && !*find_claim(farewell->blobs, farewell->sha))
-        settle(farewell->blobs, farewell->sha, true);
+        count_or_remove(farewell->blobs, farewell->sha, true);
     free(farewell);
 }
 
-/* Without memory, or where the disk does not settle, the blob stays for the next start. */
+/* Waits for the row's deletion. Without memory, or if the disk fails, the blob stays until the next
+ * start. */
 static void await_row_gone(struct orl_blobs *blobs, const char *sha)
 {
     struct farewell *farewell = calloc(1, sizeof *farewell);
@@ -80,12 +82,13 @@ static void await_row_gone(struct orl_blobs *blobs, const char *sha)
     orl_settling_ask(blobs->settling, &farewell->wait);
 }
 
-/* A blob without claims: counted if it is named, taken away if it is not. When the database cannot
- * tell it stays, for the next start to look at. One that is not counted never had a row. */
-static void settle(struct orl_blobs *blobs, const char *sha, bool counted)
+/* Counts or removes a blob without claims: counts it if a row names it, otherwise removes it. If
+ * the database cannot be read, the blob stays for the next start to check. A blob that is not
+ * counted never had a row. */
+static void count_or_remove(struct orl_blobs *blobs, const char *sha, bool counted)
 {
     char path[ORL_PATH_MAX];
-    const int64_t bytes = measure(blobs, sha);
+    const int64_t bytes = blob_size(blobs, sha);
     bool named = true;
     if (bytes < 0)
         return;
@@ -116,7 +119,7 @@ int orl_blobs_claim(struct orl_blobs *blobs, const char *sha, struct orl_error *
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     snprintf(claim->sha, sizeof claim->sha, "%s", sha);
     claim->holders = 1;
-    claim->counted = measure(blobs, sha) >= 0;
+    claim->counted = blob_size(blobs, sha) >= 0;
     *at = claim;
     return 0;
 }
@@ -127,7 +130,7 @@ void orl_blobs_release(struct orl_blobs *blobs, const char *sha)
     if (!claim || --claim->holders > 0)
         return;
     *at = claim->next;
-    settle(blobs, sha, claim->counted);
+    count_or_remove(blobs, sha, claim->counted);
     free(claim);
 }
 
@@ -160,7 +163,7 @@ void orl_blobs_release_files(struct orl_blob_claims *claims)
 void orl_blobs_forget(struct orl_blobs *blobs, const char *sha)
 {
     if (!*find_claim(blobs, sha))
-        settle(blobs, sha, true);
+        count_or_remove(blobs, sha, true);
 }
 
 uint64_t orl_blobs_bytes(const struct orl_blobs *blobs)
@@ -173,7 +176,7 @@ uint64_t orl_blobs_bytes(const struct orl_blobs *blobs)
 static int sweep_file(struct orl_blobs *blobs, const char *sha, struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
-    const int64_t bytes = orl_is_sha256(sha) ? measure(blobs, sha) : -1;
+    const int64_t bytes = orl_is_sha256(sha) ? blob_size(blobs, sha) : -1;
     bool named = true;
     if (bytes < 0)
         return 0;
@@ -184,7 +187,7 @@ static int sweep_file(struct orl_blobs *blobs, const char *sha, struct orl_error
         blobs->bytes += (uint64_t)bytes;
         return 0;
     }
-    /* Where that fails, as on a full disk, it stays for the next start. */
+    /* If this fails, as on a full disk, the blob stays until the next start. */
     snprintf(path, sizeof path, "blobs/%.2s/%s", sha, sha);
     orl_orphan_set_aside(blobs->folders, path, NULL);
     return 0;
@@ -207,7 +210,7 @@ static int sweep_folder(struct orl_blobs *blobs, const char *name, struct orl_er
     return rc;
 }
 
-static int sweep(struct orl_blobs *blobs, struct orl_error *err)
+static int sweep_blobs(struct orl_blobs *blobs, struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
     int rc = 0;
@@ -233,7 +236,7 @@ int orl_blobs_open(uv_loop_t *loop, const struct orl_folders *folders, struct or
     blobs->folders = folders;
     blobs->db = db;
     blobs->settling = settling;
-    const int rc = sweep(blobs, err);
+    const int rc = sweep_blobs(blobs, err);
     if (rc)
         orl_blobs_close(blobs);
     else

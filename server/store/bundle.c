@@ -31,7 +31,8 @@ void orl_bundle_done(struct orl_bundle *bundle)
     memset(bundle, 0, sizeof *bundle);
 }
 
-/* Well-formed UTF-8? Overlong forms and surrogates would give one name two spellings. */
+/* Returns true for well-formed UTF-8. Overlong forms and surrogates would give one name two
+ * spellings. */
 static bool is_utf8(const unsigned char *s)
 {
     while (*s) {
@@ -77,7 +78,7 @@ int orl_bundle_check_name(const char *name, struct orl_error *err)
     const char *fault = name_fault(name);
     if (!fault)
         return 0;
-    /* The name goes back to the sender: what JSON and a terminal cannot show is replaced. */
+    /* The message repeats the name without characters that JSON or terminals cannot show. */
     char shown[81];
     snprintf(shown, sizeof shown, "%s", name);
     for (char *c = shown; *c; c++)
@@ -88,7 +89,7 @@ int orl_bundle_check_name(const char *name, struct orl_error *err)
     return ORL_ERR_INVALID;
 }
 
-static int grow(struct orl_bundle *bundle, struct orl_error *err)
+static int grow_bundle(struct orl_bundle *bundle, struct orl_error *err)
 {
     const size_t room = bundle->room ? 2 * bundle->room : 16;
     struct orl_bundle_file *files = realloc(bundle->files, room * sizeof *files);
@@ -114,7 +115,7 @@ int orl_bundle_add(struct orl_bundle *bundle, const char *name, bool resource, c
             orl_error_at(err, name, 0, NULL);
             return ORL_ERR_INVALID;
         }
-    if (bundle->count == bundle->room && grow(bundle, err))
+    if (bundle->count == bundle->room && grow_bundle(bundle, err))
         return ORL_ERR_NOMEM;
     struct orl_bundle_file file = {.bytes = bytes, .resource = resource, .temporary = temporary};
     file.name = strdup(name);
@@ -160,7 +161,7 @@ static bool comes_after(const struct orl_bundle_file *a, const struct orl_bundle
 
 void orl_bundle_sort(struct orl_bundle *bundle)
 {
-    /* By insertion: stable, which keeps the order of main files, and there are at most 512. */
+    /* Insertion sort keeps the order of main files; there are at most 512 files. */
     for (size_t i = 1; i < bundle->count; i++) {
         const struct orl_bundle_file file = bundle->files[i];
         size_t k = i;
@@ -217,8 +218,8 @@ const struct orl_bundle_file *orl_bundle_find(const struct orl_bundle *bundle, c
 }
 
 /*
- * Is it still what was uploaded? Large BSDFs are not looked at here: loaded before, they are not
- * read again (core/run/bsdfs.c, which looks when they are).
+ * Returns true if the file still has the uploaded bytes. Large BSDFs are not checked here: one that
+ * was loaded before is not read again, and core/run/bsdfs.c checks it when it is read.
  */
 static bool is_whole(const struct orl_bundle_file *file, const struct orl_file *data)
 {
@@ -288,7 +289,7 @@ static int provider_open(void *ctx, const char *name, struct orl_file *ret_file,
     return rc;
 }
 
-/* The digest a blob is kept by. */
+/* Returns the digest that a blob is stored by. */
 static bool provider_digest(void *ctx, const char *name, unsigned char ret_digest[32])
 {
     const struct orl_bundle_file *file = orl_bundle_find(ctx, name);

@@ -6,7 +6,8 @@
 
 enum { BUSY_TIMEOUT_MS = 5000, SERVING_TIMEOUT_MS = 250 };
 
-/* Some calls that find the disk full are I/O errors to SQLite, which knows what the system said. */
+/* Returns the error code. SQLite reports a full disk as an I/O error in some calls; the system's
+ * errno then decides. */
 static int code_of(const struct orl_db *db)
 {
     const int code = db->handle ? sqlite3_errcode(db->handle) & 0xff : SQLITE_NOMEM;
@@ -79,7 +80,7 @@ int orl_db_open_existing(struct orl_db *db, const char *path, struct orl_error *
     return open_with(db, path, 0, err);
 }
 
-static int check(struct orl_db *db, const char *pragma, struct orl_error *err)
+static int run_check(struct orl_db *db, const char *pragma, struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, pragma, "");
     if (!stmt)
@@ -98,11 +99,11 @@ static int check(struct orl_db *db, const char *pragma, struct orl_error *err)
 
 int orl_db_check(struct orl_db *db, struct orl_error *err)
 {
-    return check(db, "PRAGMA integrity_check(1)", err);
+    return run_check(db, "PRAGMA integrity_check(1)", err);
 }
 
-/* The first commit to a log begins it, and waits for its folder and its head to be synced: it is to
- * be this one, which changes nothing. */
+/* Starts the write-ahead log with a commit that changes nothing. The first commit to a new log
+ * waits until its folder and header are synced, so later commits need not. */
 static int begin_log(struct orl_db *db, struct orl_error *err)
 {
     char again[64];
@@ -119,7 +120,7 @@ static int begin_log(struct orl_db *db, struct orl_error *err)
 
 int orl_db_serve(struct orl_db *db, struct orl_error *err)
 {
-    int rc = check(db, "PRAGMA quick_check(1)", err);
+    int rc = run_check(db, "PRAGMA quick_check(1)", err);
     if (rc == 0)
         rc = begin_log(db, err);
     if (rc == 0)

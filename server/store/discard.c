@@ -10,24 +10,24 @@ struct discard {
     char path[];
 };
 
-/* Something that is to go, once it may. */
+/* A file that is removed once its row's deletion is safe. */
 struct later {
-    struct orl_settling_wait wait; /* the first: it is found by its address */
+    struct orl_settling_wait wait; /* first member, whose address is the struct's */
     uv_loop_t *loop;
     const struct orl_folders *folders;
     char path[];
 };
 
-static void remove_it(uv_work_t *work)
+static void remove_discarded(uv_work_t *work)
 {
     enum { ATTEMPTS = 3 };
     const struct discard *discard = work->data;
-    /* For want of memory, say, that is there a moment later; else the next start does. */
+    /* Retry, since a lack of memory may pass; otherwise the next start removes it. */
     for (int i = 0; i < ATTEMPTS && orl_remove_tree(discard->path, NULL) != 0; i++)
         nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
 }
 
-static void removed(uv_work_t *work, int status)
+static void free_discarded(uv_work_t *work, int status)
 {
     (void)status;
     free(work->data);
@@ -49,10 +49,10 @@ void orl_discard(uv_loop_t *loop, const struct orl_folders *folders, const char 
     }
     memcpy(discard->path, away, size);
     discard->work.data = discard;
-    uv_queue_work(loop, &discard->work, remove_it, removed);
+    uv_queue_work(loop, &discard->work, remove_discarded, free_discarded);
 }
 
-static void may_go(struct orl_settling_wait *wait, int rc, const struct orl_error *err)
+static void discard_later(struct orl_settling_wait *wait, int rc, const struct orl_error *err)
 {
     struct later *later = (struct later *)wait;
     (void)err;
@@ -68,7 +68,7 @@ void orl_discard_when_safe(struct orl_settling *settling, uv_loop_t *loop,
     struct later *later = malloc(sizeof *later + size);
     if (!later)
         return;
-    *later = (struct later){.wait.settled = may_go, .loop = loop, .folders = folders};
+    *later = (struct later){.wait.settled = discard_later, .loop = loop, .folders = folders};
     memcpy(later->path, path, size);
     orl_settling_ask(settling, &later->wait);
 }

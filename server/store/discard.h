@@ -1,6 +1,6 @@
 /*
- * Takes files away without keeping the loop waiting: they go from their place at once, by a rename
- * into tmp/, and are removed on the pool. What a crash leaves of them goes when tmp/ is emptied.
+ * Removes files without blocking the loop: a rename into tmp/ takes them away at once, and the pool
+ * deletes them. Files left there by a crash are removed when tmp/ is emptied.
  *
  * Threads: the loop thread.
  */
@@ -12,10 +12,10 @@
 #include "store/folders.h"
 #include "store/settling.h"
 
-/* A file or a folder; one that is missing is fine. Borrows folders until the loop has run dry. */
+/* Removes a file or a folder, if it exists. Borrows folders until the loop has ended. */
 void orl_discard(uv_loop_t *loop, const struct orl_folders *folders, const char *path);
-/* The same, later: once what has been committed is safe, so that no power cut brings a row back
- * that names it. Where that fails it stays, for the next start. */
+/* Removes it later, once all commits so far are safe on disk. So no power cut can bring back a row
+ * that names it. If that fails, the file stays for the next start. */
 void orl_discard_when_safe(struct orl_settling *settling, uv_loop_t *loop,
                            const struct orl_folders *folders, const char *path);
 

@@ -82,7 +82,7 @@ int orl_folders_open(struct orl_folders *folders, const char *root, struct orl_e
         rc = take_lock(folders, err);
     orl_folders_path(folders, path, "tmp");
     if (rc == 0)
-        rc = orl_remove_tree(path, err); /* what a killed daemon left half-written */
+        rc = orl_remove_tree(path, err); /* files that a killed daemon left half-written */
     for (size_t i = 0; i < sizeof below / sizeof *below && rc == 0; i++) {
         orl_folders_path(folders, path, "%s", below[i]);
         rc = make_folder(path, err);
@@ -115,7 +115,7 @@ int orl_remove_tree(const char *path, struct orl_error *err)
 
 int orl_sync_path(const char *path, struct orl_error *err)
 {
-    const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC); /* a file or a folder */
+    const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC); /* works for files and folders */
     if (fd < 0)
         return io_error(err, "open", path);
     int rc = 0;
@@ -134,7 +134,7 @@ int orl_rename_synced(const char *from, const char *to, struct orl_error *err)
     return orl_sync_path(dirname(folder), err);
 }
 
-/* Writes and syncs what is to be whole when it gets its name. */
+/* Writes and syncs a file that is renamed once it is complete. */
 static int write_part(const char *path, const char *at, size_t size, struct orl_error *err)
 {
     const int fd = orl_open_regular(path, O_WRONLY | O_CREAT | O_TRUNC);
@@ -183,7 +183,7 @@ bool orl_blob_exists(const struct orl_folders *folders, const char *sha)
     return access(path, R_OK) == 0;
 }
 
-/* Is it there, and what its name says? */
+/* Returns true if the blob exists and its digest is its name. */
 static bool is_whole(const struct orl_folders *folders, const char *sha)
 {
     char path[ORL_PATH_MAX], found[ORL_SHA_HEX];
@@ -204,7 +204,7 @@ int orl_blob_keep(const struct orl_folders *folders, const char *temporary, cons
     orl_folders_path(folders, folder, "blobs/%.2s", sha);
     if (is_whole(folders, sha)) {
         unlink(temporary);
-        /* Another upload may have put it there a moment ago, and not have synced its folder yet. */
+        /* Another upload may have just put it there, without having synced its folder yet. */
         rc = orl_sync_path(folder, err);
         orl_folders_path(folders, folder, "blobs");
         return rc ? rc : orl_sync_path(folder, err);

@@ -9,7 +9,7 @@
 
 #include "store/scenes.h"
 
-/* Names, one a row: two columns, of which the second may be empty. */
+/* Names, one per row: two columns, of which the second may be empty. */
 struct names {
     struct name {
         char a[ORL_SHA_HEX], b[ORL_SHA_HEX];
@@ -33,7 +33,8 @@ static int add_name(struct names *names, const char *a, const char *b, struct or
     return 0;
 }
 
-static int gather(struct orl_db *db, const char *sql, struct names *names, struct orl_error *err)
+static int gather_names(struct orl_db *db, const char *sql, struct names *names,
+                        struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, sql, "");
     if (!stmt)
@@ -66,8 +67,9 @@ static int visit_map(const struct name *name, orl_kept_visit visit, void *ctx,
     return visit(ctx, &file, err);
 }
 
-/* *ret_outcome lists the files; NULL where the job has gone since. */
-static int files_of(struct orl_db *db, const char *job, json_t **ret_outcome, struct orl_error *err)
+/* Reads the list of a job's files; NULL if the job was removed meanwhile. */
+static int read_outcome(struct orl_db *db, const char *job, json_t **ret_outcome,
+                        struct orl_error *err)
 {
     const char *text = NULL;
     sqlite3_stmt *stmt = orl_db_prepare(
@@ -88,7 +90,7 @@ static int visit_results(struct orl_db *db, const struct name *name, orl_kept_vi
     json_t *outcome = NULL;
     const json_t *entry;
     size_t i;
-    int rc = files_of(db, name->a, &outcome, err);
+    int rc = read_outcome(db, name->a, &outcome, err);
     json_array_foreach(json_object_get(outcome, "files"), i, entry)
     {
         const char *one = json_string_value(json_object_get(entry, "name"));
@@ -108,17 +110,18 @@ static int visit_results(struct orl_db *db, const struct name *name, orl_kept_vi
 int orl_kept_files(struct orl_db *db, orl_kept_visit visit, void *ctx, struct orl_error *err)
 {
     struct names blobs = {0}, jobs = {0}, maps = {0};
-    int rc = gather(db,
-                    "SELECT blob, '' FROM scene_files UNION SELECT id, '' FROM bsdfs UNION "
-                    "SELECT document, '' FROM jobs",
-                    &blobs, err);
+    int rc = gather_names(db,
+                          "SELECT blob, '' FROM scene_files UNION SELECT id, '' FROM bsdfs UNION "
+                          "SELECT document, '' FROM jobs",
+                          &blobs, err);
     if (rc == 0)
-        rc = gather(db,
-                    "SELECT id, '' FROM jobs WHERE outcome IS NOT NULL AND evicted_ms IS NULL "
-                    "AND state IN ('succeeded', 'cancelled')",
-                    &jobs, err);
+        rc =
+            gather_names(db,
+                         "SELECT id, '' FROM jobs WHERE outcome IS NOT NULL AND evicted_ms IS NULL "
+                         "AND state IN ('succeeded', 'cancelled')",
+                         &jobs, err);
     if (rc == 0)
-        rc = gather(db, "SELECT kind, key FROM maps", &maps, err);
+        rc = gather_names(db, "SELECT kind, key FROM maps", &maps, err);
     for (size_t i = 0; i < blobs.count && rc == 0; i++)
         rc = visit_blob(&blobs.names[i], visit, ctx, err);
     for (size_t i = 0; i < jobs.count && rc == 0; i++)

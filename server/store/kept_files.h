@@ -1,7 +1,7 @@
 /*
- * All files that rows name: blobs, files of results, maps. For whoever goes through them while the
- * daemon, maybe another process, goes on: names are gathered first, so that no transaction stays
- * open, and a file that is not there any more may have been removed since.
+ * Iterates over all files that rows name: blobs, result files, maps. The daemon, maybe in another
+ * process, continues meanwhile. So names are collected first, and no transaction stays open. A file
+ * that is missing may have been removed since.
  *
  * Threads: one for each database handle.
  */
@@ -17,17 +17,18 @@ enum orl_kept_kind { ORL_KEPT_BLOB, ORL_KEPT_RESULT, ORL_KEPT_MAP };
 
 struct orl_kept_file {
     enum orl_kept_kind kind;
-    char path[ORL_PATH_MAX / 2]; /* below the data folder */
-    char sha[ORL_SHA_HEX];       /* its digest; of maps "" */
-    char job[ORL_SHA_HEX];       /* whose result it is */
+    char path[ORL_PATH_MAX / 2]; /* relative to the data folder */
+    char sha[ORL_SHA_HEX];       /* its digest; "" for maps */
+    char job[ORL_SHA_HEX];       /* job of a result file */
     char map_kind[16], map_key[ORL_SHA_HEX];
 };
 
-/* Stops at the first visit that does not return 0, and returns that. */
+/* Called for each file. The iteration stops at the first visit that does not return 0, and returns
+ * that. */
 typedef int (*orl_kept_visit)(void *ctx, const struct orl_kept_file *file, struct orl_error *err);
 int orl_kept_files(struct orl_db *db, orl_kept_visit visit, void *ctx, struct orl_error *err);
 
-/* Does a row still name it? */
+/* Returns true in *ret_named if a row still names the file. */
 int orl_kept_is_named(struct orl_db *db, const struct orl_kept_file *file, bool *ret_named,
                       struct orl_error *err);
 

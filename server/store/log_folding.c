@@ -8,20 +8,20 @@
 #include "process/signal_stack.h"
 
 struct orl_folding {
-    struct orl_db *db; /* that commits */
-    struct orl_db own; /* the thread's */
+    struct orl_db *db; /* the connection that commits */
+    struct orl_db own; /* the thread's connection */
     pthread_t thread;
     pthread_mutex_t mutex;
     pthread_cond_t called;
     bool due, ending;
 };
 
-static void fold(struct orl_db *db)
+static void run_checkpoint(struct orl_db *db)
 {
     sqlite3_wal_checkpoint_v2(db->handle, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
 }
 
-static void *fold_when_called(void *ctx)
+static void *run_checkpoints(void *ctx)
 {
     struct orl_folding *folding = ctx;
     orl_signal_stack_install();
@@ -33,20 +33,20 @@ static void *fold_when_called(void *ctx)
         }
         folding->due = false;
         pthread_mutex_unlock(&folding->mutex);
-        fold(&folding->own);
+        run_checkpoint(&folding->own);
         pthread_mutex_lock(&folding->mutex);
     }
     pthread_mutex_unlock(&folding->mutex);
     return NULL;
 }
 
-/* After a commit: so many pages are in the log. */
+/* Called after a commit; pages: the number of pages in the log. */
 static int on_commit(void *ctx, sqlite3 *handle, const char *name, int pages)
 {
     struct orl_folding *folding = ctx;
     (void)handle, (void)name;
     if (pages >= ORL_FOLD_AT_MOST)
-        fold(folding->db);
+        run_checkpoint(folding->db);
     if (pages < ORL_FOLD_PAGES)
         return SQLITE_OK;
     pthread_mutex_lock(&folding->mutex);
@@ -56,13 +56,13 @@ static int on_commit(void *ctx, sqlite3 *handle, const char *name, int pages)
     return SQLITE_OK;
 }
 
-/* Signals are the loop's. */
+/* Starts the thread with all signals blocked, since the loop handles them. */
 static int start_thread(struct orl_folding *folding, struct orl_error *err)
 {
     sigset_t all, before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int failed = pthread_create(&folding->thread, NULL, fold_when_called, folding);
+    const int failed = pthread_create(&folding->thread, NULL, run_checkpoints, folding);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     return failed ? orl_error_set(err, ORL_ERR_NOMEM, "cannot start a thread") : 0;
 }

@@ -35,7 +35,7 @@ static int check_list(const struct orl_migration *list, size_t count, struct orl
 
 static int refuse_list(struct orl_error *err, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-/* Refuses a database whose list of migrations is not that of its tables. */
+/* Refuses a database whose list of migrations does not match its tables. */
 static int refuse_list(struct orl_error *err, const char *format, ...)
 {
     va_list args;
@@ -47,7 +47,7 @@ static int refuse_list(struct orl_error *err, const char *format, ...)
     return ORL_ERR_CORRUPT;
 }
 
-/* Compares what the database records with list; *ret_applied is how many it has. */
+/* Compares the migrations that the database records with list; *ret_applied is their number. */
 static int check_applied(struct orl_db *db, const struct orl_migration *list, size_t count,
                          size_t *ret_applied, struct orl_error *err)
 {
@@ -90,7 +90,8 @@ static int check_applied(struct orl_db *db, const struct orl_migration *list, si
     return rc;
 }
 
-/* A list that has lost its rows is no reason to make the tables once more. */
+/* Refuses a database whose list of migrations is empty although it has tables. Making the tables
+ * again would fail. */
 static int check_unlisted(struct orl_db *db, struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err,
@@ -110,8 +111,8 @@ static int check_unlisted(struct orl_db *db, struct orl_error *err)
     return rc;
 }
 
-static int apply(struct orl_db *db, const struct orl_migration *migration, size_t version,
-                 struct orl_error *err)
+static int apply_migration(struct orl_db *db, const struct orl_migration *migration, size_t version,
+                           struct orl_error *err)
 {
     char digest[DIGEST_HEX];
     digest_of(migration->sql, digest);
@@ -135,10 +136,10 @@ static int apply(struct orl_db *db, const struct orl_migration *migration, size_
     return rc;
 }
 
-/* ---- The copy of before ---------------------------------------------------------------------- */
+/* ---- The copy before a migration ------------------------------------------------------------ */
 
-/* A copy of a database that holds something, made before a migration and given its name after it,
- * so that one that fails does not take the place of an earlier copy. */
+/* A copy of a non-empty database. It is made before a migration and renamed after it, so that a
+ * failed migration does not replace an earlier copy. */
 struct copy {
     char made[4096 + 8], name[4096];
 };
@@ -148,10 +149,10 @@ static int make_copy(struct orl_db *db, size_t applied, struct copy *copy, struc
     const char *path = sqlite3_db_filename(db->handle, "main");
     copy->name[0] = '\0';
     if (!path || !*path)
-        return 0; /* in memory */
+        return 0; /* an in-memory database */
     snprintf(copy->name, sizeof copy->name, "%s.before-%04zu", path, applied + 1);
     snprintf(copy->made, sizeof copy->made, "%s.new", copy->name);
-    unlink(copy->made); /* of an earlier attempt */
+    unlink(copy->made); /* left by an earlier attempt */
     return orl_db_run(db, err, NULL, "VACUUM INTO ?", "s", copy->made);
 }
 
@@ -186,7 +187,7 @@ int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t c
     if (rc == 0 && applied > 0 && applied < count)
         rc = make_copy(db, applied, &copy, err);
     for (size_t i = applied; i < count && rc == 0; i++) {
-        rc = apply(db, &list[i], i + 1, err);
+        rc = apply_migration(db, &list[i], i + 1, err);
         if (i == applied) {
             const int named = name_copy(&copy, rc == 0, rc == 0 ? err : NULL);
             rc = rc ? rc : named;

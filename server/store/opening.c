@@ -60,7 +60,7 @@ static int refuse_lost(const struct orl_folders *folders, struct orl_error *err)
     return ORL_ERR_CORRUPT;
 }
 
-/* Moves all that is kept aside; the folders are made again. */
+/* Moves all stored files to orphans/, and makes their folders again. */
 static int set_all_aside(const struct orl_folders *folders, struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
@@ -75,7 +75,8 @@ static int set_all_aside(const struct orl_folders *folders, struct orl_error *er
     return rc;
 }
 
-/* With the log that SQLite would remove, since it belongs to no database. */
+/* Moves the database to orphans/, with its log, which SQLite would remove since it belongs to no
+ * database. */
 static int set_database_aside(const struct orl_folders *folders, struct orl_error *err)
 {
     static const char *const parts[] = {"oriel.db", "oriel.db-wal", "oriel.db-shm", "oriel.id"};
@@ -85,9 +86,9 @@ static int set_database_aside(const struct orl_folders *folders, struct orl_erro
     return rc;
 }
 
-/* Before SQLite makes a new database of one that is missing or has no bytes. */
-static int check_before(const struct orl_folders *folders, const char *path,
-                        enum orl_opening opening, struct orl_error *err)
+/* Checks the folder before SQLite makes a new database in place of a missing or empty file. */
+static int check_lost_database(const struct orl_folders *folders, const char *path,
+                               enum orl_opening opening, struct orl_error *err)
 {
     struct stat st;
     if ((stat(path, &st) == 0 && st.st_size > 0) || !has_kept_files(folders))
@@ -98,7 +99,7 @@ static int check_before(const struct orl_folders *folders, const char *path,
     return rc ? rc : set_all_aside(folders, err);
 }
 
-/* A database without a table is one of SQLite's, but as empty as one without bytes. */
+/* Checks for tables: a database without a table counts as empty, too. */
 static int check_tables(const struct orl_folders *folders, struct orl_db *db,
                         enum orl_opening opening, struct orl_error *err)
 {
@@ -147,7 +148,7 @@ static bool is_in_file(const char *path, const char *id)
     return same;
 }
 
-/* On a full disk a folder that has no id yet gets one with a later start. */
+/* Checks the folder's id. On a full disk a folder without an id gets one at a later start. */
 static int check_id(const struct orl_folders *folders, struct orl_db *db, enum orl_opening opening,
                     struct orl_error *err)
 {
@@ -174,8 +175,7 @@ static int check_id(const struct orl_folders *folders, struct orl_db *db, enum o
 
 /* ---- Damage ---------------------------------------------------------------------------------- */
 
-/* SQLite's words for a file that is cut short or overwritten name neither the file nor a way out.
- */
+/* Adds the file's name and a hint to SQLite's message about a truncated or overwritten file. */
 static int explain_damage(const char *path, struct orl_error *err)
 {
     char why[sizeof err->message];
@@ -187,7 +187,7 @@ static int explain_damage(const char *path, struct orl_error *err)
     return ORL_ERR_CORRUPT;
 }
 
-/* ---- All ------------------------------------------------------------------------------------- */
+/* ---- Opening -------------------------------------------------------------------------------- */
 
 int orl_opening_database(const struct orl_folders *folders, enum orl_opening opening,
                          struct orl_db *ret_db, struct orl_error *err)
@@ -196,7 +196,7 @@ int orl_opening_database(const struct orl_folders *folders, enum orl_opening ope
     orl_folders_path(folders, path, "oriel.db");
     bool damaged = false;
     ret_db->handle = NULL;
-    int rc = check_before(folders, path, opening, err);
+    int rc = check_lost_database(folders, path, opening, err);
     if (rc == 0) {
         rc = orl_db_open(ret_db, path, err);
         damaged = rc == ORL_ERR_CORRUPT;

@@ -16,7 +16,7 @@ void orl_orphans_path(const struct orl_folders *folders, char ret_path[ORL_PATH_
     orl_folders_path(folders, ret_path, "orphans/%s", start);
 }
 
-/* Makes the folders above path that are missing, from root on. */
+/* Makes the missing folders above path, from root on. */
 static int make_parents(const char *root, char *path, struct orl_error *err)
 {
     for (char *slash = strchr(path + strlen(root) + 1, '/'); slash;

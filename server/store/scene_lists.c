@@ -2,10 +2,10 @@
 
 #include <stdio.h>
 
-/* Statement, and what it is about, for messages. */
-static sqlite3_stmt *prepare(struct orl_db *db, const char *sql,
-                             const struct orl_stored_place *behind, size_t limit,
-                             struct orl_error *err)
+/* Prepares the statement of a page. */
+static sqlite3_stmt *prepare_page(struct orl_db *db, const char *sql,
+                                  const struct orl_stored_place *behind, size_t limit,
+                                  struct orl_error *err)
 {
     return orl_db_prepare(db, err, sql, "isi", behind->created_ms, behind->id, (int64_t)limit);
 }
@@ -17,8 +17,8 @@ static struct orl_stored_place read_place(sqlite3_stmt *stmt)
     return place;
 }
 
-/* After the last step: what visit returned, or why there was no more to visit. */
-static int end(struct orl_db *db, sqlite3_stmt *stmt, int rc, int step, struct orl_error *err)
+/* Ends the iteration after the last step. Returns visit's code, or the database's error. */
+static int end_rows(struct orl_db *db, sqlite3_stmt *stmt, int rc, int step, struct orl_error *err)
 {
     if (rc == 0 && step != SQLITE_DONE)
         rc = orl_db_error(db, "cannot list what is stored", err);
@@ -30,7 +30,7 @@ int orl_scene_rows(struct orl_db *db, const struct orl_stored_place *behind, siz
                    int (*visit)(void *ctx, const struct orl_listed_scene *scene), void *ctx,
                    struct orl_error *err)
 {
-    sqlite3_stmt *stmt = prepare(
+    sqlite3_stmt *stmt = prepare_page(
         db,
         "SELECT id, created_ms, bytes, max(created_ms, last_used_ms), "
         "(SELECT count(*) FROM jobs WHERE scene = s.id AND state IN ('queued', 'running')), "
@@ -49,11 +49,11 @@ int orl_scene_rows(struct orl_db *db, const struct orl_stored_place *behind, siz
                                                .all_jobs = (uint64_t)sqlite3_column_int64(stmt, 5)};
         rc = visit(ctx, &scene);
     }
-    return end(db, stmt, rc, step, err);
+    return end_rows(db, stmt, rc, step, err);
 }
 
-/* A row of each is kept, with what uses it (migrations/0013_bsdf_list.sql): a page reads no others.
- */
+/* The table has one row per BSDF with its uses (migrations/0013_bsdf_list.sql), so a page reads no
+ * other rows. */
 #define BSDF_ROWS                                                                                  \
     "SELECT id, created_ms, name, bytes, own, last_used_ms, scenes, (SELECT group_concat(scene) "  \
     "FROM (SELECT DISTINCT scene FROM scene_files WHERE blob = b.id ORDER BY scene LIMIT ?1)) "    \
@@ -82,7 +82,7 @@ int orl_bsdf_rows(struct orl_db *db, const struct orl_stored_place *behind, cons
                                              .scenes = orl_db_text(stmt, 7)};
         rc = visit(ctx, &bsdf);
     }
-    return end(db, stmt, rc, step, err);
+    return end_rows(db, stmt, rc, step, err);
 }
 
 int orl_scene_bsdf_find(struct orl_db *db, const char *id, struct orl_scene_bsdf *ret_bsdf,
@@ -101,5 +101,5 @@ int orl_scene_bsdf_find(struct orl_db *db, const char *id, struct orl_scene_bsdf
         ret_bsdf->bytes = (uint64_t)sqlite3_column_int64(stmt, 2);
         snprintf(ret_bsdf->name, sizeof ret_bsdf->name, "%s", orl_db_text(stmt, 1));
     }
-    return end(db, stmt, 0, step, err);
+    return end_rows(db, stmt, 0, step, err);
 }

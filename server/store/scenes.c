@@ -159,7 +159,7 @@ int orl_scene_drop(struct orl_db *db, const char *id, char (**ret_blobs)[ORL_SHA
     char(*blobs)[ORL_SHA_HEX] = NULL;
     size_t count = 0;
     int changes = 0, rc = read_blobs(db, id, &blobs, &count, err);
-    if (rc == 0) /* its files' rows go with it */
+    if (rc == 0) /* cascades to the rows of its files */
         rc = orl_db_run(db, err, &changes, "DELETE FROM scenes WHERE id = ?", "s", id);
     if (rc) {
         free(blobs);
@@ -180,9 +180,9 @@ int orl_bsdf_drop(struct orl_db *db, const char *id, bool *ret_removed, struct o
     return rc;
 }
 
-/* A statement that yields one number for a digest, as a truth. */
-static int ask(struct orl_db *db, const char *sql, const char *sha, bool *ret_true,
-               struct orl_error *err)
+/* Runs a statement that yields one number for a digest; *ret_true is true if it is not 0. */
+static int query_bool(struct orl_db *db, const char *sql, const char *sha, bool *ret_true,
+                      struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, sql, "s", sha);
     if (!stmt)
@@ -198,15 +198,15 @@ static int ask(struct orl_db *db, const char *sql, const char *sha, bool *ret_tr
 
 int orl_blob_is_named(struct orl_db *db, const char *sha, bool *ret_named, struct orl_error *err)
 {
-    return ask(db,
-               "SELECT EXISTS (SELECT 1 FROM scene_files WHERE blob = ?1) OR "
-               "EXISTS (SELECT 1 FROM bsdfs WHERE id = ?1) OR "
-               "EXISTS (SELECT 1 FROM jobs WHERE document = ?1)",
-               sha, ret_named, err);
+    return query_bool(db,
+                      "SELECT EXISTS (SELECT 1 FROM scene_files WHERE blob = ?1) OR "
+                      "EXISTS (SELECT 1 FROM bsdfs WHERE id = ?1) OR "
+                      "EXISTS (SELECT 1 FROM jobs WHERE document = ?1)",
+                      sha, ret_named, err);
 }
 
 int orl_blob_in_scene(struct orl_db *db, const char *sha, bool *ret_named, struct orl_error *err)
 {
-    return ask(db, "SELECT EXISTS (SELECT 1 FROM scene_files WHERE blob = ?1)", sha, ret_named,
-               err);
+    return query_bool(db, "SELECT EXISTS (SELECT 1 FROM scene_files WHERE blob = ?1)", sha,
+                      ret_named, err);
 }

@@ -7,8 +7,8 @@
 
 #include "store/db.h"
 
-/* wanted: one that the same migrations have just made. ORL_ERR_CORRUPT: db lacks something of it.
- */
+/* Compares db with wanted, a database that the migrations have just made. ORL_ERR_CORRUPT: db lacks
+ * a table or column of it. */
 int orl_schema_check(struct orl_db *db, struct orl_db *wanted, struct orl_error *err);
 
 #endif

@@ -2,8 +2,8 @@
 
 #include <stdio.h>
 
-static int insert(struct orl_db *db, const char *hash, const char *token_id, int64_t now_ms,
-                  int64_t expires_ms, unsigned most, struct orl_error *err)
+static int insert_row(struct orl_db *db, const char *hash, const char *token_id, int64_t now_ms,
+                      int64_t expires_ms, unsigned most, struct orl_error *err)
 {
     int rc = orl_db_run(db, err, NULL, "DELETE FROM sessions WHERE expires_ms <= ?", "i", now_ms);
     if (rc == 0)
@@ -25,7 +25,7 @@ int orl_session_row_insert(struct orl_db *db, const char *hash, const char *toke
     int rc = orl_db_begin(db, err);
     if (rc)
         return rc;
-    rc = insert(db, hash, token_id, now_ms, expires_ms, most, err);
+    rc = insert_row(db, hash, token_id, now_ms, expires_ms, most, err);
     return orl_db_end(db, rc, err);
 }
 

@@ -17,7 +17,7 @@
 
 enum { FOLD_TRIES = 100, FOLD_TRIES_EVERY_NS = 20000000 };
 
-/* What became of all that was asked up to a ticket. */
+/* The result for all requests up to a ticket. */
 struct verdict {
     uint64_t ticket;
     int rc;
@@ -25,30 +25,30 @@ struct verdict {
 };
 
 struct orl_settling {
-    struct orl_db *db; /* that commits */
+    struct orl_db *db; /* the connection that commits */
     uv_async_t woken;
     void (*quiet)(void *ctx);
     void *ctx;
-    uint64_t last, safe; /* commits, as the loop knows them */
+    uint64_t last, safe; /* numbers of commits; used by the loop */
     struct orl_settling_wait *first, **end;
 
     pthread_t thread;
     pthread_mutex_t mutex;
     pthread_cond_t called;
-    uint64_t asked; /* the last ticket; from here on under the mutex */
+    uint64_t asked; /* the last ticket; protected by the mutex from here on */
     struct verdict verdict;
     bool ending;
 
-    struct orl_db own; /* from here on the thread's */
+    struct orl_db own; /* used by the thread from here on */
     int log_fd;
-    bool doubted; /* a sync of the log has failed, and it has not been begun anew since */
+    bool doubted; /* a sync of the log has failed, and SQLite has not restarted the log since */
     int doubted_frames;
 };
 
 /* ---- On the thread -------------------------------------------------------------------------- */
 
-/* Another connection may be folding the log, which takes a moment. */
-static int fold(struct orl_settling *settling, int *ret_in_log, int *ret_folded)
+/* Runs a checkpoint. Retries while another connection runs one. */
+static int checkpoint_with_retries(struct orl_settling *settling, int *ret_in_log, int *ret_folded)
 {
     int code = SQLITE_BUSY;
     for (int i = 0; i < FOLD_TRIES && code == SQLITE_BUSY; i++) {
@@ -60,32 +60,32 @@ static int fold(struct orl_settling *settling, int *ret_in_log, int *ret_folded)
     return code;
 }
 
-/* All of the log into the database, which SQLite syncs. */
-static int fold_all(struct orl_settling *settling, struct orl_error *err)
+/* Copies the whole log into the database, which SQLite syncs. */
+static int checkpoint_all(struct orl_settling *settling, struct orl_error *err)
 {
     int in_log = 0, folded = 0;
-    if (fold(settling, &in_log, &folded) != SQLITE_OK)
+    if (checkpoint_with_retries(settling, &in_log, &folded) != SQLITE_OK)
         return orl_db_error(&settling->own, "its log cannot be synced", err);
     if (folded < in_log)
         return orl_error_set(err, ORL_ERR_IO,
                              "database: a sync of its log has failed, and a "
                              "reader kept it from being folded in");
     if (in_log < settling->doubted_frames)
-        settling->doubted = false; /* all that is in it was written since */
+        settling->doubted = false; /* the log was restarted: all of it was written since */
     settling->doubted_frames = in_log;
     return 0;
 }
 
-static int make_safe(struct orl_settling *settling, struct orl_error *err)
+static int sync_log(struct orl_settling *settling, struct orl_error *err)
 {
     if (!settling->doubted && fdatasync(settling->log_fd) != 0) {
         settling->doubted = true;
         settling->doubted_frames = 0;
     }
-    return settling->doubted ? fold_all(settling, err) : 0;
+    return settling->doubted ? checkpoint_all(settling, err) : 0;
 }
 
-static void *settle_when_asked(void *ctx)
+static void *sync_when_asked(void *ctx)
 {
     struct orl_settling *settling = ctx;
     orl_signal_stack_install();
@@ -97,7 +97,7 @@ static void *settle_when_asked(void *ctx)
             continue;
         }
         pthread_mutex_unlock(&settling->mutex);
-        verdict.rc = make_safe(settling, &verdict.err);
+        verdict.rc = sync_log(settling, &verdict.err);
         pthread_mutex_lock(&settling->mutex);
         settling->verdict = verdict;
         uv_async_send(&settling->woken);
@@ -108,7 +108,7 @@ static void *settle_when_asked(void *ctx)
 
 /* ---- On the loop ---------------------------------------------------------------------------- */
 
-/* Of every transaction, as it is about to be committed. */
+/* Counts every transaction just before it is committed. */
 static int on_commit(void *ctx)
 {
     struct orl_settling *settling = ctx;
@@ -116,7 +116,7 @@ static int on_commit(void *ctx)
     return 0;
 }
 
-static void tell(struct orl_settling *settling, const struct verdict *verdict)
+static void report_verdict(struct orl_settling *settling, const struct verdict *verdict)
 {
     while (settling->first && settling->first->ticket <= verdict->ticket) {
         struct orl_settling_wait *wait = settling->first;
@@ -135,7 +135,7 @@ static void on_woken(uv_async_t *woken)
     pthread_mutex_lock(&settling->mutex);
     const struct verdict verdict = settling->verdict;
     pthread_mutex_unlock(&settling->mutex);
-    tell(settling, &verdict);
+    report_verdict(settling, &verdict);
     if (!settling->first)
         settling->quiet(settling->ctx);
 }
@@ -179,18 +179,18 @@ static int open_log(struct orl_settling *settling, const char *path, struct orl_
     return orl_error_set(err, ORL_ERR_IO, "cannot open %s: %s", log, orl_open_reason(errno));
 }
 
-/* Signals are the loop's. */
+/* Starts the thread with all signals blocked, since the loop handles them. */
 static int start_thread(struct orl_settling *settling, struct orl_error *err)
 {
     sigset_t all, before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int failed = pthread_create(&settling->thread, NULL, settle_when_asked, settling);
+    const int failed = pthread_create(&settling->thread, NULL, sync_when_asked, settling);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     return failed ? orl_error_set(err, ORL_ERR_NOMEM, "cannot start a thread") : 0;
 }
 
-static void release(struct orl_settling *settling)
+static void free_settling(struct orl_settling *settling)
 {
     if (settling->log_fd >= 0)
         close(settling->log_fd);
@@ -217,7 +217,7 @@ int orl_settling_open(uv_loop_t *loop, struct orl_db *db, const char *path,
     if (rc == 0)
         rc = start_thread(settling, err);
     if (rc) {
-        release(settling);
+        free_settling(settling);
         return rc;
     }
     uv_async_init(loop, &settling->woken, on_woken);
@@ -244,5 +244,5 @@ void orl_settling_free(struct orl_settling *settling)
     if (!settling)
         return;
     sqlite3_commit_hook(settling->db->handle, NULL, NULL);
-    release(settling);
+    free_settling(settling);
 }

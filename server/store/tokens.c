@@ -67,7 +67,7 @@ int orl_token_row_find(struct orl_db *db, sqlite3_stmt *finder, const char *id,
         *ret_row = orl_token_row_read(finder);
     else if (step != SQLITE_DONE)
         rc = orl_db_error(db, "cannot read tokens", err);
-    sqlite3_reset(finder); /* the next look sees what others have written since */
+    sqlite3_reset(finder); /* ends the read, so that the next one sees later changes */
     if (rc == 0)
         *ret_found = step == SQLITE_ROW;
     return rc;

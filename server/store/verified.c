@@ -27,7 +27,7 @@ void orl_verified_add(struct orl_verified *verified, const struct stat *st)
         .device = st->st_dev, .inode = st->st_ino, .size = st->st_size, .changed = st->st_ctim};
 }
 
-/* By read, not by mmap: a file cut short meanwhile is an end of file then, and no signal. */
+/* Uses read, not mmap: a file truncated meanwhile then ends early instead of raising SIGBUS. */
 static int digest_of(int fd, char ret_sha[ORL_SHA_HEX], struct orl_error *err)
 {
     enum { CHUNK = 1 << 18 };

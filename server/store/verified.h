@@ -1,9 +1,9 @@
 /*
- * Which files of results are known to hold the bytes that were written: looked at, by their digest,
- * when they are first served after a start, and again when they have changed since (st_ctime, which
- * every write moves). Of so many files at most; what is forgotten is looked at again.
+ * A cache of result files that are known to hold the bytes that were written. A file's digest is
+ * checked when it is first served after a start, and again if it has changed since (st_ctime, which
+ * every write changes). The cache holds ORL_VERIFIED_FILES files; others are checked again.
  *
- * Threads: the loop thread, but for orl_verify_file, which is for any.
+ * Threads: the loop thread, except orl_verify_file, which any thread may call.
  */
 #ifndef ORL_SERVER_STORE_VERIFIED_H
 #define ORL_SERVER_STORE_VERIFIED_H
@@ -31,7 +31,7 @@ struct orl_verified {
 bool orl_verified_has(const struct orl_verified *verified, const struct stat *st);
 void orl_verified_add(struct orl_verified *verified, const struct stat *st);
 
-/* Reads the file; ORL_ERR_CORRUPT when its bytes do not have that digest. */
+/* Reads the file. ORL_ERR_CORRUPT if its bytes do not have that digest. */
 int orl_verify_file(int fd, const char sha[ORL_SHA_HEX], struct orl_error *err);
 
 #endif

@@ -9,7 +9,7 @@ int orl_aging_open(struct orl_aging *aging, struct orl_db *db, struct orl_folder
         (struct orl_aging){.folders = folders, .log = log, .keep_orphans_days = keep_orphans_days};
     const int rc = orl_retention_clock_open(&aging->clock, db, err);
     const int64_t now_ms = rc ? 0 : orl_retention_clock_ms(&aging->clock);
-    /* Dated by the later of the two clocks, orphans are never older than they are. */
+    /* Dating orphans by the later of the two clocks makes them never seem older than they are. */
     if (now_ms > folders->start_ms)
         folders->start_ms = now_ms;
     return rc;

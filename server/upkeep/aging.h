@@ -1,5 +1,5 @@
 /*
- * Aging of a data folder: the retention clock, and files that starts have set aside.
+ * Aging of a data folder: the retention clock, and the removal of old orphans.
  *
  * Threads: the loop thread.
  */
@@ -17,16 +17,17 @@ struct orl_aging {
     const struct orl_folders *folders;
     const struct orl_log *log;
     uint32_t keep_orphans_days;
-    int64_t purged_ms; /* by the clock, when orphans were last looked at; 0: not yet */
+    int64_t purged_ms; /* retention time of the last purge of orphans; 0: none yet */
 };
 
-/* Call with a migrated database, before any search for orphans. Borrows its arguments. */
+/* Opens the clock. Call it with a migrated database, before any search for orphans. Borrows its
+ * arguments. */
 int orl_aging_open(struct orl_aging *aging, struct orl_db *db, struct orl_folders *folders,
                    const struct orl_log *log, uint32_t keep_orphans_days, struct orl_error *err);
-/* Logs what this start has set aside, once all that looks for orphans has started. */
+/* Logs the orphans of this start. Call it once everything that looks for orphans has started. */
 void orl_aging_log(const struct orl_aging *aging);
-/* To be called every second or so. */
+/* Saves the clock and purges orphans when due. Called about every second. */
 void orl_aging_look(struct orl_aging *aging, uv_loop_t *loop);
-void orl_aging_close(struct orl_aging *aging); /* a zeroed struct is fine */
+void orl_aging_close(struct orl_aging *aging); /* a zeroed struct is allowed */
 
 #endif

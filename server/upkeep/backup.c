@@ -17,7 +17,7 @@
 
 struct copy {
     const char *from, *to;
-    struct orl_db *db; /* the copy's */
+    struct orl_db *db; /* the database of the copy */
     void (*found)(const struct orl_kept_file *file, const struct orl_error *why);
     struct orl_backup_totals *totals;
 };
@@ -44,12 +44,12 @@ static int make_parents(const char *path, struct orl_error *err)
                          strerror(errno));
 }
 
-/* Copies, and says what the bytes' digest is. */
+/* Copies the bytes, and computes their digest. */
 static int copy_bytes(int from, int to, char ret_sha[ORL_SHA_HEX], uint64_t *ret_bytes,
                       struct orl_error *err)
 {
     enum { CHUNK = 1 << 17 };
-    static unsigned char chunk[CHUNK]; /* of a command with one thread */
+    static unsigned char chunk[CHUNK]; /* static: the command has one thread */
     unsigned char digest[ORL_SHA256_BYTES];
     struct orl_sha256 hash;
     ssize_t n;
@@ -76,7 +76,7 @@ static int copy_bytes(int from, int to, char ret_sha[ORL_SHA_HEX], uint64_t *ret
 
 enum fate { COPIED, GONE, DAMAGED };
 
-/* Fails where the copy cannot be written. */
+/* Copies a file. Fails if the copy cannot be written. */
 static int copy_file(const struct copy *copy, const struct orl_kept_file *file, enum fate *ret_fate,
                      struct orl_error *err)
 {
@@ -114,9 +114,9 @@ static int copy_file(const struct copy *copy, const struct orl_kept_file *file, 
     return rc;
 }
 
-/* ---- Rows of what is not there --------------------------------------------------------------- */
+/* ---- Rows of missing files ------------------------------------------------------------------ */
 
-/* Jobs that wait for the blob can never run; those that have ended stay. */
+/* Deletes the rows of a blob. Cancels jobs that need it; ended jobs stay. */
 static int forget_blob(struct orl_db *db, const char *sha, struct orl_error *err)
 {
     static const char *const statements[] = {
@@ -132,7 +132,7 @@ static int forget_blob(struct orl_db *db, const char *sha, struct orl_error *err
     return rc;
 }
 
-static int visit(void *ctx, const struct orl_kept_file *file, struct orl_error *err)
+static int copy_listed_file(void *ctx, const struct orl_kept_file *file, struct orl_error *err)
 {
     const struct copy *copy = ctx;
     enum fate fate = COPIED;
@@ -152,7 +152,7 @@ static int visit(void *ctx, const struct orl_kept_file *file, struct orl_error *
     return rc;
 }
 
-/* ---- The whole ------------------------------------------------------------------------------ */
+/* ---- The copy ------------------------------------------------------------------------------- */
 
 static int copy_db(const char *data, const char *to, struct orl_error *err)
 {
@@ -174,7 +174,7 @@ static int copy_all(struct copy *copy, const char *db_path, struct orl_error *er
     if (rc == 0)
         rc = orl_db_exec(&db, "DELETE FROM maps", err);
     if (rc == 0)
-        rc = orl_kept_files(&db, visit, copy, err);
+        rc = orl_kept_files(&db, copy_listed_file, copy, err);
     copy->db = NULL;
     orl_db_close(&db);
     return rc;

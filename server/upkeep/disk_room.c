@@ -8,7 +8,7 @@
 
 #include <oriel/open.h>
 
-/* Where the file system does not say, there is room. */
+/* Returns the free bytes. If the file system does not report them, assumes unlimited space. */
 static int64_t free_bytes(const struct orl_disk_room *room)
 {
     struct statvfs disk;
@@ -30,8 +30,8 @@ static bool is_reserved(const struct orl_disk_room *room)
     return stat(path, &st) == 0 && st.st_size >= ORL_RESERVE_BYTES;
 }
 
-/* A file that there is no room for does not stay. */
-static bool allocate(const struct orl_disk_room *room, int64_t bytes)
+/* Allocates the reserve. Removes the file if there is no space for it. */
+static bool allocate_reserve(const struct orl_disk_room *room, int64_t bytes)
 {
     char path[ORL_PATH_MAX];
     reserve_path(room, path);
@@ -45,11 +45,11 @@ static bool allocate(const struct orl_disk_room *room, int64_t bytes)
     return done;
 }
 
-/* Unless that would fill the disk. */
+/* Makes the reserve, unless that would fill the disk. */
 static void make_reserve(struct orl_disk_room *room)
 {
     if (!room->reserved && free_bytes(room) >= ORL_RESERVE_BYTES + 2 * ORL_DISK_LEAST)
-        room->reserved = allocate(room, ORL_RESERVE_BYTES);
+        room->reserved = allocate_reserve(room, ORL_RESERVE_BYTES);
 }
 
 void orl_disk_room_open(struct orl_disk_room *room, const struct orl_folders *folders,
@@ -97,8 +97,8 @@ bool orl_disk_room_look(struct orl_disk_room *room)
 void orl_disk_room_close(struct orl_disk_room *room)
 {
     enum { SMALLEST = 1 << 18 };
-    /* Takes back the room that the log had, or as much of it as is left. */
+    /* Reserve the space that the log had, or as much of it as is left. */
     for (int64_t bytes = ORL_RESERVE_BYTES; room->folders && !room->reserved && bytes >= SMALLEST;
          bytes /= 2)
-        room->reserved = allocate(room, bytes);
+        room->reserved = allocate_reserve(room, bytes);
 }

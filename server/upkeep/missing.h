@@ -1,4 +1,4 @@
-/* Files that the database names and that are not there: logged at start. */
+/* A check at the start for files that the database names but that do not exist. */
 #ifndef ORL_SERVER_UPKEEP_MISSING_H
 #define ORL_SERVER_UPKEEP_MISSING_H
 
@@ -6,9 +6,9 @@
 #include "store/db.h"
 #include "store/folders.h"
 
-/* Logs how many uploads and results are missing, and the first few by name; their rows stay, for an
- * upload sent again mends them, and files may be put back. One look at each name, none at bytes:
- * those are the scrub's. */
+/* Logs how many uploads and results are missing, and the first few names. Their rows stay: sending
+ * an upload again repairs it, and files may be restored. It checks only that files exist; the scrub
+ * checks their bytes. */
 void orl_missing_log(struct orl_db *db, const struct orl_folders *folders,
                      const struct orl_log *log);
 

@@ -18,7 +18,7 @@
 #include "process/times.h"
 #include "store/verified.h"
 
-/* ---- Once through all ----------------------------------------------------------------------- */
+/* ---- One pass ------------------------------------------------------------------------------- */
 
 struct pass {
     struct orl_db *db;
@@ -27,8 +27,8 @@ struct pass {
     struct orl_scrub_totals *totals;
 };
 
-static int look_at(const struct orl_kept_file *file, const char *path, uint64_t *ret_bytes,
-                   struct orl_error *err)
+static int check_file(const struct orl_kept_file *file, const char *path, uint64_t *ret_bytes,
+                      struct orl_error *err)
 {
     struct stat st;
     const int fd = orl_open_regular(path, O_RDONLY);
@@ -44,7 +44,7 @@ static int look_at(const struct orl_kept_file *file, const char *path, uint64_t 
     return rc;
 }
 
-static int look_at_file(void *ctx, const struct orl_kept_file *file, struct orl_error *err)
+static int check_listed_file(void *ctx, const struct orl_kept_file *file, struct orl_error *err)
 {
     const struct pass *pass = ctx;
     struct orl_error why;
@@ -52,8 +52,8 @@ static int look_at_file(void *ctx, const struct orl_kept_file *file, struct orl_
     uint64_t bytes = 0;
     bool named = true;
     orl_folders_path(pass->folders, path, "%s", file->path);
-    if (look_at(file, path, &bytes, &why)) {
-        /* It may have been removed since it was listed. */
+    if (check_file(file, path, &bytes, &why)) {
+        /* The file may have been removed since it was listed. */
         const int rc = orl_kept_is_named(pass->db, file, &named, err);
         if (rc)
             return rc;
@@ -71,7 +71,7 @@ int orl_scrub(struct orl_db *db, const struct orl_folders *folders,
               struct orl_error *err)
 {
     struct pass pass = {db, folders, scrubber, totals};
-    const int rc = orl_kept_files(db, look_at_file, &pass, err);
+    const int rc = orl_kept_files(db, check_listed_file, &pass, err);
     return rc == ORL_ERR_CANCELLED ? 0 : rc;
 }
 
@@ -87,18 +87,18 @@ struct finding {
 struct orl_scrubbing {
     const struct orl_log *log;
     struct orl_map_cache *maps;
-    struct orl_folders folders; /* the thread's own */
+    struct orl_folders folders; /* copy for the thread */
     uint64_t bytes_per_s;
     pthread_t thread;
-    pthread_mutex_t mutex;  /* of the rest */
-    pthread_cond_t changed; /* stop or ended */
+    pthread_mutex_t mutex;  /* protects the members below */
+    pthread_cond_t changed; /* stop or ended has changed */
     bool stop, ended;
     struct orl_scrub_totals totals;
-    struct finding findings[FINDINGS]; /* not told yet; beyond these the next pass tells */
+    struct finding findings[FINDINGS]; /* not logged yet; when full, the next pass reports more */
     size_t count;
 };
 
-static void note_finding(void *ctx, const struct orl_kept_file *file, const struct orl_error *why)
+static void record_finding(void *ctx, const struct orl_kept_file *file, const struct orl_error *why)
 {
     struct orl_scrubbing *scrubbing = ctx;
     pthread_mutex_lock(&scrubbing->mutex);
@@ -114,8 +114,8 @@ static struct timespec to_timespec(double steady_s)
     return (struct timespec){whole_s, (long)(1e9 * (steady_s - (double)whole_s))};
 }
 
-/* A stop is heard at once. */
-static bool rest(struct orl_scrubbing *scrubbing, double seconds)
+/* Waits. Returns false at once if the thread must stop. */
+static bool wait_seconds(struct orl_scrubbing *scrubbing, double seconds)
 {
     const struct timespec until = to_timespec(orl_time_steady_s() + seconds);
     int rc = 0;
@@ -127,14 +127,14 @@ static bool rest(struct orl_scrubbing *scrubbing, double seconds)
     return go_on;
 }
 
-static bool slowly(void *ctx, uint64_t bytes)
+static bool limit_rate(void *ctx, uint64_t bytes)
 {
     struct orl_scrubbing *scrubbing = ctx;
     pthread_mutex_lock(&scrubbing->mutex);
     scrubbing->totals.files++;
     scrubbing->totals.bytes += bytes;
     pthread_mutex_unlock(&scrubbing->mutex);
-    return rest(scrubbing, (double)bytes / (double)scrubbing->bytes_per_s);
+    return wait_seconds(scrubbing, (double)bytes / (double)scrubbing->bytes_per_s);
 }
 
 static void lower_priority(void)
@@ -144,21 +144,21 @@ static void lower_priority(void)
     syscall(SYS_ioprio_set, WHO_PROCESS, 0, CLASS_IDLE << CLASS_SHIFT);
 }
 
-/* Once a day, until it is to stop. */
+/* Scrubs once a day until the thread must stop. */
 static void scrub_daily(struct orl_scrubbing *scrubbing)
 {
     const struct orl_folders *folders = &scrubbing->folders;
-    const struct orl_scrubber scrubber = {note_finding, slowly, scrubbing};
+    const struct orl_scrubber scrubber = {record_finding, limit_rate, scrubbing};
     char path[ORL_PATH_MAX];
     orl_folders_path(folders, path, "oriel.db");
-    while (rest(scrubbing, 1)) {
+    while (wait_seconds(scrubbing, 1)) {
         const double until_s = orl_time_steady_s() + PASS_S;
         struct orl_scrub_totals totals = {0};
         struct orl_db db = {NULL};
         if (orl_db_open_existing(&db, path, NULL) == 0)
             orl_scrub(&db, folders, &scrubber, &totals, NULL);
         orl_db_close(&db);
-        if (!rest(scrubbing, until_s - orl_time_steady_s()))
+        if (!wait_seconds(scrubbing, until_s - orl_time_steady_s()))
             break;
     }
 }
@@ -207,7 +207,7 @@ struct orl_scrubbing *orl_scrubbing_start(const struct orl_folders *folders,
     return scrubbing;
 }
 
-/* The state of a thread that still runs as the process ends. */
+/* State of a thread that still runs when the process ends. */
 static struct orl_scrubbing *left_behind;
 
 void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)
@@ -223,7 +223,7 @@ void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)
         rc = pthread_cond_timedwait(&scrubbing->changed, &scrubbing->mutex, &until);
     const bool ended = scrubbing->ended;
     pthread_mutex_unlock(&scrubbing->mutex);
-    /* It may be in the midst of a large file on a slow disk: the process ends without it. */
+    /* The thread may be reading a large file on a slow disk, so the process ends without it. */
     if (!ended) {
         pthread_detach(scrubbing->thread);
         left_behind = scrubbing;
@@ -233,7 +233,7 @@ void orl_scrubbing_stop(struct orl_scrubbing *scrubbing)
     scrubbing_free(scrubbing);
 }
 
-static void tell(const struct orl_scrubbing *scrubbing, const struct finding *finding)
+static void log_finding(const struct orl_scrubbing *scrubbing, const struct finding *finding)
 {
     const struct orl_kept_file *file = &finding->file;
     enum orl_map_removal removal;
@@ -259,7 +259,7 @@ void orl_scrubbing_look(struct orl_scrubbing *scrubbing)
     }
     pthread_mutex_unlock(&scrubbing->mutex);
     for (size_t i = 0; i < count; i++)
-        tell(scrubbing, &findings[i]);
+        log_finding(scrubbing, &findings[i]);
     free(findings);
 }
 

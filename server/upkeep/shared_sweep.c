@@ -22,7 +22,7 @@ static void sweep_work(uv_work_t *work)
     sweep->rc = orl_sharing_abandon(sweep->folder, now_s, &sweep->err);
 }
 
-/* One that cannot be swept is tried again when the next job ends. */
+/* Ends a sweep. A folder that cannot be swept is tried again when the next job ends. */
 static void sweep_back(uv_work_t *work, int status)
 {
     struct orl_shared_sweep *sweep = work->data;
@@ -37,7 +37,7 @@ static void sweep_back(uv_work_t *work, int status)
                   sweep->err.message, "hint", sweep->err.hint);
 }
 
-/* A job's folder has its id for a name, maybe with an ending, as while it is laid out. */
+/* Reads the id from a folder's name, which may have a suffix while the folder is set up. */
 static bool read_id(const char *name, char ret_id[ORL_JOB_ID])
 {
     snprintf(ret_id, ORL_JOB_ID, "%.*s", ID, name);
@@ -56,7 +56,7 @@ static bool is_stale(const struct orl_shared_sweep *sweep, const char *name)
     return !job || orl_jobs_ended(job);
 }
 
-/* Lists the folders whose jobs are not known; false without memory for the list. */
+/* Lists the folders of unknown jobs. Returns false without memory for the list. */
 static bool list_unknown(struct orl_shared_sweep *sweep)
 {
     DIR *entries = opendir(sweep->place->folder);

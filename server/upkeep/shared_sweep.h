@@ -1,8 +1,8 @@
 /*
- * Folders of jobs in parts (runner/shared_place.h) whose jobs wait or run no more: what Slurm has
- * of them is ended, and they go. They are left where a daemon was killed, or a job cancelled that
- * waited to go on with its parts. Folders of jobs that the database does not know when the daemon
- * starts stay, and are logged: they may be those of a database that was lost.
+ * Removes folders of jobs in parts (runner/shared_place.h) whose jobs neither wait nor run, and
+ * cancels their Slurm tasks. They are left by a killed daemon, or by cancelling a job that waited
+ * to continue with its parts. Folders of jobs that the database does not know at the start stay,
+ * and are logged: the database may have been lost.
  *
  * Threads: the loop thread; the work itself is on the pool.
  */
@@ -18,20 +18,20 @@
 
 struct orl_shared_sweep {
     uv_work_t work;
-    const struct orl_shared_place *place; /* NULL: there are none */
+    const struct orl_shared_place *place; /* NULL: no shared folder */
     const struct orl_jobs *jobs;
     const struct orl_log *log;
-    bool wanted; /* a job has ended since the last that was found */
+    bool wanted; /* a job has ended since the last search */
     bool busy;
-    char folder[ORL_PATH_MAX]; /* that is being swept */
+    char folder[ORL_PATH_MAX]; /* folder being swept */
     int rc;
     struct orl_error err;
-    bool looked;                 /* for folders of unknown jobs */
-    char (*unknown)[ORL_JOB_ID]; /* jobs of those, owned */
+    bool looked;                 /* true once folders of unknown jobs were searched */
+    char (*unknown)[ORL_JOB_ID]; /* ids of these jobs, owned */
     size_t n_unknown;
 };
 
-/* To be called now and then: sweeps one, if there is any. */
+/* Sweeps one folder, if there is any. Called periodically. */
 void orl_shared_sweep_look(struct orl_shared_sweep *sweep, uv_loop_t *loop);
 void orl_shared_sweep_done(struct orl_shared_sweep *sweep);
 

@@ -40,7 +40,7 @@ uint64_t orl_storage_total(const struct orl_storage *storage)
 
 /* ---- Eviction ------------------------------------------------------------------------------- */
 
-/* Something that may go. */
+/* Something that may be evicted. */
 struct candidate {
     int64_t used_ms;
     uint64_t bytes;
@@ -48,7 +48,7 @@ struct candidate {
     const char *job;
 };
 
-static int by_use(const void *a, const void *b)
+static int compare_use(const void *a, const void *b)
 {
     const struct candidate *x = a, *y = b;
     return (x->used_ms > y->used_ms) - (x->used_ms < y->used_ms);
@@ -61,7 +61,7 @@ static bool may_go(const struct orl_jobs_job *job, int64_t now_ms)
            (job->row.fetched_ms > 0 || now_ms - job->row.retained_ms >= spared_ms);
 }
 
-/* Everything that may go, the longest unused first; owned. NULL: out of memory. */
+/* Returns everything that may be evicted, least recently used first; owned. NULL: out of memory. */
 static struct candidate *list_candidates(const struct orl_storage *storage,
                                          const struct orl_stored_map *maps, size_t n_maps,
                                          size_t *ret_count)
@@ -83,14 +83,14 @@ static struct candidate *list_candidates(const struct orl_storage *storage,
             list[count++] = (struct candidate){.used_ms = orl_job_results_used_ms(job),
                                                .bytes = job->row.result_bytes,
                                                .job = job->row.id};
-    qsort(list, count, sizeof *list, by_use);
+    qsort(list, count, sizeof *list, compare_use);
     *ret_count = count;
     return list;
 }
 
-/* Its row. *ret_leaves: a map that somebody has taken into use stays. */
-static int leave(struct orl_storage *storage, const struct candidate *candidate, bool *ret_leaves,
-                 struct orl_error *err)
+/* Deletes a candidate's row. *ret_leaves is false for a map that has come into use, which stays. */
+static int delete_row(struct orl_storage *storage, const struct candidate *candidate,
+                      bool *ret_leaves, struct orl_error *err)
 {
     enum orl_map_removal removal = ORL_MAP_REMOVED;
     const struct orl_map_info *map = candidate->map;
@@ -100,8 +100,8 @@ static int leave(struct orl_storage *storage, const struct candidate *candidate,
     return rc;
 }
 
-/* Its file, once its row is safely gone; else it stays. */
-static void settle(struct orl_storage *storage, const struct candidate *candidate, bool gone)
+/* Deletes a candidate's file if its row is safely gone; otherwise the candidate stays. */
+static void end_eviction(struct orl_storage *storage, const struct candidate *candidate, bool gone)
 {
     const struct orl_map_info *map = candidate->map;
     enum orl_stored kind = ORL_STORED_RESULTS;
@@ -119,11 +119,12 @@ static void settle(struct orl_storage *storage, const struct candidate *candidat
 }
 
 /*
- * The first of the list, until so many bytes are gone: their rows in one transaction, which is one
- * sync, then their files. When the database refuses they stay, all of them: what has been of use
- * later is not to go in their place.
+ * Evicts the first of the list until so many bytes are freed. Their rows go in one transaction;
+ * then their files. If the database refuses, all of them stay, and more recently used ones are not
+ * evicted in their place.
  */
-static void evict(struct orl_storage *storage, struct candidate *list, size_t count, uint64_t bytes)
+static void evict_first(struct orl_storage *storage, struct candidate *list, size_t count,
+                        uint64_t bytes)
 {
     struct orl_error err = {0};
     size_t n_leaving = 0;
@@ -132,7 +133,7 @@ static void evict(struct orl_storage *storage, struct candidate *list, size_t co
     const bool begun = rc == 0;
     for (size_t i = 0; i < count && leaving < bytes && rc == 0; i++) {
         bool leaves = false;
-        rc = leave(storage, &list[i], &leaves, &err);
+        rc = delete_row(storage, &list[i], &leaves, &err);
         if (!leaves)
             continue;
         leaving += list[i].bytes;
@@ -143,16 +144,16 @@ static void evict(struct orl_storage *storage, struct candidate *list, size_t co
     if (rc)
         orl_log_event(storage->log, ORL_LOG_ERROR, "eviction-failed", "s", "why", err.message);
     for (size_t i = 0; i < n_leaving; i++)
-        settle(storage, &list[i], rc == 0);
+        end_eviction(storage, &list[i], rc == 0);
 }
 
 enum shrink_how { SHRINK_AS_FAR_AS_IT_GOES, SHRINK_OR_LEAVE };
 
 /*
- * Down to at most so many bytes; returns what is left. SHRINK_OR_LEAVE takes nothing away when all
- * that may go would not be enough.
+ * Shrinks the data to at most that many bytes; returns the bytes left. SHRINK_OR_LEAVE evicts
+ * nothing if evicting everything would not be enough.
  */
-static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_how how)
+static uint64_t shrink_to(struct orl_storage *storage, uint64_t most, enum shrink_how how)
 {
     uint64_t used = orl_storage_total(storage), stays = used;
     struct orl_stored_map *maps = NULL;
@@ -164,13 +165,13 @@ static uint64_t shrink(struct orl_storage *storage, uint64_t most, enum shrink_h
     for (size_t i = 0; list && i < count; i++)
         stays -= list[i].bytes;
     if (list && count > 0 && (how == SHRINK_AS_FAR_AS_IT_GOES || stays <= most))
-        evict(storage, list, count, used - most);
+        evict_first(storage, list, count, used - most);
     free(list);
     free(maps);
     return orl_storage_total(storage);
 }
 
-/* Of what is kept, how much has to stay. */
+/* Returns the stored bytes that must stay. */
 static uint64_t count_staying(struct orl_storage *storage)
 {
     uint64_t bytes = orl_storage_total(storage);
@@ -186,8 +187,8 @@ static uint64_t count_staying(struct orl_storage *storage)
     return bytes;
 }
 
-/* Says how much may be on its way in. What may go is looked at only where that makes a difference:
- * while half of the budget is free anyway, it does not. */
+/* Sets the quota of data in flight. Candidates for eviction are listed only if more than half of
+ * the budget is taken, since otherwise the result does not matter. */
 static void set_room(struct orl_storage *storage)
 {
     const uint64_t promised = orl_job_results_expected(storage->jobs);
@@ -200,7 +201,8 @@ static void set_room(struct orl_storage *storage)
 void orl_storage_trim(struct orl_storage *storage)
 {
     const uint64_t held = atomic_load(&storage->room.held);
-    shrink(storage, storage->budget > held ? storage->budget - held : 0, SHRINK_AS_FAR_AS_IT_GOES);
+    shrink_to(storage, storage->budget > held ? storage->budget - held : 0,
+              SHRINK_AS_FAR_AS_IT_GOES);
     set_room(storage);
 }
 
@@ -222,14 +224,14 @@ bool orl_storage_admit(struct orl_storage *storage, const struct orl_hold *hold,
     const uint64_t promised = (bytes > own ? bytes - own : 0) + atomic_load(&storage->room.held) +
                               orl_job_results_expected(storage->jobs);
     if (promised <= budget &&
-        shrink(storage, budget - promised, SHRINK_OR_LEAVE) <= budget - promised) {
+        shrink_to(storage, budget - promised, SHRINK_OR_LEAVE) <= budget - promised) {
         set_room(storage);
         return true;
     }
     return false;
 }
 
-/* ---- What was asked for --------------------------------------------------------------------- */
+/* ---- Times of fetches ----------------------------------------------------------------------- */
 
 static void write_notes(uv_timer_t *timer)
 {

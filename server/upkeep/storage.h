@@ -1,20 +1,20 @@
 /*
- * The byte budget: what photon maps, loaded BSDFs, results and uploads may take together.
+ * The storage budget: the bytes that photon maps, loaded BSDFs, results and uploads may take
+ * together.
  *
- * When they take more, maps and results go, those first that were of use longest ago, until they
- * take no more than the budget: at once when something is kept, and before something new is
- * accepted. Never touched are maps that a running job has in use or builds; what belongs to jobs
- * that wait or run (their scenes, documents, views done); uploads, which only their owners remove;
- * and results that nobody has asked for yet, for ORL_SERVER_UNFETCHED_S after the job ended.
- * When that is not enough, new uploads and jobs are refused (507) and what was accepted goes on. A
- * job is accepted when there is room for the results that it is expected to leave, beside those of
- * all that wait or run.
+ * When they take more, maps and results are evicted, least recently used first, until they fit the
+ * budget. This happens at once when something is stored, and before something new is accepted.
+ * Never evicted are maps that a running job uses or builds, and data of jobs that wait or run
+ * (their scenes, documents, finished views). Nor are uploads, which only their owners remove, or
+ * results that were never fetched, for ORL_SERVER_UNFETCHED_S after the job ended. If that does not
+ * free enough, new uploads and jobs are refused (507) and accepted ones continue. A job is accepted
+ * if its expected results fit beside those of all jobs that wait or run.
  *
- * What is on its way in counts too: bodies on the disk, and files unpacked from them (hold.h). What
- * does not fit is refused by its Content-Length, or once it has met the bound.
+ * Data in flight counts too: bodies on disk, and files unpacked from them (hold.h). Data that does
+ * not fit is refused by its Content-Length, or once it reaches the bound.
  *
  * Not counted: maps being built, work folders of running jobs, the database, and folders.
- * Threads: the loop thread; the room is taken from any.
+ * Threads: the loop thread; any thread may reserve bytes in the room.
  */
 #ifndef ORL_SERVER_UPKEEP_STORAGE_H
 #define ORL_SERVER_UPKEEP_STORAGE_H
@@ -37,37 +37,39 @@ extern const char *const orl_stored_names[ORL_STORED_COUNT]; /* "maps", "bsdfs",
 
 struct orl_storage {
     uint64_t budget;
-    struct orl_room room; /* for what is on its way in, beside what has to stay */
+    struct orl_room room; /* quota of data in flight: the budget without data that must stay */
     struct orl_db *db;
     struct orl_map_cache *maps;
     struct orl_jobs *jobs;
     struct orl_blobs *blobs;
     const struct orl_log *log;
     const struct orl_retention_clock *clock;
-    uint64_t evicted[ORL_STORED_COUNT]; /* how many, since the start */
-    uv_timer_t notes;                   /* writes down what was asked for, now and then */
+    uint64_t evicted[ORL_STORED_COUNT]; /* number of evictions since the start */
+    uv_timer_t notes;                   /* saves the times of fetches periodically */
 };
 
-/* Half of what the file system could give: its free bytes, and those the daemon has already. */
+/* Returns the default budget: half of the file system's free bytes and of the bytes that the daemon
+ * already uses. */
 uint64_t orl_storage_default(const char *folder, uint64_t used);
 
 void orl_storage_use(const struct orl_storage *storage, uint64_t ret_bytes[ORL_STORED_COUNT]);
 uint64_t orl_storage_total(const struct orl_storage *storage);
-/* Evicts what it takes. */
+/* Evicts data until the budget is met. */
 void orl_storage_trim(struct orl_storage *storage);
 
-/* Makes room for so many bytes more, of which hold has some already. Returns false when that cannot
- * be. */
+/* Makes space for so many more bytes, of which hold has reserved some. Returns false if that is
+ * impossible. */
 bool orl_storage_admit(struct orl_storage *storage, const struct orl_hold *hold, uint64_t bytes);
 
-/* Room for a body of so many bytes, before it comes, taken by hold; or false. */
+/* Reserves space in hold for a body of so many bytes before it arrives. Returns false if it does
+ * not fit. */
 bool orl_storage_receive(struct orl_storage *storage, struct orl_hold *hold, uint64_t bytes);
-/* To be called every second or so: what is on its way in has made others go. */
+/* Evicts data if data in flight has grown. Called about every second. */
 void orl_storage_look(struct orl_storage *storage);
 
-/* A job's results were asked for. */
+/* Records that a job's results were fetched. */
 void orl_storage_fetched(struct orl_storage *storage, const char *job_id);
-/* What was asked for is written down, and the timer closed. */
+/* Saves the times of fetches, and closes the timer. */
 void orl_storage_stop(struct orl_storage *storage);
 
 #endif

@@ -24,7 +24,7 @@ static const char usage[] =
     "          To restore: copy TO to where the data folder is to be, and start the daemon\n\n"
     "  --data DIR  the daemon's data folder ($ORIEL_DATA, else ./oriel-data)\n";
 
-static int complain(const char *verb, const struct orl_error *err)
+static int report_failure(const char *verb, const struct orl_error *err)
 {
     char text[3 * ORL_ERROR_TEXT_MAX];
     orl_error_format(err, text, sizeof text);
@@ -37,21 +37,21 @@ static void print_finding(const struct orl_kept_file *file, const struct orl_err
     printf("%s: %s\n", file->path, why->message);
 }
 
-static void found(void *ctx, const struct orl_kept_file *file, const struct orl_error *why)
+static void report_damage(void *ctx, const struct orl_kept_file *file, const struct orl_error *why)
 {
     (void)ctx;
     print_finding(file, why);
 }
 
-static bool go_on(void *ctx, uint64_t bytes)
+static bool keep_going(void *ctx, uint64_t bytes)
 {
     (void)ctx, (void)bytes;
     return true;
 }
 
-static int scrub(const char *data)
+static int run_scrub(const char *data)
 {
-    const struct orl_scrubber scrubber = {found, go_on, NULL};
+    const struct orl_scrubber scrubber = {report_damage, keep_going, NULL};
     struct orl_scrub_totals totals = {0};
     struct orl_folders folders = {.lock_fd = -1};
     struct orl_db db = {NULL};
@@ -66,18 +66,18 @@ static int scrub(const char *data)
         rc = orl_scrub(&db, &folders, &scrubber, &totals, &err);
     orl_db_close(&db);
     if (rc)
-        return complain("scrub", &err);
+        return report_failure("scrub", &err);
     printf("%llu files, %llu bytes, %llu damaged\n", (unsigned long long)totals.files,
            (unsigned long long)totals.bytes, (unsigned long long)totals.damaged);
     return totals.damaged ? STATUS_FAILED : 0;
 }
 
-static int backup(const char *data, const char *to)
+static int run_backup(const char *data, const char *to)
 {
     struct orl_backup_totals totals;
     struct orl_error err;
     if (orl_backup(data, to, print_finding, &totals, &err))
-        return complain("backup", &err);
+        return report_failure("backup", &err);
     printf("%llu files, %llu bytes; left out: %llu damaged, %llu removed meanwhile\n",
            (unsigned long long)totals.files, (unsigned long long)totals.bytes,
            (unsigned long long)totals.damaged, (unsigned long long)totals.gone);
@@ -108,5 +108,5 @@ int orl_store_command(int argc, char **argv)
         fputs(usage, stderr);
         return STATUS_USAGE;
     }
-    return is_backup ? backup(data, to) : scrub(data);
+    return is_backup ? run_backup(data, to) : run_scrub(data);
 }

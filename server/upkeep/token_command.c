@@ -1,4 +1,4 @@
-/* `orield token`: tokens are made and removed on the daemon's machine, never over HTTP. */
+/* `orield token`: creates and removes tokens on the daemon's machine, never over HTTP. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +23,7 @@ static const char usage[] =
     "                 and remove own jobs (default); admin: also what concerns others\n"
     "  --data DIR     the daemon's data folder ($ORIEL_DATA, else ./oriel-data)\n";
 
-/* Folder and database. Only who holds the folder's lock migrates. */
+/* Data folder and database. Only the process that holds the folder's lock migrates. */
 struct storage {
     struct orl_folders folders;
     struct orl_db db;
@@ -51,8 +51,8 @@ static void close_storage(struct storage *storage)
     orl_folders_close(&storage->folders);
 }
 
-static int add(struct orl_db *db, const char *name, enum orl_token_scope scope,
-               struct orl_error *err)
+static int add_token(struct orl_db *db, const char *name, enum orl_token_scope scope,
+                     struct orl_error *err)
 {
     char text[ORL_TOKEN_TEXT];
     struct orl_token_row row;
@@ -73,9 +73,9 @@ static int print_row(void *ctx, const struct orl_token_row *row)
     return 0;
 }
 
-/* Reads the options behind the verb: 0, or -1 when they are not understood. */
-static int parse(int argc, char **argv, const char **ret_name, const char **ret_scope,
-                 const char **ret_data)
+/* Reads the options after the verb. Returns 0, or -1 if they are invalid. */
+static int parse_options(int argc, char **argv, const char **ret_name, const char **ret_scope,
+                         const char **ret_data)
 {
     const char *from_environment = getenv("ORIEL_DATA");
     *ret_name = NULL;
@@ -93,14 +93,15 @@ static int parse(int argc, char **argv, const char **ret_name, const char **ret_
     return 0;
 }
 
-static int run(const char *verb, const char *name, enum orl_token_scope scope, const char *data)
+static int run_verb(const char *verb, const char *name, enum orl_token_scope scope,
+                    const char *data)
 {
     struct storage storage;
     struct orl_error err;
     char text[3 * ORL_ERROR_TEXT_MAX];
     int rc = open_storage(data, &storage, &err);
     if (rc == 0 && strcmp(verb, "add") == 0)
-        rc = add(&storage.db, name, scope, &err);
+        rc = add_token(&storage.db, name, scope, &err);
     else if (rc == 0 && strcmp(verb, "remove") == 0)
         rc = orl_token_row_remove(&storage.db, name, &err);
     else if (rc == 0)
@@ -122,7 +123,7 @@ int orl_token_command(int argc, char **argv)
     }
     const bool is_add = strcmp(verb, "add") == 0, is_list = strcmp(verb, "list") == 0;
     if ((!is_add && !is_list && strcmp(verb, "remove") != 0) ||
-        parse(argc, argv, &name, &scope_name, &data) != 0 || is_list != !name ||
+        parse_options(argc, argv, &name, &scope_name, &data) != 0 || is_list != !name ||
         (scope_name && !is_add)) {
         fputs(usage, stderr);
         return STATUS_USAGE;
@@ -133,5 +134,5 @@ int orl_token_command(int argc, char **argv)
         fprintf(stderr, "orield token: there is no scope '%s'\n", scope_name);
         return STATUS_USAGE;
     }
-    return run(verb, name, scope, data);
+    return run_verb(verb, name, scope, data);
 }

@@ -15,7 +15,7 @@ void orl_incoming_init(struct orl_incoming *incoming, struct orl_bundle *bundle)
     *incoming = (struct orl_incoming){.bundle = bundle, .fd = -1};
 }
 
-static struct orl_bundle_file *under_way(const struct orl_incoming *incoming)
+static struct orl_bundle_file *current_file(const struct orl_incoming *incoming)
 {
     return &incoming->bundle->files[incoming->bundle->count - 1];
 }
@@ -44,7 +44,7 @@ int orl_incoming_begin(struct orl_incoming *incoming, const struct orl_folders *
 int orl_incoming_append(struct orl_incoming *incoming, const char *data, size_t size,
                         struct orl_error *err)
 {
-    struct orl_bundle_file *file = under_way(incoming);
+    struct orl_bundle_file *file = current_file(incoming);
     file->bytes += size;
     if (file->bytes > ORL_LIMIT_FILE_BYTES) {
         orl_error_set(err, ORL_ERR_LIMIT, "the file is larger than %lu MiB",
@@ -78,7 +78,7 @@ void orl_incoming_end(struct orl_incoming *incoming)
         return;
     close(incoming->fd);
     incoming->fd = -1;
-    struct orl_bundle_file *file = under_way(incoming);
+    struct orl_bundle_file *file = current_file(incoming);
     orl_sha256_finish(&incoming->hash, digest);
     sodium_bin2hex(file->sha, sizeof file->sha, digest, sizeof digest);
 }

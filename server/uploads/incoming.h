@@ -1,5 +1,5 @@
 /*
- * A file of an upload on its way in: written to tmp/ and hashed as it comes, bounded by
+ * A file being received: written to tmp/ and hashed as data arrives, bounded by
  * ORL_LIMIT_FILE_BYTES, entered into a bundle as a temporary file.
  * Threads: one at a time. Errors: ORL_ERR_IO, ORL_ERR_LIMIT, and those of orl_bundle_add.
  */
@@ -11,7 +11,7 @@
 #include "http/hold.h"
 #include "store/bundle.h"
 
-/* Where files go instead of tmp/: to whoever keeps them. */
+/* Callbacks that receive the files in place of tmp/. */
 struct orl_incoming_sink {
     int (*file)(void *ctx, const char *name, struct orl_error *err);
     int (*data)(void *ctx, const char *data, size_t size, struct orl_error *err);
@@ -19,22 +19,22 @@ struct orl_incoming_sink {
 };
 
 struct orl_incoming {
-    struct orl_bundle *bundle;            /* borrowed; its last file is the one under way */
+    struct orl_bundle *bundle;            /* borrowed; its last file is the current one */
     const struct orl_incoming_sink *sink; /* borrowed; NULL: tmp/ */
-    struct orl_hold *hold;                /* borrowed: of what is written; NULL: no bound */
-    int fd;                               /* -1: none is */
+    struct orl_hold *hold;                /* borrowed; bounds the bytes on disk; NULL: no bound */
+    int fd;                               /* -1: no file is open */
     struct orl_sha256 hash;
 };
 
 void orl_incoming_init(struct orl_incoming *incoming, struct orl_bundle *bundle);
 
-/* Enters the file; the one before must have ended. Of one that goes to a sink the bundle knows
- * neither path nor digest; folders may be NULL then. */
+/* Enters a file; the previous one must have ended. A file that goes to a sink has neither path nor
+ * digest in the bundle; folders may then be NULL. */
 int orl_incoming_begin(struct orl_incoming *incoming, const struct orl_folders *folders,
                        const char *name, bool resource, struct orl_error *err);
 int orl_incoming_append(struct orl_incoming *incoming, const char *data, size_t size,
                         struct orl_error *err);
-/* Closes the file under way, if any, and notes its digest. Also after an error. */
+/* Closes the current file, if any, and records its digest. Call it after an error too. */
 void orl_incoming_end(struct orl_incoming *incoming);
 
 #endif

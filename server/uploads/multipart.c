@@ -12,7 +12,7 @@
 
 enum { PROCESSOR_BUFFER = 64 << 10, FEED_BYTES = 1 << 20 };
 
-/* A field that is a text, and its length. */
+/* A text field and its length. */
 struct field {
     char **text;
     size_t length, room;
@@ -22,7 +22,7 @@ struct splitter {
     const struct orl_folders *folders;
     struct orl_multipart parts;
     struct field bsdfs, mains;
-    struct orl_incoming file; /* the one under way */
+    struct orl_incoming file; /* the current file */
     int rc;
     struct orl_error *err;
 };
@@ -39,7 +39,7 @@ static bool is_zip(const char *name, const char *type)
     return orl_is_zip_type(type) || (length > 4 && strcasecmp(name + length - 4, ".zip") == 0);
 }
 
-/* A zip is kept apart until all parts are there. */
+/* Starts a file. A zip is kept separate until all parts are read. */
 static int begin_file(struct splitter *s, const char *field, const char *name, const char *type)
 {
     const bool resource = (field && strcmp(field, "resource") == 0) || orl_is_xml_name(name);
@@ -55,8 +55,8 @@ static struct field *find_field(struct splitter *s, const char *name)
     return name && strcmp(name, "main") == 0 ? &s->mains : NULL;
 }
 
-/* Room for so much more, and a NUL. */
-static bool reserve(struct field *field, size_t more)
+/* Makes space for that many more bytes and a NUL. */
+static bool reserve_space(struct field *field, size_t more)
 {
     size_t room = field->room ? field->room : 256;
     while (room < field->length + more + 1)
@@ -74,7 +74,7 @@ static bool reserve(struct field *field, size_t more)
 static int append_to_field(struct splitter *s, const char *name, const char *data, size_t size)
 {
     struct field *field = find_field(s, name);
-    if (!field && errno == ENOMEM) /* for the name of a file, say */
+    if (!field && errno == ENOMEM) /* for example for the name of a file */
         return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
     if (!field) {
         orl_error_set(s->err, ORL_ERR_INVALID, "there is no form field '%.100s'", name ? name : "");
@@ -84,7 +84,7 @@ static int append_to_field(struct splitter *s, const char *name, const char *dat
     }
     if (field->length + size > ORL_SERVER_FIELD_BYTES)
         return orl_error_set(s->err, ORL_ERR_LIMIT, "the form field '%s' is too long", name);
-    if (!reserve(field, size))
+    if (!reserve_space(field, size))
         return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
     if (size > 0)
         memcpy(*field->text + field->length, data, size);
@@ -93,7 +93,7 @@ static int append_to_field(struct splitter *s, const char *name, const char *dat
     return 0;
 }
 
-/* Each field "main" is a line, or several. */
+/* Starts a field. Each field "main" has one line, or several. */
 static int begin_field(struct splitter *s, const char *field)
 {
     return field && strcmp(field, "main") == 0 && s->parts.mains
@@ -117,13 +117,13 @@ static enum MHD_Result on_data(void *ctx, enum MHD_ValueKind kind, const char *f
     return s->rc == 0 ? MHD_YES : MHD_NO;
 }
 
-static int feed(struct splitter *s, struct MHD_PostProcessor *processor,
-                const struct orl_file *body)
+static int feed_body(struct splitter *s, struct MHD_PostProcessor *processor,
+                     const struct orl_file *body)
 {
     size_t at = 0;
     while (at < body->size && s->rc == 0) {
         const size_t n = body->size - at < FEED_BYTES ? body->size - at : FEED_BYTES;
-        errno = 0; /* libmicrohttpd goes on without what it had no memory for */
+        errno = 0; /* libmicrohttpd continues when memory runs out, so errno is checked */
         const bool fed = MHD_post_process(processor, body->data + at, n) == MHD_YES;
         if (!fed && s->rc == 0 && errno == ENOMEM)
             s->rc = orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
@@ -151,7 +151,7 @@ int orl_multipart_split(struct MHD_Connection *connection, const struct orl_file
         return orl_error_set(err, ORL_ERR_SYNTAX,
                              "the Content-Type of the multipart body names no boundary, or one of "
                              "a single character");
-    feed(&s, processor, body);
+    feed_body(&s, processor, body);
     if (MHD_destroy_post_processor(processor) != MHD_YES && s.rc == 0)
         s.rc = orl_error_set(err, ORL_ERR_SYNTAX, "the multipart/form-data body ends too early");
     orl_incoming_end(&s.file);

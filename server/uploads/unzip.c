@@ -21,9 +21,9 @@ enum { CHUNK = 64 << 10 };
 struct unpacking {
     const struct orl_folders *folders;
     struct archive *archive;
-    struct orl_bundle files; /* so far, all of them resources */
+    struct orl_bundle files; /* so far; all are resources */
     struct orl_incoming incoming;
-    uint64_t before, bytes, most_bytes; /* of the upload's other files; unpacked */
+    uint64_t before, bytes, most_bytes; /* before: bytes of other files; bytes: unpacked */
     char *buffer;
 };
 
@@ -37,14 +37,14 @@ bool orl_is_zip_type(const char *type)
     return false;
 }
 
-static int refuse(struct orl_error *err, int code, const char *name, const char *what)
+static int refuse_entry(struct orl_error *err, int code, const char *name, const char *what)
 {
     orl_error_set(err, code, "the zip's entry '%.200s' is refused: %s", name, what);
     orl_error_at(err, name, 0, NULL);
     return code;
 }
 
-/* What libarchive has to say of damage, in its own words. */
+/* Refuses a damaged archive with libarchive's message. */
 static int refuse_damaged(const struct unpacking *u, const char *name, struct orl_error *err)
 {
     const char *why = archive_error_string(u->archive);
@@ -56,8 +56,8 @@ static int refuse_damaged(const struct unpacking *u, const char *name, struct or
 }
 
 /*
- * The library keeps something of every entry that it finds a header of in memory: so that these
- * cannot be too many, headers are counted wherever they might be.
+ * Counts the entries' headers, wherever bytes look like one, to limit them: libarchive keeps data
+ * of every entry in memory.
  */
 static int count_entries(const struct orl_file *archive, struct orl_error *err)
 {
@@ -75,7 +75,7 @@ static int count_entries(const struct orl_file *archive, struct orl_error *err)
 
 /* ---- One entry ------------------------------------------------------------------------------- */
 
-/* Of the kind that desktops leave in folders. */
+/* Returns true for files that desktops leave in folders. */
 static bool is_litter(const char *name)
 {
     static const char *const litter[] = {".DS_Store", "Thumbs.db", "desktop.ini"};
@@ -86,7 +86,7 @@ static bool is_litter(const char *name)
     return strncmp(name, "__MACOSX/", 9) == 0 || strcmp(name, "__MACOSX") == 0;
 }
 
-/* The entry's name, "./" in front and "/" behind left out. */
+/* Returns the entry's name without a leading "./" and a trailing "/". */
 static int read_name(struct archive_entry *entry, char ret_name[ORL_PATH_MAX],
                      struct orl_error *err)
 {
@@ -108,24 +108,25 @@ static int check_kind(const struct unpacking *u, struct archive_entry *entry, co
     const char *format = archive_format_name(u->archive);
     if (archive_entry_symlink(entry) || archive_entry_hardlink(entry) ||
         archive_entry_filetype(entry) == AE_IFLNK)
-        return refuse(err, ORL_ERR_INVALID, name, "it is a link");
+        return refuse_entry(err, ORL_ERR_INVALID, name, "it is a link");
     if (archive_entry_filetype(entry) != AE_IFREG && archive_entry_filetype(entry) != AE_IFDIR)
-        return refuse(err, ORL_ERR_INVALID, name, "it is neither a file nor a folder");
+        return refuse_entry(err, ORL_ERR_INVALID, name, "it is neither a file nor a folder");
     if (archive_entry_is_encrypted(entry))
-        return refuse(err, ORL_ERR_UNSUPPORTED, name, "it is encrypted");
+        return refuse_entry(err, ORL_ERR_UNSUPPORTED, name, "it is encrypted");
     if (archive_entry_filetype(entry) == AE_IFREG && format && !strstr(format, "(deflation)") &&
         !strstr(format, "(uncompressed)"))
-        return refuse(err, ORL_ERR_UNSUPPORTED, name, "only deflate is known here");
+        return refuse_entry(err, ORL_ERR_UNSUPPORTED, name, "only deflate is known here");
     return 0;
 }
 
-static int take_bytes(struct unpacking *u, const char *name, size_t size, struct orl_error *err)
+static int add_bytes(struct unpacking *u, const char *name, size_t size, struct orl_error *err)
 {
     u->bytes += size;
     if (u->before + u->bytes > ORL_SERVER_SCENE_BYTES)
-        return refuse(err, ORL_ERR_LIMIT, name, "the upload unpacks to more than a scene may have");
+        return refuse_entry(err, ORL_ERR_LIMIT, name,
+                            "the upload unpacks to more than a scene may have");
     if (u->bytes > u->most_bytes)
-        return refuse(err, ORL_ERR_LIMIT, name, "the zip unpacks to too many times its size");
+        return refuse_entry(err, ORL_ERR_LIMIT, name, "the zip unpacks to too many times its size");
     return orl_incoming_append(&u->incoming, u->buffer, size, err);
 }
 
@@ -136,7 +137,7 @@ static int unpack_file(struct unpacking *u, const char *name, struct orl_error *
         const la_ssize_t n = archive_read_data(u->archive, u->buffer, CHUNK);
         if (n == 0)
             break;
-        rc = n < 0 ? refuse_damaged(u, name, err) : take_bytes(u, name, (size_t)n, err);
+        rc = n < 0 ? refuse_damaged(u, name, err) : add_bytes(u, name, (size_t)n, err);
     }
     orl_incoming_end(&u->incoming);
     return rc;
@@ -175,7 +176,7 @@ static int unpack_all(struct unpacking *u, const struct orl_file *archive, struc
     return rc;
 }
 
-/* The length of the folder's name that all files begin with, '/' included; 0: there is none. */
+/* Returns the length of the folder name that all files begin with, including '/'; 0: none. */
 static size_t common_folder(const struct orl_bundle *files)
 {
     const char *first = files->count ? files->files[0].name : "";
@@ -187,7 +188,7 @@ static size_t common_folder(const struct orl_bundle *files)
     return length;
 }
 
-/* Files in it name each other by it. */
+/* Returns true for a project's folder, whose files refer to each other by its name. */
 static bool is_model_folder(const struct orl_bundle *files)
 {
     static const char scene[] = "model/scene/";
@@ -223,7 +224,7 @@ int orl_unzip_guess(void *ctx, struct orl_bundle *files, unsigned *ret_places,
     return orl_main_files_places(names, files->count, &provider, ret_places, err);
 }
 
-/* Main files in front, by their places; by insertion, as orl_bundle_sort. */
+/* Puts main files first, in the order of their places; an insertion sort like orl_bundle_sort. */
 static void give_roles(struct orl_bundle *files, unsigned *places)
 {
     for (size_t i = 0; i < files->count; i++) {
