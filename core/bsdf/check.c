@@ -1,9 +1,6 @@
-/*
- * The figures of a BSDF's check, of the file as it is: before the division that keeps R + T from
- * being above 1. What can be summed over the data's own cells is exact; shares of
- * light (reciprocity, redirection) are means over evenly spread draws, the same ones every time,
- * good to about half a per cent.
- */
+/* Figures of a BSDF's check, for the data as filed: before values are divided where R + T is above
+ * 1. Sums over the data's own cells are exact. Shares of light (reciprocity, redirection) are means
+ * over a fixed set of evenly spread samples, accurate to about half a per cent. */
 #include "bsdf/check.h"
 
 #include <string.h>
@@ -12,9 +9,9 @@
 #include "bsdf/shirley.h"
 
 enum {
-    REDIRECTION_DRAWS = 256, /* for each of the directions looked at */
+    REDIRECTION_DRAWS = 256, /* samples for each incident direction */
     PATCH_SIDE = 32,
-    PEAK_SIDE = 49, /* points across the surroundings of the straight direction */
+    PEAK_SIDE = 49, /* points across the neighbourhood of the straight direction */
 };
 
 static struct orl_vec3 light_from(double theta_deg, double phi_deg, bool front)
@@ -26,10 +23,8 @@ static struct orl_vec3 light_from(double theta_deg, double phi_deg, bool front)
 
 /* ---- Hemispherical values -------------------------------------------------------------------- */
 
-/*
- * Of a beam 0.1 degrees wide, by its four corners: round angles lie on the borders of cells, and
- * which side one falls on is for rounding to say.
- */
+/* Adds the totals of a beam 0.1 degrees wide, sampled at its four corners. Round angles lie on
+ * borders of cells, where rounding would choose the cell of a single direction. */
 static void scatter_beam(const struct orl_bsdf *bsdf, bool front, struct orl_bsdf_hemispherical *h)
 {
     const struct orl_frame frame = orl_frame_about(light_from(h->theta_deg, h->phi_deg, front));
@@ -68,7 +63,7 @@ static void widen(struct orl_bsdf_extremes *x, double value, struct orl_vec3 in)
         x->most_phi_deg += 360;
 }
 
-/* R + T as filed, and with the other side's reflection in place of this one's. */
+/* Updates R + T as filed, and T with the other side's reflection. */
 static void add_total(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c, bool front,
                       struct orl_vec3 in)
 {
@@ -103,7 +98,7 @@ static double largest_mean(const struct patches *patches)
     return largest;
 }
 
-/* One component; adds to the totals on the way. */
+/* Fills the extremes of one component, and updates those of R + T. */
 static void fill_extremes_of(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c, bool front,
                              bool transmitted)
 {
@@ -152,19 +147,17 @@ static void fill_reciprocity(const struct orl_bsdf *bsdf, struct orl_bsdf_check 
 
 /* ---- Straight through ------------------------------------------------------------------------ */
 
-/*
- * Radii of the cell: the straight direction may lie in a corner of it, hence more than one; and the
- * ring beyond, against which a peak stands out.
- */
+/* Radii in units of the cell's radius. The peak may cover several cells, because the straight
+ * direction may lie in a corner of its cell. The peak is compared with the ring beyond. */
 #define INNER 2.6
 #define RING 3.0
 #define OUTER 4.5
 
 /* Values around the straight direction, on a grid of the disk seen along the axis. */
 struct surroundings {
-    double value[PEAK_SIDE * PEAK_SIDE];  /* negative: outside the disk */
+    double value[PEAK_SIDE * PEAK_SIDE];  /* 1/sr; negative outside the disk */
     double radius[PEAK_SIDE * PEAK_SIDE]; /* from the middle, in radii of the cell */
-    double point_sr;                      /* projected solid angle that a point stands for */
+    double point_sr;                      /* projected solid angle of one point, sr */
     double peak;                          /* the largest value within INNER */
 };
 
@@ -189,11 +182,9 @@ static void look_around(const struct orl_bsdf *bsdf, struct orl_vec3 in, double 
     }
 }
 
-/*
- * What stands out: points near the middle within a factor of eight of the brightest are the peak,
- * and it counts by what it has above the mean of a ring further out. (Radiance's aBSDF looks for
- * its peak in much the same way.)
- */
+/* Returns the peak's share of the transmitted light. Points near the middle within a factor of
+ * eight of the brightest form the peak. Its light counts above the mean of the ring. Radiance's
+ * aBSDF finds its peak in much the same way. */
 static double peak_share(const struct surroundings *s, double transmitted)
 {
     double inside = 0, ring = 0;
@@ -246,7 +237,7 @@ static void fill_peaks(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c)
     for (int i = 1; i < ORL_BSDF_CHECK_DIRECTIONS; i++) {
         const struct orl_bsdf_hemispherical *h = &c->directions[0][i];
         const struct orl_bsdf_peak peak = peak_at(bsdf, h);
-        /* By amount of light, for a large share of next to nothing dazzles nobody. */
+        /* Ranked by amount of light: a large share of very little light causes no glare. */
         if (peak.share * h->transmitted > 1.001 * most) {
             c->strongest = peak;
             most = peak.share * h->transmitted;

@@ -72,14 +72,15 @@ static int finish_matrix(struct orl_chroma *c, const struct orl_matrix *m, size_
 
 /* ---- Trees of rank 4 ------------------------------------------------------------------------- */
 
-/* Luminance and both chromaticities in step, down to where none has branches. */
+/* Traverses the trees of luminance and of both chromaticities together, down to where all have
+ * leaves. */
 struct joint {
     const struct orl_tree *tree[3];
     struct orl_rgb *sums[2]; /* given A, given B: level after level, 4^level cells each */
     size_t outside;
 };
 
-/* A cube of cells at some level: where it is on either square, and the three subtrees. */
+/* A cube of cells at some level: its cell on either square, and the three subtrees. */
 struct cube {
     struct orl_tree_ref ref[3];
     unsigned level, x[2], y[2];
@@ -123,7 +124,8 @@ static void join(struct joint *j, const struct cube *cube)
     }
 }
 
-/* What a cell has, each of its quarters has as well: the integral is over the other direction. */
+/* Adds each cell's sum to its four quarters at the next level. Quarters are not weighted: the
+ * integral is over the other direction. */
 static void push_down(struct orl_rgb *sums, unsigned depth)
 {
     for (unsigned level = 0; level < depth; level++)
@@ -172,7 +174,7 @@ done:
 
 /* ---- Trees of rank 3 ------------------------------------------------------------------------- */
 
-/* The value of a grid where a finer one of `half` rings has its cell (a, x, y). */
+/* Returns the value of a grid at cell (a, x, y) of a finer grid of `half` rings. */
 static double at_cell(const struct orl_iso *iso, unsigned half, size_t a, size_t x, size_t y)
 {
     const size_t step = half / iso->half, n = 2 * (size_t)iso->half;

@@ -20,7 +20,7 @@ static const struct orl_sealed_kind kind = {
 
 /* ---- The arrays ------------------------------------------------------------------------------ */
 
-/* Where a pointer to an array is, and how long that is. */
+/* Address of a pointer to an array, and the array's size. */
 struct array {
     void *slot;
     size_t bytes;
@@ -159,7 +159,7 @@ int orl_bsdf_write(const struct orl_bsdf *bsdf, const unsigned char content[ORL_
 
 /* ---- Opening --------------------------------------------------------------------------------- */
 
-/* From offsets to pointers. */
+/* Replaces offsets by pointers into the file. Returns 0 or ORL_ERR_CORRUPT. */
 static int take_apart(struct orl_bsdf *bsdf, struct arrays *arrays, char *file, size_t size)
 {
     find_arrays(bsdf, arrays);

@@ -1,4 +1,4 @@
-/* Reads the numbers of a BSDF matrix into their places. */
+/* Parses the numbers of a BSDF matrix into their places. */
 #include "bsdf/text.h"
 
 #include <string.h>
@@ -16,7 +16,8 @@ static size_t wanted(const struct orl_matrix *m)
     return (size_t)m->basis[ORL_AXIS_A].n_cells * (size_t)m->basis[ORL_AXIS_B].n_cells;
 }
 
-/* Columns: the incident direction runs fastest. Rows: the exitant one. */
+/* Returns the index of the next value. Columns: the incident direction varies fastest. Rows: the
+ * exitant one. */
 static size_t place_of(const struct orl_matrix_text *text)
 {
     const size_t n_a = (size_t)text->matrix->basis[ORL_AXIS_A].n_cells;

@@ -1,4 +1,4 @@
-/* Peaks of a polar map, and what is about them: see oriel/bsdf_peaks.h. */
+/* Peaks of a polar map and their neighbourhoods: see oriel/bsdf_peaks.h. */
 #include <oriel/bsdf_peaks.h>
 
 #include <math.h>
@@ -15,7 +15,8 @@ static struct orl_vec3 direction(double theta_deg, double phi_deg, bool front)
     return orl_v3(sin(t) * cos(p), sin(t) * sin(p), front ? cos(t) : -cos(t));
 }
 
-/* Of the light about a direction: its middle, its share, its largest value. */
+/* Light around a direction: its centre, its share of the incident light, its largest value
+ * (1/sr). */
 struct about {
     struct orl_vec3 middle;
     double share, most;
@@ -42,7 +43,7 @@ static struct about look(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct
     return about;
 }
 
-/* No brighter neighbour, in a map whose azimuth goes round. */
+/* Returns true if no neighbour is brighter; the map's azimuth is periodic. */
 static bool is_top(const double values[ORL_POLAR_THETAS][ORL_POLAR_PHIS], int theta, int phi)
 {
     for (int j = -1; j <= 1; j++)
@@ -54,7 +55,8 @@ static bool is_top(const double values[ORL_POLAR_THETAS][ORL_POLAR_PHIS], int th
     return true;
 }
 
-/* The middle of a plateau, as cells of the data leave it: of what is as bright and near. */
+/* Returns the centre of a plateau: the mean direction of nearby cells that are as bright. Cells of
+ * the data cause plateaus. */
 static struct orl_vec3 start_of(const double values[ORL_POLAR_THETAS][ORL_POLAR_PHIS], int theta,
                                 int phi, bool front)
 {
@@ -71,7 +73,7 @@ static struct orl_vec3 start_of(const double values[ORL_POLAR_THETAS][ORL_POLAR_
     return orl_normalize(sum);
 }
 
-/* Into its place among those found, unless a brighter one is near. */
+/* Inserts a peak in order of brightness, unless a brighter one is near. Returns the new count. */
 static size_t enter(const struct orl_bsdf_lobe *lobe, struct orl_vec3 at, struct orl_vec3 *places,
                     struct orl_bsdf_lobe *peaks, size_t n)
 {
@@ -97,7 +99,8 @@ static size_t enter(const struct orl_bsdf_lobe *lobe, struct orl_vec3 at, struct
     return last + 1;
 }
 
-/* Those that came before a brighter one near them. */
+/* Removes faint peaks, and those that were inserted before a brighter one near them. Returns the
+ * new count. */
 static size_t thin(struct orl_vec3 *places, struct orl_bsdf_lobe *peaks, size_t n)
 {
     size_t kept = 0;

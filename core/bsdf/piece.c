@@ -9,7 +9,7 @@
 
 enum { DEPTH_MAX = 8, TEXT_MAX = 256, SLICE = 1 << 20 };
 
-/* Where the reader is; what lies deeper than the path is of no matter. */
+/* Parser state. Elements deeper than the path are ignored. */
 struct reading {
     XML_Parser parser;
     struct orl_bsdf_piece *piece;
@@ -30,7 +30,7 @@ static void fail(struct reading *r, int code)
     XML_StopParser(r->parser, XML_FALSE);
 }
 
-/* Is it an element of the first layer, of that name, within another of that name? */
+/* Returns true at an element of the first layer with this name, inside the named outer element. */
 static bool is_at(const struct reading *r, const char *outer, const char *name)
 {
     return r->depth == 5 && r->layers == 1 && strcmp(r->path[2], "Layer") == 0 &&
@@ -91,7 +91,7 @@ static void on_text(void *ctx, const XML_Char *text, int length)
     r->length += count;
 }
 
-/* What the text says, without blanks around it, and ended. */
+/* Returns the element's text without white space around it, terminated by NUL. */
 static const char *trimmed(struct reading *r)
 {
     size_t start = 0;
@@ -157,7 +157,7 @@ static void parse(struct reading *r, const char *xml, size_t size)
     }
 }
 
-/* Geometry of blanks alone is none. */
+/* Terminates the geometry; drops it if it is only white space. */
 static void end_geometry(struct orl_bsdf_piece *piece)
 {
     if (!piece->geometry)
