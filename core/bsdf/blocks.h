@@ -1,6 +1,8 @@
-/* Blocks of tensor-tree data that are skipped while the XML is parsed and then read in parallel by
+/*
+ * Blocks of tensor-tree data that are skipped while the XML is parsed and then read in parallel by
  * a crew. Most of a file is such data. It is plain text up to the block's end tag, so its position
- * is enough to find it again. */
+ * is enough to find it again.
+ */
 #ifndef ORL_BSDF_BLOCKS_H
 #define ORL_BSDF_BLOCKS_H
 
@@ -27,8 +29,10 @@ struct orl_blocks {
     struct orl_block blocks[ORL_BLOCKS_MAX]; /* in the file's order */
 };
 
-/* orl_block_read reads one block; orl_blocks_read reads all with the crew of the XML. Both return 0
- * or a negative enum orl_err, that of the first block that failed, with line and element set. */
+/*
+ * orl_block_read reads one block; orl_blocks_read reads all with the crew of the XML. Both return 0
+ * or a negative enum orl_err, that of the first block that failed, with line and element set.
+ */
 int orl_block_read(struct orl_blocks *blocks, size_t index, struct orl_error *err);
 int orl_blocks_read(struct orl_blocks *blocks, struct orl_error *err);
 void orl_blocks_done(struct orl_blocks *blocks);

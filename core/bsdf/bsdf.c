@@ -1,5 +1,7 @@
-/* Loading: turns the file's sides into the surface's frame, drops a dummy transmission, fills a
- * missing one by reciprocity, makes colour and peaks, and fills the description. */
+/*
+ * Loading: turns the file's sides into the surface's frame, drops a dummy transmission, fills a
+ * missing one by reciprocity, makes colour and peaks, and fills the description.
+ */
 #include <oriel/bsdf.h>
 #include <oriel/crew.h>
 
@@ -83,8 +85,10 @@ static void drop_dummy(struct orl_bsdf *bsdf)
     orl_bsdf_set_views(bsdf);
 }
 
-/* Finds the largest R + T as filed, over all directions that the data distinguish. Also sets
- * bsdf->bound, the largest R plus the largest T: if it is at most 1, R + T needs no check. */
+/*
+ * Finds the largest R + T as filed, over all directions that the data distinguish. Also sets
+ * bsdf->bound, the largest R plus the largest T: if it is at most 1, R + T needs no check.
+ */
 static void find_gain(void *arg, size_t front, uint32_t member)
 {
     struct orl_bsdf *bsdf = arg;

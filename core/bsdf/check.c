@@ -1,6 +1,8 @@
-/* Figures of a BSDF's check, for the data as filed: before values are divided where R + T is above
+/*
+ * Figures of a BSDF's check, for the data as filed: before values are divided where R + T is above
  * 1. Sums over the data's own cells are exact. Shares of light (reciprocity, redirection) are means
- * over a fixed set of evenly spread samples, accurate to about half a per cent. */
+ * over a fixed set of evenly spread samples, accurate to about half a per cent.
+ */
 #include "bsdf/check.h"
 
 #include <string.h>
@@ -23,8 +25,10 @@ static struct orl_vec3 light_from(double theta_deg, double phi_deg, bool front)
 
 /* ---- Hemispherical values -------------------------------------------------------------------- */
 
-/* Adds the totals of a beam 0.1 degrees wide, sampled at its four corners. Round angles lie on
- * borders of cells, where rounding would choose the cell of a single direction. */
+/*
+ * Adds the totals of a beam 0.1 degrees wide, sampled at its four corners. Round angles lie on
+ * borders of cells, where rounding would choose the cell of a single direction.
+ */
 static void scatter_beam(const struct orl_bsdf *bsdf, bool front, struct orl_bsdf_hemispherical *h)
 {
     const struct orl_frame frame = orl_frame_about(light_from(h->theta_deg, h->phi_deg, front));
@@ -147,8 +151,10 @@ static void fill_reciprocity(const struct orl_bsdf *bsdf, struct orl_bsdf_check 
 
 /* ---- Straight through ------------------------------------------------------------------------ */
 
-/* Radii in units of the cell's radius. The peak may cover several cells, because the straight
- * direction may lie in a corner of its cell. The peak is compared with the ring beyond. */
+/*
+ * Radii in units of the cell's radius. The peak may cover several cells, because the straight
+ * direction may lie in a corner of its cell. The peak is compared with the ring beyond.
+ */
 #define INNER 2.6
 #define RING 3.0
 #define OUTER 4.5
@@ -182,9 +188,11 @@ static void look_around(const struct orl_bsdf *bsdf, struct orl_vec3 in, double 
     }
 }
 
-/* Returns the peak's share of the transmitted light. Points near the middle within a factor of
+/*
+ * Returns the peak's share of the transmitted light. Points near the middle within a factor of
  * eight of the brightest form the peak. Its light counts above the mean of the ring. Radiance's
- * aBSDF finds its peak in much the same way. */
+ * aBSDF finds its peak in much the same way.
+ */
 static double peak_share(const struct surroundings *s, double transmitted)
 {
     double inside = 0, ring = 0;

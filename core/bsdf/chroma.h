@@ -1,4 +1,5 @@
-/* Colour of one component: the colour channels beside its luminances, and the tints made of them.
+/*
+ * Colour of one component: the colour channels beside its luminances, and the tints made of them.
  *
  * Matrices have one tint per value. Trees keep u' and v' as separate trees, usually much coarser
  * than the luminance's. Both have tints of the integral over the other direction for each given
@@ -6,7 +7,8 @@
  * ring of A (rank 3, where the colour of an integral given B is never needed).
  *
  * Ownership: owned by the component; freed by orl_chroma_done. Immutable once finished; safe to
- * read from any number of threads. */
+ * read from any number of threads.
+ */
 #ifndef ORL_BSDF_CHROMA_H
 #define ORL_BSDF_CHROMA_H
 
@@ -34,9 +36,11 @@ struct orl_chroma {
 
 struct orl_component; /* defined in document.h */
 
-/* Makes the tints of component->chroma if both channels are given and match the luminance; frees
+/*
+ * Makes the tints of component->chroma if both channels are given and match the luminance; frees
  * what is no longer needed. Adds to *outside the number of colours that RGB cannot represent.
- * Returns 0 or ORL_ERR_NOMEM. */
+ * Returns 0 or ORL_ERR_NOMEM.
+ */
 int orl_chroma_finish(enum orl_structure structure, struct orl_component *component,
                       size_t *outside, struct orl_error *err);
 void orl_chroma_done(struct orl_chroma *chroma);

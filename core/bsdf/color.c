@@ -43,9 +43,11 @@ static struct orl_tint tint_of_shares(struct shares s, size_t *outside)
     return encode((struct shares){fmax(s.r, 0), fmax(s.g, 0), fmax(s.b, 0)});
 }
 
-/* Shares of white that the equations below give for X = Y = Z. They differ by 1e-4 from ORL_LUMA_R,
+/*
+ * Shares of white that the equations below give for X = Y = Z. They differ by 1e-4 from ORL_LUMA_R,
  * _G and _B, which define luma everywhere else. Shares are rescaled so that white is white by
- * those. */
+ * those.
+ */
 static const struct shares white = {0.26510582010582012, 0.67010582010582009, 0.064788359788359784};
 
 /* Solves two equations for red and blue; green's share is 1 minus theirs. */

@@ -1,4 +1,5 @@
-/* Colour of BSDF values. A file gives luminance (Visible) and beside it CIE X and Z (matrices) or
+/*
+ * Colour of BSDF values. A file gives luminance (Visible) and beside it CIE X and Z (matrices) or
  * the chromaticity u', v' (CIE 1976, tensor trees). It is stored as a tint: RGB of luma 1 in four
  * bytes, a factor of the luminance. Sampling uses luminance only. The luma of every value is
  * exactly that of the Visible channel.
@@ -7,7 +8,8 @@
  * white. Colours outside that triangle are moved to its edge at equal luminance.
  *
  * A tint holds two 16-bit shares of the luminance, for red and blue; green has the rest. A channel
- * that is dark is therefore exactly 0. Grey has its own code and is exactly grey. */
+ * that is dark is therefore exactly 0. Grey has its own code and is exactly grey.
+ */
 #ifndef ORL_BSDF_COLOR_H
 #define ORL_BSDF_COLOR_H
 

@@ -1,10 +1,12 @@
-/* A file that holds a loaded BSDF in its memory layout. It is mapped without parsing XML, and its
+/*
+ * A file that holds a loaded BSDF in its memory layout. It is mapped without parsing XML, and its
  * pages are shared between threads and processes.
  *
  * It is a sealed file (base/sealed.h): struct orl_bsdf with offsets in place of its pointers, then
  * the arrays that they point to.
  *
- * Any change of what loading makes of a file, or of its memory layout, needs a new version. */
+ * Any change of what loading makes of a file, or of its memory layout, needs a new version.
+ */
 #ifndef ORL_BSDF_COMPILED_H
 #define ORL_BSDF_COMPILED_H
 

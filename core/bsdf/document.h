@@ -1,5 +1,7 @@
-/* Contents of a BSDF file, before sides are turned and gaps are filled. The reader (xml.c) builds
- * it; orl_bsdf_load (bsdf.c) takes ownership. */
+/*
+ * Contents of a BSDF file, before sides are turned and gaps are filled. The reader (xml.c) builds
+ * it; orl_bsdf_load (bsdf.c) takes ownership.
+ */
 #ifndef ORL_BSDF_DOCUMENT_H
 #define ORL_BSDF_DOCUMENT_H
 

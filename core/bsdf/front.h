@@ -1,8 +1,10 @@
-/* Contents of an orl_bsdf, shared by bsdf.c (builds it), values.c (evaluates it) and check.c. For
+/*
+ * Contents of an orl_bsdf, shared by bsdf.c (builds it), values.c (evaluates it) and check.c. For
  * core/bsdf only.
  *
  * A view is one component in the surface's frame. A transmission missing in the file is a
- * transposed view of the one that is there. Views are immutable once loaded. */
+ * transposed view of the one that is there. Views are immutable once loaded.
+ */
 #ifndef ORL_BSDF_FRONT_H
 #define ORL_BSDF_FRONT_H
 
@@ -61,13 +63,17 @@ void orl_bsdf_filed_totals(const struct orl_bsdf *bsdf, struct orl_vec3 in, doub
 struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3 in,
                                     enum orl_bsdf_side sides);
 
-/* Returns point i of an additive recurrence in up to four dimensions. The steps are the inverse
+/*
+ * Returns point i of an additive recurrence in up to four dimensions. The steps are the inverse
  * powers of the positive root of x^5 = x + 1. Points are evenly spread and not aligned with any
- * grid of the data. */
+ * grid of the data.
+ */
 void orl_even_point(unsigned i, double ret_u[4]);
 
-/* Returns the share of light that would have to move to make f(in, out) = f(out, in): 0 to 1,
- * negative if there is no light. Transmission compares the two directions through the surface. */
+/*
+ * Returns the share of light that would have to move to make f(in, out) = f(out, in): 0 to 1,
+ * negative if there is no light. Transmission compares the two directions through the surface.
+ */
 double orl_bsdf_irreciprocal_reflection(const struct orl_bsdf *bsdf, bool front);
 double orl_bsdf_irreciprocal_transmission(const struct orl_bsdf *bsdf);
 

@@ -139,8 +139,10 @@ static size_t place_of(const struct orl_incident *incident, struct orl_vec3 in)
     return orl_square_cell(incident->given, orl_disk_to_square(in.x, in.y), incident->tree->depth);
 }
 
-/* Makes a table for each cell met by directions all over the cone and slightly beyond it. If these
- * are all in one cell, so is the whole cone. */
+/*
+ * Makes a table for each cell met by directions all over the cone and slightly beyond it. If these
+ * are all in one cell, so is the whole cone.
+ */
 static int make_cells(struct orl_incident *incident, struct orl_vec3 in, double half_angle_rad)
 {
     const struct orl_frame frame = orl_frame_about(in);

@@ -1,4 +1,5 @@
-/* Fast sampling of transmission for light from a narrow cone, such as the sun's. If the cone falls
+/*
+ * Fast sampling of transmission for light from a narrow cone, such as the sun's. If the cone falls
  * into a few cells of a tensor tree, the transmission of each is tabulated beforehand. Sampling is
  * then a table look-up instead of a descent of the tree.
  *
@@ -6,7 +7,8 @@
  * meets, by value times size; its probabilities equal the values' own to 1e-7. Light from outside
  * the tabulated cells is sampled by orl_bsdf_sample.
  *
- * Borrows the BSDF. Immutable once built; any number of threads may sample it. */
+ * Borrows the BSDF. Immutable once built; any number of threads may sample it.
+ */
 #ifndef ORL_BSDF_INCIDENT_H
 #define ORL_BSDF_INCIDENT_H
 
@@ -14,9 +16,11 @@
 
 struct orl_incident;
 
-/* Builds tables for the cone about the unit direction in; directions as for orl_bsdf_sample.
+/*
+ * Builds tables for the cone about the unit direction in; directions as for orl_bsdf_sample.
  * *ret_incident is NULL if tables would not help: other kinds of data, colour, or too many cells.
- * Returns 0 or ORL_ERR_NOMEM. */
+ * Returns 0 or ORL_ERR_NOMEM.
+ */
 int orl_incident_new(const struct orl_bsdf *bsdf, struct orl_vec3 in, double half_angle_rad,
                      struct orl_incident **ret_incident);
 void orl_incident_free(struct orl_incident *incident); /* NULL is allowed */

@@ -15,8 +15,7 @@ struct orl_round orl_round_of(struct orl_vec3 d)
                               isfinite(azimuth) ? azimuth : 0};
 }
 
-/* ---- Building ----------------------------------------------------------------------------------
- */
+/* ---- Building ------------------------------------------------------------------------------- */
 
 enum { CANVAS_SIDE = 1 << ORL_LIMIT_TREE_DEPTH, CANVAS_HALF = CANVAS_SIDE / 2 };
 
@@ -152,8 +151,7 @@ size_t orl_iso_bytes(const struct orl_iso *iso)
                        : 4 * half * half * sizeof *iso->rows); /* edges and corners: half^2 each */
 }
 
-/* ---- Reading -----------------------------------------------------------------------------------
- */
+/* ---- Reading -------------------------------------------------------------------------------- */
 
 static unsigned ring_at(const struct orl_iso *iso, double radius)
 {

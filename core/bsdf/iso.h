@@ -1,4 +1,5 @@
-/* Tensor tree of rank 3: a function of two directions that is invariant under rotation of both
+/*
+ * Tensor tree of rank 3: a function of two directions that is invariant under rotation of both
  * about the axis. It is stored as a full grid of at most 2^7 x 2^8 x 2^8 floats; look-up is an
  * index.
  *
@@ -12,7 +13,8 @@
  * Integrals over either direction are thus exact sums over cells, and sampling is exact too.
  *
  * Invariants: values are finite and not negative (scan.h). Immutable once finished; any number of
- * threads may read. Reference: Shirley and Chiu 1997. */
+ * threads may read. Reference: Shirley and Chiu 1997.
+ */
 #ifndef ORL_BSDF_ISO_H
 #define ORL_BSDF_ISO_H
 
@@ -48,14 +50,16 @@ struct orl_round orl_round_of(struct orl_vec3 direction);
 /* ---- Building -------------------------------------------------------------------------------- */
 
 int orl_iso_init(struct orl_iso *iso, struct orl_error *err);
-/* Fills a cell of the grid with 8^log2_side values, the last axis varying fastest. The cell is at
- * place[], in units of 2^-level. */
+/*
+ * Fills a cell of the grid with 8^log2_side values, the last axis varying fastest. The cell is at
+ * place[], in units of 2^-level.
+ */
 void orl_iso_fill(struct orl_iso *iso, const unsigned place[3], unsigned level, const float *values,
                   unsigned log2_side);
 int orl_iso_finish(struct orl_iso *iso, struct orl_error *err);
 void orl_iso_done(struct orl_iso *iso); /* NULL and a partly built tree are allowed */
 
-/* ---- Reading: like the functions of the same names in tree.h --------------------------------- */
+/* ---- Reading: like the functions of the same names in tree.h -------------------------------- */
 
 double orl_iso_eval(const struct orl_iso *iso, struct orl_round a, struct orl_round b);
 double orl_iso_total(const struct orl_iso *iso, enum orl_tree_axis given, struct orl_round place);
@@ -71,9 +75,11 @@ size_t orl_iso_cell(const struct orl_iso *iso, struct orl_round a, struct orl_ro
 /* Returns the part of a value that counts, by ring of A and cell of B. */
 typedef double (*orl_iso_part)(const void *ctx, unsigned ring, size_t cell, double value);
 
-/* Returns the integral of part over A for a given B. part must be 0 except near the straight
+/*
+ * Returns the integral of part over A for a given B. part must be 0 except near the straight
  * direction. On A: rings within reach of B's. On the square: cells within reach + 1 of the line of
- * straight ones; not required for rings of B within reach of the centre. */
+ * straight ones; not required for rings of B within reach of the centre.
+ */
 double orl_iso_integral_near(const struct orl_iso *iso, struct orl_round b, unsigned reach,
                              orl_iso_part part, const void *ctx);
 

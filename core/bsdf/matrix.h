@@ -1,9 +1,10 @@
-/* A BSDF matrix: one value per pair of cells of two angle bases. Direction A is the file's incident
+/*
+ * A BSDF matrix: one value per pair of cells of two angle bases. Direction A is the file's incident
  * one (its x and y negated before look-up, as the light travels), B its exitant one.
  *
  * Sampling uses cumulative sums in double per given cell. They never decrease; a cell of weight
- * zero has zero width and is never chosen. Immutable once finished; any number of threads may
- * read. */
+ * zero has zero width and is never chosen. Immutable once finished; any number of threads may read.
+ */
 #ifndef ORL_BSDF_MATRIX_H
 #define ORL_BSDF_MATRIX_H
 

@@ -199,9 +199,11 @@ static int make_tree(struct orl_component *c)
 
 /* ---- Trees of rank 3 ------------------------------------------------------------------------- */
 
-/* Returns the bit of a cell of B for ring a of A, or -1. The straight direction lies on the +x axis
+/*
+ * Returns the bit of a cell of B for ring a of A, or -1. The straight direction lies on the +x axis
  * of the square, between two cells. Bit dy * SPAN + dx is column half + a - REACH + dx, row half -
- * 1 - REACH + dy. */
+ * 1 - REACH + dy.
+ */
 static int iso_bit(const struct orl_iso *iso, unsigned a, size_t cell)
 {
     const int n = 2 * (int)iso->half, half = (int)iso->half;

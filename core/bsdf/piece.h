@@ -1,5 +1,7 @@
-/* The sample of material in a BSDF file: its size and geometry, if the file has them. Streamed with
- * expat like the data (xml.c); a document type declaration is refused. */
+/*
+ * The sample of material in a BSDF file: its size and geometry, if the file has them. Streamed with
+ * expat like the data (xml.c); a document type declaration is refused.
+ */
 #ifndef ORL_BSDF_PIECE_H
 #define ORL_BSDF_PIECE_H
 

@@ -1,5 +1,7 @@
-/* BSDF values between directions that are used many times: each direction is located in the data
- * once. All directions are in the surface's frame and point away from it, as in oriel/bsdf.h. */
+/*
+ * BSDF values between directions that are used many times: each direction is located in the data
+ * once. All directions are in the surface's frame and point away from it, as in oriel/bsdf.h.
+ */
 #ifndef ORL_BSDF_PLACED_H
 #define ORL_BSDF_PLACED_H
 

@@ -20,8 +20,10 @@ static double square(double value)
     return value * value;
 }
 
-/* Computes the corners of a beam 0.1 degrees wide. Round angles lie on borders of the data's cells,
- * where rounding would choose the cell of a single direction. */
+/*
+ * Computes the corners of a beam 0.1 degrees wide. Round angles lie on borders of the data's cells,
+ * where rounding would choose the cell of a single direction.
+ */
 static void spread(struct orl_vec3 in, struct orl_vec3 ret_beam[BEAM])
 {
     const struct orl_frame frame = orl_frame_about(in);

@@ -1,9 +1,10 @@
-/* Transmission of a matrix BSDF as the three-phase method multiplies by it. */
+/* Transmission matrix of a matrix BSDF, as used by the three-phase method. */
 #include <stdlib.h>
 
 #include "bsdf/front.h"
 
-/* The middle of a cell, as the file numbers them: incident ones are seen as the light travels. */
+/* Returns the middle of a cell in the file's numbering. Incident directions are negated, because
+ * cells hold them as the light travels. */
 static struct orl_vec3 middle(const struct orl_basis *basis, size_t cell, bool incident)
 {
     const struct orl_vec3 d = orl_basis_direction(basis, (int)cell, 0.5, 0.5);

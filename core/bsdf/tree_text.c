@@ -1,7 +1,7 @@
 /*
- * "{ v }" is a leaf, "{ v v ... }" a grid of 16^n values, "{ {..} {..} ... }" a branch of 16
- * children; of rank 3, 8^n and 8. Depth is bounded by ORL_LIMIT_TREE_DEPTH, values by
- * ORL_LIMIT_BSDF_VALUES.
+ * Syntax: "{ v }" is a leaf, "{ v v ... }" a grid of 16^n values, "{ {..} {..} ... }" a branch of
+ * 16 children; in rank 3, 8^n values and 8 children. ORL_LIMIT_TREE_DEPTH limits the depth,
+ * ORL_LIMIT_BSDF_VALUES the values.
  */
 #include "bsdf/text.h"
 
@@ -86,8 +86,8 @@ static int on_number(struct orl_tree_text *text, double number, struct orl_error
     return 0;
 }
 
-/* Where the innermost brace is, in cells of its own size: by its number among its siblings, and
- * that of each brace around it. */
+/* Computes the place of the innermost brace in cells of its own size, from its number among its
+ * siblings and those of the enclosing braces. */
 static void find_place(const struct orl_tree_text *text, unsigned ret_place[3])
 {
     ret_place[0] = ret_place[1] = ret_place[2] = 0;
@@ -154,7 +154,7 @@ static int on_close(struct orl_tree_text *text, struct orl_error *err)
     return code;
 }
 
-/* Works off the tokens at hand. */
+/* Processes all tokens that are available. */
 static int drain(struct orl_tree_text *text, struct orl_error *err)
 {
     for (;;) {

@@ -1,4 +1,4 @@
-/* The way from a request to a BSDF: files, scans, shapes, models, XML. */
+/* Runs a fit: from files through scans, shapes and models to XML. */
 #include <oriel/bsdf_fit.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,7 +35,7 @@ struct shaping {
     const struct orl_bsdf_fit_request *request;
     const struct orl_bsdf_make_env *env;
     struct orl_fit_data *data;
-    unsigned levels[2];                /* of lobes, the largest and the smallest */
+    unsigned levels[2];                /* levels of lobes, the largest lobes and the smallest */
     struct orl_fit_shape *shapes;      /* by scan */
     struct orl_bsdf_fitted_scan *told; /* by scan */
     struct orl_bsdf_outlier *outliers; /* by scan, ORL_BSDF_FIT_OUTLIERS_TOLD each */
@@ -138,8 +138,8 @@ static void shaping_done(struct shaping *s)
 
 /* ---- Models ---------------------------------------------------------------------------------- */
 
-/* The mean total of those at the angle, and the largest angle that is clearly less; negative: none.
- */
+/* Returns the mean total of scans at the angle. Sets the largest angle that is clearly less, or
+ * -1. */
 static double total_at(const struct orl_bsdf_fitted_scan *scans, size_t n, double theta_deg,
                        double *ret_next_deg)
 {
@@ -158,22 +158,22 @@ static double total_at(const struct orl_bsdf_fitted_scan *scans, size_t n, doubl
     return sum / (double)count;
 }
 
-/* Of diffuse light: what of it comes beyond the last direction, where the total may go on as it
- * changed up to there instead of staying. The angle's mean lies a third of the way to the surface.
- */
+/* Returns the error of diffuse light that comes from beyond the last direction. The total there may
+ * continue its change up to that direction instead of staying constant. The mean angle lies a third
+ * of the way to the surface. */
 static double error_beyond(const struct orl_bsdf_fitted_scan *scans, size_t n, double most_deg)
 {
     const double cosine = cos(most_deg * ORL_DEG_TO_RAD);
     double before_deg, unused;
     const double last = total_at(scans, n, most_deg, &before_deg);
     if (before_deg < 0)
-        return cosine * cosine * last; /* it tells nothing of a change */
+        return cosine * cosine * last; /* one angle gives no information on a change */
     const double before = total_at(scans, n, before_deg, &unused);
     const double by = fmin(1, (90 - most_deg) / 3 / (most_deg - before_deg));
     return cosine * cosine * fabs(last - before) * by;
 }
 
-/* What leaving out came to, of one component. */
+/* Fills the leave-one-out errors of one component. */
 static void tell_component(struct orl_bsdf_fitted *f, const struct orl_bsdf_fitted_scan *scans,
                            size_t n, int front, int t)
 {
@@ -194,7 +194,8 @@ static void tell_component(struct orl_bsdf_fitted *f, const struct orl_bsdf_fitt
     f->misplaced[front][t] = left > 0 ? misplaced / (double)left : -1;
 }
 
-/* Scans of a component are side by side in fitted->scans, their shapes go over to the model. */
+/* Makes the model of a component. Its scans become adjacent in fitted->scans; the model takes its
+ * shapes. */
 static int make_model(struct shaping *s, int front, int t, struct orl_bsdf_fitted *fitted,
                       struct orl_fit_model *model, bool *ret_any, struct orl_error *err)
 {
@@ -248,8 +249,8 @@ static int write_out(struct shaping *s, struct orl_bsdf_fitted *fitted, struct o
 
 /* ---- The whole ------------------------------------------------------------------------------- */
 
-/* Where it is bright lobes are as wide as cells out, of which a tree of rank 4 has very many; in a
- * peak, for the cells on whose border it stands, a small part of that. */
+/* Sets the levels of lobes. Bright lobes are as narrow as cells out. A tree of rank 4 has very many
+ * cells. In a peak lobes are much narrower, because a peak may lie on the border of cells. */
 static void set_levels(const struct orl_bsdf_fit_request *request, enum orl_bsdf_basis basis,
                        unsigned levels[2])
 {

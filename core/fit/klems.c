@@ -1,4 +1,4 @@
-/* Models as matrices of a Klems basis. */
+/* Writes models as matrices of a Klems basis. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,12 +7,15 @@
 #include "fit/output.h"
 #include "goniometer/provenance.h"
 
-enum { LEVELS = 6, PARTS = 4 }; /* of the screen, whose cells go to the basis's in 4 by 4 parts */
+enum {
+    LEVELS = 6,
+    PARTS = 4
+}; /* LEVELS: of the screen. Each screen cell is assigned to cells of the basis in 4 by 4 parts. */
 
-/* A part of the screen's cells that lies in a cell of the basis. */
+/* Part of a screen cell that lies in a cell of the basis. */
 struct share {
     uint32_t from, to;
-    float weight; /* of the basis's cell */
+    float weight; /* share of the basis's cell */
 };
 
 struct filling {
@@ -21,7 +24,7 @@ struct filling {
     const struct orl_fit_screen *screen;
     const struct orl_basis *basis;
     struct orl_matrix *matrix;
-    const struct share *shares; /* by screen cell */
+    const struct share *shares; /* in the order of screen cells */
     size_t n_shares;
     int *codes;
 };
@@ -42,7 +45,7 @@ static struct orl_vec3 part_of(size_t cell, int part)
     return orl_square_to_hemisphere((struct orl_square){2 * u - 1, 2 * v - 1});
 }
 
-/* Weights of a cell add up to 1. NULL: no memory. */
+/* Returns the shares; weights of a basis's cell add up to 1. NULL if out of memory. */
 static struct share *share_out(const struct orl_basis *basis, size_t cells, size_t *ret_n)
 {
     struct share *shares = malloc(cells * PARTS * PARTS * sizeof *shares);
@@ -74,8 +77,8 @@ static struct share *share_out(const struct orl_basis *basis, size_t cells, size
 
 /* ---- Incident cells -------------------------------------------------------------------------- */
 
-/* Where light of an incident cell comes from; cells are of where it travels. Of an isotropic sample
- * light is looked at from -x, and what leaves is turned by the azimuth. */
+/* Returns a direction from which light of an incident cell comes; cells hold directions of travel.
+ * Isotropic samples are evaluated for light from -x, and the result is turned by the azimuth. */
 static struct orl_vec3 incidence(const struct orl_basis *basis, int cell, int place)
 {
     const double n = ORL_FIT_CELL_PLACES;
@@ -146,7 +149,7 @@ static int want_plans(const struct filling *f, struct orl_error *err)
     return orl_fit_plans_make(&f->model->plans, &f->model->mesh, f->env->crew, f->env->cancel, err);
 }
 
-/* The cell that a mirror makes of a cell. */
+/* Returns the mirror image of a cell. */
 static int mirrored(const struct orl_basis *basis, int cell, unsigned mirror)
 {
     const struct orl_vec3 d = orl_basis_direction(basis, cell, 0.5, 0.5);
@@ -154,7 +157,7 @@ static int mirrored(const struct orl_basis *basis, int cell, unsigned mirror)
     return orl_basis_cell(basis, orl_polar_of(orl_v3(sx * d.x, sy * d.y, d.z)), 0);
 }
 
-/* Pairs of cells that mirrors make of each other have one value: their mean. */
+/* Sets pairs of mirrored cells to their mean value. */
 static void make_alike(const struct filling *f, unsigned mirror)
 {
     const int cells = f->basis->n_cells;
