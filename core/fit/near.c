@@ -21,14 +21,14 @@ static unsigned widest_axis(const struct orl_fit_knots *t, size_t begin, size_t 
     return widest;
 }
 
-/* Ties go by number, so that there are none. */
+/* Compares along an axis; ties are broken by number, so the order is total. */
 static bool is_less(const struct orl_fit_knots *t, unsigned axis, uint32_t a, uint32_t b)
 {
     const float x = along(&t->knots[a], axis), y = along(&t->knots[b], axis);
     return x < y || (x == y && a < b);
 }
 
-/* The k-th in its place, those before it before (Hoare 1961). */
+/* Moves the k-th knot into its place, smaller ones before it (Hoare 1961). */
 static void select_kth(const struct orl_fit_knots *t, unsigned axis, size_t begin, size_t end,
                        size_t k)
 {
@@ -53,7 +53,7 @@ static void select_kth(const struct orl_fit_knots *t, unsigned axis, size_t begi
     }
 }
 
-/* As deep as the logarithm of how many there are. */
+/* The recursion depth is the logarithm of the number of knots. */
 static void build(const struct orl_fit_knots *t, size_t begin, size_t end)
 {
     if (end - begin < 2)

@@ -49,7 +49,7 @@ int orl_fit_number(const struct orl_fit_lines *lines, struct orl_slice word, con
 
 /* ---- Scans ----------------------------------------------------------------------------------- */
 
-/* Incident directions are one where they are within half of this, in degrees. */
+/* Incident directions are the same if they are within half of this, in degrees. */
 static const double same_deg = 0.02;
 
 static struct orl_vec3 direction_of(double theta_deg, double phi_deg)
@@ -59,14 +59,14 @@ static struct orl_vec3 direction_of(double theta_deg, double phi_deg)
     return orl_v3(sine * cos(phi), sine * sin(phi), theta_deg > 89.9999999 ? 0 : cos(theta));
 }
 
-/* 0 to 360. */
+/* Returns an azimuth in the range 0 to 360. */
 static double turned(double phi_deg)
 {
     const double phi = fmod(phi_deg, 360);
     return phi < 0 ? phi + 360 : phi;
 }
 
-/* Which azimuth it has there does not matter at the pole. */
+/* Near the normal the azimuth is ignored. */
 static bool is_of(const struct orl_fit_scan *scan, bool front, bool transmitted, double theta,
                   double phi)
 {
@@ -95,7 +95,7 @@ static int add_scan(const struct orl_fit_lines *lines, struct orl_fit_data *data
     return 0;
 }
 
-/* The scan that a row belongs to; most often that of the row before. */
+/* Finds or adds the scan of a row; usually it is that of the previous row. */
 static int find_scan(const struct orl_fit_lines *lines, struct orl_fit_data *data, bool front,
                      bool transmitted, double theta, double phi, struct orl_error *err)
 {
@@ -109,7 +109,7 @@ static int find_scan(const struct orl_fit_lines *lines, struct orl_fit_data *dat
     return add_scan(lines, data, front, transmitted, theta, phi, err);
 }
 
-/* Theta from its own side's normal, 0 to 90; whether that is the front. */
+/* Changes theta to the angle from its own side's normal, 0 to 90. Returns true on the front. */
 static bool fold(double *theta_deg)
 {
     const bool front = *theta_deg < 90;
@@ -154,7 +154,7 @@ int orl_fit_add_row(const struct orl_fit_lines *lines, struct orl_fit_data *data
         return orl_fit_fail(lines, ORL_ERR_LIMIT, err, "more than %lu rows of measurements",
                             ORL_LIMIT_MEASURED_ROWS);
     data->n_rows++;
-    /* Along the surface a DSF is 0 whatever the BSDF is. */
+    /* Along the surface a DSF is 0 for any BSDF. */
     if (90 - out < lines->reading->grazing_deg || (is_dsf && d.z < 1e-3))
         return 0;
     code = find_scan(lines, data, in_front, in_front != out_front, in, phi_in, err);

@@ -6,11 +6,11 @@
 #include "base/grow.h"
 #include "fit/model.h"
 
-/* Azimuths of directions this close to the normal say nothing, in degrees; nor do those this close
- * to an axis say on which side of it they are. */
+/* Degrees from the normal within which azimuths are ignored. Degrees from an axis within which a
+ * direction is on neither side of it. */
 static const double near_normal_deg = 1, near_axis_deg = 1;
 
-/* ---- What azimuths say ----------------------------------------------------------------------- */
+/* ---- Symmetry from azimuths ----------------------------------------------------------------- */
 
 static double between(double phi, double other)
 {
@@ -18,7 +18,8 @@ static double between(double phi, double other)
     return fmin(apart, 360 - apart);
 }
 
-/* Whether all directions of each component have one azimuth; or two, half a turn apart. */
+/* Returns true if all directions of each component have one azimuth or, with opposite_too, two that
+ * are half a turn apart. */
 static bool have_one_azimuth(const struct orl_fit_data *data, bool opposite_too)
 {
     const struct orl_fit_scan *first[2][2] = {{NULL}};
@@ -35,7 +36,7 @@ static bool have_one_azimuth(const struct orl_fit_data *data, bool opposite_too)
     return true;
 }
 
-/* Quarters that directions lie within, as bits; those on an axis lie in none. */
+/* Returns the quarters that contain directions, as bits; directions on an axis are in none. */
 static unsigned quarters_of(const struct orl_fit_data *data, unsigned *ret_axes)
 {
     unsigned quarters = 0;
@@ -52,7 +53,7 @@ static unsigned quarters_of(const struct orl_fit_data *data, unsigned *ret_axes)
     return quarters;
 }
 
-/* The quarters between axes, where there are no others. */
+/* Returns the quarters between axes; used if no direction is inside a quarter. */
 static unsigned quarters_between(unsigned axes)
 {
     unsigned quarters = 0;
@@ -134,7 +135,7 @@ static bool fold(struct orl_fit_scan *scan, size_t n, unsigned mirror)
     return true;
 }
 
-/* By all mirrors that leave the direction where it is, within 0.3 degrees. */
+/* Applies all mirrors that leave the direction in place within 0.3 degrees. */
 static bool fold_by(struct orl_fit_scan *scan, enum orl_bsdf_fit_symmetry symmetry)
 {
     const double near = 2 * sin(0.3 * ORL_DEG_TO_RAD);
@@ -153,7 +154,7 @@ static bool fold_by(struct orl_fit_scan *scan, enum orl_bsdf_fit_symmetry symmet
     return fine;
 }
 
-/* So that light comes from -x. */
+/* Turns a scan so that light comes from -x. */
 static void turn(struct orl_fit_scan *scan)
 {
     const double angle = (180 - scan->phi_deg) * ORL_DEG_TO_RAD;
@@ -187,7 +188,7 @@ static bool are_one(const struct orl_fit_scan *a, const struct orl_fit_scan *b)
            fabs(a->theta_deg - b->theta_deg) < 0.02;
 }
 
-/* Of an isotropic sample, in their order. */
+/* Merges scans of equal theta of an isotropic sample; they must be sorted. */
 static bool merge(struct orl_fit_data *data)
 {
     size_t kept = 0;

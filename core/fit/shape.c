@@ -9,21 +9,21 @@
 #include "fit/near.h"
 #include "fit/square.h"
 
-/* Cells that the broad part is told by, 4.5 degrees wide. */
+/* Cells of the raster for the broad part are 4.5 degrees wide. */
 enum { BRIGHT_LEVELS = 2, POLL_LEVEL = 2 };
 enum { BASE_LEVEL = 5, BASE_SIDE = 1 << BASE_LEVEL, BASE_CELLS = BASE_SIDE * BASE_SIDE };
-/* Of all light: what a leaf may hold unevenly. */
+/* Unevenness allowed in a leaf, as a share of all light. */
 static const double least_uneven = 1e-3;
-/* So many times that where leaves are as fine as all of what is bright: smaller ones amid these
- * would leave ripples. */
+/* Factor of that once leaves are as small as all leaves in bright regions: smaller ones among them
+ * would cause ripples. */
 static const double finer_uneven = 2;
-/* Of what is dark: what is no more above it is not bright. */
+/* Limit for bright values, as a share of dark values above these. */
 static const double least_bright = 0.05;
-/* Of the broad part: what is no more above it is broad, too. */
+/* Limit for the narrow part, as a multiple of the broad value. */
 static const double least_narrow = 1.25;
-/* Of a lobe's Gaussian, in sides of its cell: even to 1 % where the square is most sheared. */
+/* Sigma of a lobe in sides of its cell: uniform to 1 % where the square is most sheared. */
 static const double sigma_of_side = 0.7;
-/* Of a part's mass: what a cluster may hold. */
+/* Largest share of a part's mass in a cluster. */
 static const double cluster_share = 1.0 / 160;
 static const double opening_rad = 8 * ORL_DEG_TO_RAD, smoothing_rad = 5 * ORL_DEG_TO_RAD;
 
@@ -32,16 +32,16 @@ static const double opening_rad = 8 * ORL_DEG_TO_RAD, smoothing_rad = 5 * ORL_DE
 struct leaf {
     uint32_t code, level;
     float value, z;     /* means over the cell */
-    struct orl_vec3 at; /* the middle of its light */
+    struct orl_vec3 at; /* mean direction of its light */
 };
 
 struct tree {
     const struct orl_fit_knots *knots;
     const atomic_bool *cancel;
-    unsigned bright_level, finest; /* of bright leaves at the least, of all at the most */
-    double uneven;                 /* 1/sr times sr: what a leaf may hold unevenly */
-    double bright[BRIGHT_LEVELS]; /* 1/sr: from here on leaves are of the bright level, or one above
-                                     it */
+    unsigned bright_level, finest; /* coarsest level of bright leaves; finest level of all */
+    double uneven;                 /* unevenness allowed in a leaf, 1/sr times sr */
+    double bright[BRIGHT_LEVELS];  /* value, 1/sr, from which leaves are at the bright level, or at
+                                      one above it */
     struct leaf *leaves;
     size_t n, room;
     float low[BASE_CELLS], base[BASE_CELLS]; /* by cells in the order of codes; 1/sr */
@@ -56,7 +56,7 @@ static uint32_t even_bits(uint32_t v)
     return (v | v >> 8) & 0x0000ffffU;
 }
 
-/* A place in a cell, u and v from 0 to 1. */
+/* Returns a place in a cell; u and v from 0 to 1. */
 static struct orl_vec3 within(uint32_t code, unsigned level, double u, double v)
 {
     const uint32_t cell = code >> 2 * (ORL_FIT_SQUARE_LEVELS - level);
@@ -64,7 +64,7 @@ static struct orl_vec3 within(uint32_t code, unsigned level, double u, double v)
     return orl_fit_from_square((even_bits(cell) + u) / side, (even_bits(cell >> 1) + v) / side);
 }
 
-/* The first knot whose code is not below one. */
+/* Returns the first knot whose code is at least `code`. */
 static size_t first_knot(const struct orl_fit_knots *k, size_t begin, size_t end, uint64_t code)
 {
     while (begin < end) {
@@ -78,10 +78,11 @@ static size_t first_knot(const struct orl_fit_knots *k, size_t begin, size_t end
 }
 
 struct range {
-    size_t begin, end; /* of knots */
+    size_t begin, end; /* range of knots */
 };
 
-/* Leaves of two sizes side by side leave ripples: where it is bright all are small. */
+/* Leaves of different sizes next to each other cause ripples, so all are small in bright
+ * regions. */
 static bool is_uneven(const struct tree *t, const double values[4], double z, unsigned level,
                       struct range knots)
 {
@@ -108,8 +109,8 @@ static bool add_leaf(struct tree *t, struct leaf leaf)
     return true;
 }
 
-/* Side by side values of a cell: their mean by the light that they send out. values: of the first
- * four. */
+/* Samples side * side values of a cell. Returns a leaf with their mean, weighted by projected solid
+ * angle; values: the first four. */
 static struct leaf look_at(const struct tree *t, uint32_t code, unsigned level, int side,
                            double values[4])
 {
@@ -131,7 +132,7 @@ static struct leaf look_at(const struct tree *t, uint32_t code, unsigned level, 
         .code = code, .level = level, .value = (float)(sum / z), .z = (float)(z / n), .at = at};
 }
 
-/* In a leaf that is not fine enough for the knots in it, as many values as there are of these. */
+/* Returns the samples a side for a leaf that is too coarse for its knots: about one per knot. */
 static int side_for(struct range knots)
 {
     enum { MOST = 8 };
@@ -171,9 +172,9 @@ static uint32_t base_cell(uint32_t code)
     return code >> 2 * (ORL_FIT_SQUARE_LEVELS - BASE_LEVEL);
 }
 
-/* ---- The broad part -------------------------------------------------------------------------- */
+/* ---- The broad part ------------------------------------------------------------------------- */
 
-/* The least, or most, within reach of every cell. */
+/* Sets each cell to the least, or the most, value within reach. */
 static void sweep(const struct orl_vec3 *places, const float *from, bool most, float *to)
 {
     const double within_reach = cos(opening_rad);
@@ -218,7 +219,7 @@ static void open_base(struct tree *t)
     smooth(places, opened, t->base);
 }
 
-/* Of a leaf: the broad part, floor and all. */
+/* Returns the broad value of a leaf, including the floor. */
 static double broad_value(const struct tree *t, const struct leaf *leaf)
 {
     const double base = (double)t->base[base_cell(leaf->code)], value = (double)leaf->value;
@@ -235,8 +236,8 @@ static double lowest(const struct tree *t)
 
 /* ---- Lobes ----------------------------------------------------------------------------------- */
 
-/* Cells are long towards the horizon: what stands for one there is as wide as to leave no gap, and
- * no wider than the mean of its sides. */
+/* Returns the sigma of a cell's lobe. Cells are elongated towards the horizon. The lobe is wide
+ * enough to leave no gap, but no wider than the geometric mean of the cell's sides. */
 static double sigma_of(uint32_t code, unsigned level)
 {
     const struct orl_vec3 across =
@@ -270,7 +271,7 @@ static double light_of(const struct leaf *leaf, double value)
     return value * (double)leaf->z * orl_fit_cell_sr(leaf->level);
 }
 
-/* Both parts by leaves. */
+/* Adds the lobes of both parts. */
 static bool add_lobes(const struct tree *t, struct orl_fit_shape *shape)
 {
     const double least = 1e-9 * shape->total;
@@ -317,7 +318,7 @@ static bool add_cluster(struct orl_fit_part *part, size_t begin, size_t end)
     return true;
 }
 
-/* Lobes of a cell at a level, which begin with its bits. */
+/* Clusters the lobes of a cell, whose codes begin with the cell's bits. */
 static bool cluster(struct orl_fit_part *part, size_t begin, size_t end, unsigned level,
                     uint64_t code)
 {
@@ -359,8 +360,8 @@ static void find_peak(const struct orl_fit_knots *knots, struct orl_fit_shape *s
     shape->peak_value = (double)knots->knots[top].value;
 }
 
-/* The light between the last rows and the surface, as it is extrapolated; twice as much comes where
- * that falls by no cosine. */
+/* Returns the extrapolated light between the last rows and the surface. It is twice this if the
+ * value does not fall with the cosine. */
 static double rim_light(const struct orl_fit_knots *k)
 {
     enum { AZIMUTHS = 72 };
@@ -376,9 +377,9 @@ static double rim_light(const struct orl_fit_knots *k)
     return sum;
 }
 
-/* By the noise of rows; by what knots were corrected by, which is large where rows are too far
- * apart for what they see, each by itself; and by what may be anything from nothing to as much
- * again as there is at the rim. */
+/* Returns the standard error of the total from three sources: the noise of rows; the knots'
+ * corrections, which are large if rows are too far apart for the features; and light at the rim,
+ * which may be anything from zero to twice its estimate. */
 static double error_of(const struct orl_fit_knots *k)
 {
     double sum = 0;
@@ -401,7 +402,7 @@ static double estimate(const struct orl_fit_knots *k)
     return sum;
 }
 
-/* What is bright, from the darkest twentieth and the brightest knot. */
+/* Sets the limits of bright values from the darkest twentieth and the brightest knot. */
 static bool set_bright(struct tree *t)
 {
     static const double shares[BRIGHT_LEVELS] = {0.03, 0.003};
@@ -435,7 +436,7 @@ static bool make(struct tree *t, struct orl_fit_shape *shape)
     if (!add_lobes(t, shape) || !orl_fit_sharpen(shape))
         return false;
     bool fine = true;
-    shape->total = ORL_PI * shape->floor; /* as it is blended: nothing is lost between leaves */
+    shape->total = ORL_PI * shape->floor; /* as blended later: the sum of all lobes and the floor */
     for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
         shape->total += shape->parts[kind].mass;
     for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++)

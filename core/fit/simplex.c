@@ -1,20 +1,20 @@
-/* The transportation simplex over a tree of arcs: potentials, the cheapest arc that is not in it,
- * the cycle that it closes. */
+/* Transportation simplex over a tree of arcs. Each step finds an arc of largest gain outside the
+ * tree and the cycle that it closes. */
 #include "fit/transport.h"
 
 #include <oriel/crew.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Sources are nodes 0 to n_from - 1, sinks follow. Every node but the root has an arc to its parent
- * in the tree, along which light flows from the source to the sink of the two. */
+/* Sources are nodes 0 to n_from - 1, sinks follow. Every node except the root has an arc to its
+ * parent in the tree. Light flows along it from the source to the sink. */
 struct simplex {
     size_t n_from, n_to, n;
     const float *cost;
     const atomic_bool *cancel;
-    int32_t *parent, *child, *next, *before; /* children of a node, and those beside it; -1: none */
+    int32_t *parent, *child, *next, *before; /* first child of a node, and its siblings; -1: none */
     int32_t *depth, *stack;
-    double *flow, *potential; /* of the arc to the parent */
+    double *flow, *potential; /* flow of the arc to the parent; potential of the node */
 };
 
 static double cost_of(const struct simplex *s, size_t a, size_t b)
@@ -49,7 +49,7 @@ static void detach(struct simplex *s, int32_t node)
         s->before[s->next[node]] = s->before[node];
 }
 
-/* Potentials are such that those of a tree arc's ends add up to its cost. */
+/* Sets potentials and depths below top. The potentials of a tree arc's ends add up to its cost. */
 static void settle(struct simplex *s, int32_t top)
 {
     size_t count = 0;
@@ -65,7 +65,7 @@ static void settle(struct simplex *s, int32_t top)
     }
 }
 
-/* The first tree: sources and sinks in their order, each as far as it goes. */
+/* Builds the first tree: sources and sinks in their order, each until it is used up. */
 static void begin(struct simplex *s, const double *supply, const double *demand)
 {
     size_t i = 0, j = 0;
@@ -74,7 +74,7 @@ static void begin(struct simplex *s, const double *supply, const double *demand)
         s->parent[k] = s->child[k] = s->next[k] = s->before[k] = -1;
     s->potential[0] = 0;
     s->depth[0] = 0;
-    bool by_source = true; /* the node that stands in the tree already */
+    bool by_source = true; /* true if the source is in the tree already */
     while (i < s->n_from && j < s->n_to) {
         const double amount = left < wanted ? left : wanted;
         const int32_t source = (int32_t)i, sink = (int32_t)(s->n_from + j);
@@ -95,11 +95,12 @@ static void begin(struct simplex *s, const double *supply, const double *demand)
 }
 
 struct arc {
-    size_t source, sink; /* nodes */
+    size_t source, sink; /* node numbers */
     double gain;
 };
 
-/* The best arc of a stretch of sources that has one; *row goes on from where it was found. */
+/* Returns the arc of largest gain in the first range of sources that has one. *row is where the
+ * next search begins. */
 static struct arc price(const struct simplex *s, size_t *row, double least)
 {
     enum { STRETCH = 8 };
@@ -120,8 +121,8 @@ static struct arc price(const struct simplex *s, size_t *row, double least)
     return best;
 }
 
-/* Of the nodes from the arc's ends up to where they meet: the one whose arc to its parent loses all
- * its light first. Light is added on the arc; so what leaves the source is less elsewhere. */
+/* Returns the node whose arc to its parent runs out of light first, on the cycle of the new arc.
+ * More light on the new arc means less on the other arcs out of its source. */
 static int32_t leaving(const struct simplex *s, struct arc arc, bool *ret_by_source)
 {
     int32_t a = (int32_t)arc.source, b = (int32_t)arc.sink, least = -1;
@@ -154,7 +155,8 @@ static void shift(struct simplex *s, struct arc arc, double amount)
     }
 }
 
-/* Hangs the part of the tree below out on the arc: parents become children from its end up. */
+/* Attaches the part of the tree below `out` to the new arc; parents become children from the arc's
+ * end up. */
 static void rehang(struct simplex *s, struct arc arc, int32_t out, bool by_source, double amount)
 {
     int32_t node = (int32_t)(by_source ? arc.source : arc.sink);
@@ -183,7 +185,7 @@ static int solve(struct simplex *s)
     size_t row = 0;
     for (size_t i = 0; i < s->n_from * s->n_to; i++)
         largest = fmax(largest, (double)s->cost[i]);
-    const size_t most = 200 * s->n + 1000; /* a plan that is not the best is a plan all the same */
+    const size_t most = 200 * s->n + 1000; /* a plan that is not optimal is still valid */
     for (size_t pivot = 0; pivot < most; pivot++) {
         const struct arc arc = price(s, &row, 1e-7 * largest);
         bool by_source = true;
