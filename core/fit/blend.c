@@ -16,7 +16,7 @@ struct mover {
     const struct orl_fit_slope *slopes; /* by own cluster; may be NULL */
     unsigned others;
     const struct orl_fit_moves *moves[2];
-    double lean[3], weight[3];   /* of the own corner, then of the others */
+    double lean[3], weight[3];   /* own value, then the others' */
     struct orl_fit_turn turn[3]; /* turn from each corner to the place */
     double scale;                /* factor of the lobes' masses */
     bool turns;

@@ -436,7 +436,8 @@ static bool make(struct tree *t, struct orl_fit_shape *shape)
     if (!add_lobes(t, shape) || !orl_fit_sharpen(shape))
         return false;
     bool fine = true;
-    shape->total = ORL_PI * shape->floor; /* as blended later: the sum of all lobes and the floor */
+    shape->total =
+        ORL_PI * shape->floor; /* sum of all lobes and the floor, like the blended light */
     for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
         shape->total += shape->parts[kind].mass;
     for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++)

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A block in its bytes: this, its tops, its branches; of colour the hues of both. */
+/* Header of a serialised block. Its tops and branches follow; with colour also the hues of both. */
 struct kept {
     uint64_t n_tops, n_branches, paths, short_of;
     double totals[ORL_GONIO_BATCHES][2], lost, peaks[2];
@@ -55,7 +55,7 @@ char *orl_gonio_block_pack(const struct orl_gonio_block *block, size_t n_tops, c
     return put(to, forest->hues, branches * sizeof *forest->hues);
 }
 
-/* Refers to none but branches that are there. */
+/* Returns true if all nodes refer to existing branches. */
 static bool is_sound(const struct orl_gonio_node *nodes, size_t n, uint64_t n_branches)
 {
     for (size_t i = 0; i < n; i++)
@@ -64,7 +64,7 @@ static bool is_sound(const struct orl_gonio_node *nodes, size_t n, uint64_t n_br
     return true;
 }
 
-/* An array of its own of so many bytes; *fine becomes false where there is no memory. */
+/* Returns a new array with a copy of `size` bytes; sets *fine to false if out of memory. */
 static void *get(const char **from, size_t size, bool *fine)
 {
     void *array = size > 0 ? malloc(size) : NULL;

@@ -29,7 +29,7 @@ struct orl_vec3 orl_gonio_cell_place(const struct orl_gonio_cell *cell, bool fro
                   cell->low.y + cell->margin + u[1] * height, front ? cell->high.z : cell->low.z);
 }
 
-/* How far it is to a side that faces the ray, and not beyond it. */
+/* Returns the distance to the side that faces the ray; 0 if the ray is beyond it. */
 static double way_to(double from, double along, double low, double high)
 {
     if (along == 0)

@@ -1,4 +1,4 @@
-/* The way from a BSDF to one in another basis: a file on the table in place of a panel. */
+/* Converts a BSDF to another basis: measures the file in place of a panel. */
 #include <oriel/bsdf_convert.h>
 
 #include "goniometer/klems.h"

@@ -1,13 +1,14 @@
-/* Trees culled by what a room would lose of their light, not by a share of each cell's value. */
+/* Culls trees by the light that would go elsewhere in a room, instead of a share of each cell's
+ * value. */
 #include <math.h>
 
 #include <oriel/bsdf_convert.h>
 
-/* Trials, from as much light as all may send elsewhere on: what a cell alone may. */
+/* Trials of the search; its upper limit: the light that a single cell may send elsewhere. */
 enum { TRIALS = 12 };
 static const double most_unseen = 0.1;
 
-/* One conversion under trial. */
+/* One conversion in the search. */
 struct trial {
     const struct orl_bsdf *bsdf;
     const char *source;
@@ -56,7 +57,8 @@ static void take(struct orl_bsdf_made *made, const struct orl_bsdf_comparison *l
     *ret_lost = *lost;
 }
 
-/* The best of some culls between, by bisection. best, ret_lost: of the least, at first. */
+/* Finds the largest cull that is allowed, by bisection. best and ret_lost: those of the least cull
+ * at first. */
 static int search(const struct trial *trial, double within, double *ret_unseen,
                   struct orl_bsdf_made *best, struct orl_bsdf_comparison *ret_lost,
                   struct orl_error *err)
@@ -80,7 +82,7 @@ static int search(const struct trial *trial, double within, double *ret_unseen,
     return 0;
 }
 
-/* The resolution alone is to lose no more. */
+/* Checks that the resolution alone does not lose more. */
 static int check_resolution(const struct orl_bsdf_comparison *lost, bool color, double within,
                             struct orl_error *err)
 {

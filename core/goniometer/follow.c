@@ -2,10 +2,10 @@
 
 enum { MOST_SURFACES = 4096, EVEN_SCATTERINGS = 4, MOST_BRANCHES = 16 };
 
-/* Dimmer paths end by lot; dimmer branches are not followed beside the other one. */
+/* Weights below which paths end by Russian roulette, and below which paths are not split. */
 static const double least_weight = 0.02, least_branch = 0.005;
 
-/* A path on its way, with how many surfaces it has met. */
+/* A path in progress, and the number of surfaces it has hit. */
 struct branch {
     struct orl_path path;
     int surfaces;
@@ -30,7 +30,7 @@ static void next_numbers(struct orl_gonio_numbers *numbers, int scattering, doub
         ret_u[i] = orl_random_uniform(&numbers->random);
 }
 
-/* Sends it on by one of the lobes; false: nothing goes on. */
+/* Scatters the path by one of the lobes; returns false if it ends. */
 static bool send_on(const struct journey *j, struct branch *b, const struct orl_hit *hit,
                     enum orl_lobes lobes, const double u[3])
 {
@@ -50,7 +50,7 @@ static bool send_on(const struct journey *j, struct branch *b, const struct orl_
     return true;
 }
 
-/* Whether what is mirrored and what goes through are both worth to be followed. */
+/* Returns true if the reflected and the transmitted part are both worth tracing. */
 static bool divides(const struct journey *j, const struct branch *b, const struct orl_hit *hit)
 {
     const struct orl_material *m = orl_world_material(j->sample->world, hit);
@@ -67,7 +67,8 @@ static bool divides(const struct journey *j, const struct branch *b, const struc
            orl_rgb_max(orl_rgb_mul(w, through)) > least_branch;
 }
 
-/* At a surface; what is mirrored waits where both ways are followed. */
+/* Scatters the path at a surface. If it is split, the reflected part is queued. Returns false if
+ * the path ends. */
 static bool meet(struct journey *j, struct branch *b, const struct orl_hit *hit)
 {
     double u[3];
@@ -81,7 +82,7 @@ static bool meet(struct journey *j, struct branch *b, const struct orl_hit *hit)
     return send_on(j, b, hit, ORL_LOBE_TRANSMITTED, u);
 }
 
-/* To the end of one branch. */
+/* Traces one branch to its end. */
 static void finish(struct journey *j, struct branch b, orl_gonio_sink *sink, void *ctx)
 {
     struct orl_gonio_exit exit = {.end = ORL_GONIO_GIVEN_UP};

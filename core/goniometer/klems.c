@@ -9,7 +9,7 @@
 #include "goniometer/reading.h"
 #include "goniometer/request.h"
 
-enum { AT_ONCE = 16 }; /* items between two words of progress */
+enum { AT_ONCE = 16 }; /* items between two progress reports */
 
 struct round {
     const struct orl_bsdf_make_request *request;
@@ -17,12 +17,13 @@ struct round {
     const struct orl_gonio_sample *sample;
     struct orl_gonio_sheet *sheet;
     struct orl_gonio_lamp lamp;
-    uint32_t *wanted; /* paths in each batch, by item; 0: enough there are */
+    uint32_t *wanted; /* paths in each batch, by item; 0: no more are needed */
     uint32_t number;
     size_t first;
-    bool short_of;        /* an item's error was foreseen above the accuracy, for want of paths */
-    size_t *todo, n_todo; /* of a round that is shared: items that want more */
-    atomic_bool starved;  /* a file could not be read for want of memory */
+    bool short_of; /* true if an item's predicted error is above the accuracy, but no more paths are
+                      allowed */
+    size_t *todo, n_todo; /* shared rounds: items that need more paths */
+    atomic_bool starved;  /* true if memory was out while a file was read */
 };
 
 static void measure_item(void *arg, size_t index, uint32_t member)
@@ -55,7 +56,7 @@ static int measure(struct round *r, struct orl_error *err)
     return 0;
 }
 
-/* ---- Rounds that are shared ------------------------------------------------------------------ */
+/* ---- Shared rounds -------------------------------------------------------------------------- */
 
 /* Items of a lot. */
 enum { LOT = 4 };
@@ -66,7 +67,7 @@ static size_t lot_size(const struct round *r, size_t lot)
     return left < LOT ? left : LOT;
 }
 
-/* An item in its bytes: this, what it counted in all batches, and its heaviest paths. */
+/* Header of a serialised item. Its sums of all batches and its heaviest paths follow. */
 struct kept_item {
     double lost;
     uint64_t paths;
@@ -179,9 +180,9 @@ static int share_round(struct round *r, struct orl_error *err)
     return r->env->shared->run(r->env->shared->ctx, &lots, err);
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- All rounds ----------------------------------------------------------------------------- */
 
-/* All of them that mirrors make of one have as many paths. */
+/* Requests the same number of paths for all mirror images of an item. */
 static void want_mirrored(struct round *r, size_t item, uint32_t paths)
 {
     const size_t cells = (size_t)r->sheet->basis.n_cells;
@@ -192,7 +193,7 @@ static void want_mirrored(struct round *r, size_t item, uint32_t paths)
                                                  (enum orl_bsdf_symmetry)m)] = paths;
 }
 
-/* Whether an item needs more than its paths and as many again, and may have them. */
+/* Returns true if an item needs more than twice its paths, and the limit allows more. */
 static bool goes_on(const struct round *r, size_t item, const double peaks[2])
 {
     const uint64_t most = r->request->paths_most / ORL_GONIO_BATCHES;
@@ -200,8 +201,8 @@ static bool goes_on(const struct round *r, size_t item, const double peaks[2])
            4ULL * r->sheet->paths[item] <= most;
 }
 
-/* Doubles the paths of items that need it; of the others, as many again are to tell the error.
- * Whether any are wanted. */
+/* Doubles the paths of items that need more. The others are measured once more with as many paths
+ * for their errors. Returns true if any paths are needed. */
 static bool want_more(struct round *r)
 {
     const size_t cells = (size_t)r->sheet->basis.n_cells;
@@ -274,7 +275,7 @@ static int fill_part(const struct orl_gonio_sheet *sheet, bool front, bool trans
     return 0;
 }
 
-/* The BSDF, or its errors. */
+/* Writes the BSDF, or its errors. */
 static int write_out(const struct round *r, bool errors, struct orl_bsdf_made *made,
                      struct orl_error *err)
 {

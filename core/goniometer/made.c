@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-static const double told_from = 0.01; /* of the peak: values whose error counts */
+static const double told_from = 0.01; /* share of the peak above which errors count */
 
 void orl_gonio_peaks(const struct orl_gonio_sheet *sheet, bool front, double ret_peaks[2])
 {
@@ -49,7 +49,7 @@ static struct orl_bsdf_made_direction direction_of(const struct orl_gonio_sheet 
     const struct orl_theta_ring *ring = orl_basis_ring(basis, in);
     const double inner = acos(sqrt(ring->cos2_low)), outer = acos(sqrt(ring->cos2_high));
     const double turn = (double)(in - ring->first) / ring->cells;
-    /* Cells are by where light travels; told is where it comes from. */
+    /* Cells hold the direction of travel; the result has the direction that light comes from. */
     const double phi = turn < 0.5 ? turn + 0.5 : turn - 0.5;
     struct orl_bsdf_made_direction d = {
         .theta_deg = ring->cells == 1 ? 0 : 0.5 * (inner + outer) / ORL_DEG_TO_RAD,

@@ -1,4 +1,4 @@
-/* The way from a request to a BSDF, by its basis. */
+/* Makes a BSDF of a panel in the requested basis. */
 #include <stdlib.h>
 #include <string.h>
 

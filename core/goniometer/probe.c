@@ -76,16 +76,16 @@ struct orl_vec3 orl_gonio_probe_travel(const struct orl_gonio_probe *probe, uint
 
 /* ---- Counting -------------------------------------------------------------------------------- */
 
-/* So little below the axis is below it, whatever rounding does. */
+/* Least distance below the axis, so that rounding cannot move a direction across it. */
 static const double least_away = 1e-9;
 
 struct shot {
     struct orl_gonio_probe *probe;
     size_t batch;
-    double cosine, sine; /* what turns the light that comes to +x; rank 3 */
+    double cosine, sine; /* rotation of the incident light to +x; rank 3 */
 };
 
-/* A share of what left, on a side. */
+/* Adds a share of the light that left on a side. */
 static void add(const struct shot *shot, bool transmitted, uint32_t cell, double share,
                 struct orl_rgb color)
 {
@@ -113,7 +113,7 @@ static void count(void *ctx, const struct orl_gonio_exit *exit)
         add(shot, transmitted, cell_of(p, d.x, d.y), 1, exit->weight);
         return;
     }
-    /* What is straight lies on the border of two cells: both have half of it. */
+    /* Straight light lies on the border of two cells; each counts half of it. */
     const double x = shot->cosine * d.x + shot->sine * d.y;
     const double y = shot->cosine * d.y - shot->sine * d.x;
     add(shot, transmitted, cell_of(p, x, fabs(y)), 0.5, exit->weight);
@@ -158,9 +158,9 @@ void orl_gonio_probe_send(struct orl_gonio_probe *probe, uint32_t a, uint32_t fr
         }
 }
 
-/* ---- Telling --------------------------------------------------------------------------------- */
+/* ---- Results -------------------------------------------------------------------------------- */
 
-/* Of a set of batches what one is off by from their mean, squared, as the variance of that. */
+/* Returns the variance of the mean of a set of batches. */
 static double variance_of(const double values[ORL_GONIO_BATCHES])
 {
     double sum = 0, squares = 0;
@@ -173,7 +173,8 @@ static double variance_of(const double values[ORL_GONIO_BATCHES])
     return squares / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0));
 }
 
-/* What a cell's batches of a plane counted; returns their mean with what was put aside. */
+/* Returns the mean of a cell's counts in a plane, including those put aside; ret_batches: counts of
+ * the present batches. */
 static double counted(const struct orl_gonio_probe *probe, size_t plane, size_t i,
                       double ret_batches[ORL_GONIO_BATCHES])
 {
@@ -186,8 +187,8 @@ static double counted(const struct orl_gonio_probe *probe, size_t plane, size_t 
     return sum / ORL_GONIO_BATCHES;
 }
 
-/* By how much a count is a value, and the part of what was counted whose batches tell errors: as
- * many are in each batch as in all sets, of which these are a part. */
+/* value: factor from counts to values. told: share of the paths in the present batches, which alone
+ * give the errors. */
 struct unit {
     double value, told;
 };

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* A cell with the error of those that it is made of, in the place of its variance. */
+/* Updates the result with a cell; its doubt holds the mean variance of the cells joined into it. */
 static void see(struct orl_gonio_seen *seen, const struct orl_gonio_node *cell, double from)
 {
     const double value = (double)cell->value;
@@ -13,7 +13,7 @@ static void see(struct orl_gonio_seen *seen, const struct orl_gonio_node *cell, 
         seen->worst = fmax(seen->worst, sqrt((double)cell->doubt) / value);
 }
 
-/* Four cells of a level become one of that above; of those that do not, what is seen. */
+/* Joins four cells of a level to one of the next coarser level, or adds them to the result. */
 static void join(struct orl_gonio_cells four, unsigned level, const struct orl_gonio_cull *cull,
                  double from, struct orl_gonio_seen *seen, struct orl_gonio_cells ret_mean)
 {
@@ -31,7 +31,8 @@ static void join(struct orl_gonio_cells four, unsigned level, const struct orl_g
     const bool one = orl_gonio_are_one(cull, (struct orl_gonio_cells){plain, four.hues}, FAN, level,
                                        (struct orl_gonio_cells){&mean, four.hues ? &hue : NULL});
     for (int i = 0; i < FAN && (!one || (double)mean.value < from); i++)
-        see(seen, &children[i], from); /* of those that are one: it may be a cell in a tree */
+        see(seen, &children[i],
+            from); /* also for dark joined cells, which may stay cells of a tree */
     if (one)
         mean.doubt = (float)variance;
     mean.branch = !one;

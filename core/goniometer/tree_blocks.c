@@ -9,14 +9,14 @@
 #include "goniometer/resolve.h"
 
 enum { AT_ONCE = 16 };
-/* Of each incident cell, in each batch, to see how bright it gets. */
+/* Paths into each incident cell, in each batch, for the survey of brightness. */
 enum { SURVEY_PATHS = 4 };
-/* Branches of all trees together, a third of them in colour, which is three trees: 0.4 gigabytes,
- * twice that while they are joined. */
+/* Limit on branches of all trees together; a third in colour, which has three trees. They take 0.4
+ * gigabytes, and twice that while they are joined. */
 enum { MOST_BRANCHES = 1 << 20 };
 
-/* Of the peak: values that paths are sent for; those whose error counts begin a little higher
- * (trees.c), since a few paths tell the peak a little too high. */
+/* Share of the peak from which values must reach the accuracy. Reported errors begin a little
+ * higher (trees.c), because a few paths overestimate the peak. */
 static const double heeded_from = 0.007;
 
 static int most_branches(const struct orl_gonio_trees *t)
@@ -43,24 +43,25 @@ size_t orl_gonio_original_of(const struct orl_gonio_trees *t, size_t block, unsi
     *ret_mirror = 0;
     if (t->rank == 3 || t->split == 0)
         return block;
-    for (unsigned axis = 0; axis < 2; axis++) { /* the top bit of x, then of y */
+    for (unsigned axis = 0; axis < 2; axis++) { /* highest bit of x, then of y */
         if (!(t->request->symmetry >> axis & 1) || !(a >> (2 * (t->split - 1) + axis) & 1))
             continue;
         for (unsigned level = 0; level < t->split; level++)
             a ^= (size_t)1 << (2 * level + axis);
-        *ret_mirror |= 5U << axis; /* of A and of B */
+        *ret_mirror |= 5U << axis; /* mirrors A and B */
     }
     return a;
 }
 
 /* ---- Blocks ---------------------------------------------------------------------------------- */
 
-/* What one thread measures by. */
+/* State of one thread's measurement. */
 struct work {
     const struct orl_gonio_trees *t;
     struct orl_gonio_block *block;
     struct orl_gonio_probe probe;
-    struct orl_gonio_cells cells; /* of one incident cell, to be used up; with an accuracy */
+    struct orl_gonio_cells
+        cells; /* cells of one incident cell, overwritten by resolve; with an accuracy only */
     size_t side;
 };
 
@@ -71,7 +72,7 @@ static struct orl_gonio_seen look(const struct work *w, bool transmitted, double
                              &w->t->cull, from);
 }
 
-/* Whether the cell's values will be known as well as was asked for, by twice as many paths. */
+/* Returns true if the cell's values will reach the accuracy with twice as many paths. */
 static bool is_resolved(const struct work *w, struct orl_gonio_cells cells)
 {
     const double accuracy = sqrt(2) * w->t->request->accuracy;
@@ -82,8 +83,8 @@ static bool is_resolved(const struct work *w, struct orl_gonio_cells cells)
     return resolved;
 }
 
-/* Paths are doubled until as many again will tell enough. Returns how many there are in each batch;
- * less than those to begin with: cancelled. */
+/* Doubles the paths until a second set of as many will reach the accuracy. Returns the paths in
+ * each batch; 0 if cancelled. */
 static uint32_t decide(struct work *w, uint32_t a, struct orl_gonio_cells cells)
 {
     const struct orl_gonio_trees *t = w->t;
@@ -103,7 +104,7 @@ static uint32_t decide(struct work *w, uint32_t a, struct orl_gonio_cells cells)
     }
 }
 
-/* One finest cell. */
+/* Measures one finest cell; returns false if cancelled. */
 static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const struct orl_gonio_trees *t = w->t;
@@ -126,7 +127,7 @@ static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_cells ret_
     return true;
 }
 
-/* The nodes of incident cell a at a level, from the finest cells up. */
+/* Computes the nodes of incident cell a at a level, from the finest cells up. */
 static bool grow(struct work *w, unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(w->t->rank);
@@ -165,7 +166,7 @@ static void close_work(struct work *w)
     orl_gonio_cells_done(&w->cells);
 }
 
-/* How bright cells out get, by a few paths into every incident cell of a block. */
+/* Surveys the brightness of cells out by a few paths into every incident cell of a block. */
 static void survey_block(void *arg, size_t index, uint32_t member)
 {
     const struct orl_gonio_trees *t = arg;
@@ -204,17 +205,17 @@ static void measure_block(void *arg, size_t index, uint32_t member)
     close_work(&w);
 }
 
-/* What blocks are gone through for: the survey, or the measurement. */
+/* One pass over the blocks: the survey or the measurement. */
 struct pass {
     struct orl_gonio_trees *t;
     const struct orl_bsdf_make_env *env;
     const char *name;
     orl_crew_body body;
-    uint32_t paths;              /* of a cell in each batch, to begin with */
-    double share_from, share_to; /* of the whole */
+    uint32_t paths;              /* paths into a cell in each batch, to begin with */
+    double share_from, share_to; /* range of the total progress */
 };
 
-/* Some of them. */
+/* Processes some of the blocks. */
 static int do_blocks(const struct pass *pass, size_t first, size_t count)
 {
     struct orl_gonio_trees *t = pass->t;
@@ -236,7 +237,7 @@ static int check_branches(const struct orl_gonio_trees *t)
     return branches > (size_t)most_branches(t) ? ORL_ERR_LIMIT : 0;
 }
 
-/* By pieces; of the whole they go from one share to another. */
+/* Processes all blocks, AT_ONCE at a time, and reports progress. */
 static int for_blocks(const struct pass *pass)
 {
     struct orl_gonio_trees *t = pass->t;
@@ -259,7 +260,7 @@ static int for_blocks(const struct pass *pass)
     return 0;
 }
 
-/* ---- Blocks that are shared ------------------------------------------------------------------ */
+/* ---- Shared blocks -------------------------------------------------------------------------- */
 
 /* Blocks of a lot. */
 enum { LOT = 4 };
@@ -322,7 +323,7 @@ static void tell_share(void *ctx, double share)
                             pass->share_from + share * (pass->share_to - pass->share_from));
 }
 
-/* Here, or with others; err is set. */
+/* Runs a pass here or shared with others; sets err. */
 static int go_through(struct pass *pass, struct orl_error *err)
 {
     const struct orl_gonio_trees *t = pass->t;
@@ -347,7 +348,7 @@ static int go_through(struct pass *pass, struct orl_error *err)
 int orl_gonio_measure_blocks(struct orl_gonio_trees *t, const struct orl_bsdf_make_env *env,
                              struct orl_error *err)
 {
-    const double part = 0.05; /* that the survey is of the whole, more or less */
+    const double part = 0.05; /* approximate share of the survey in the total time */
     struct pass all = {t, env, "blocks", measure_block, t->paths, 0, 1};
     struct pass survey = {t, env, "survey", survey_block, SURVEY_PATHS, 0, part};
     if (!(t->request->accuracy > 0))

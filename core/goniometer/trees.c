@@ -9,12 +9,12 @@
 
 enum { SPLIT_LEVEL = 4 };
 
-/* Of the peak: values whose error counts. */
+/* Share of the peak above which errors count. */
 static const double told_from = 0.01;
 
 /* ---- The whole ------------------------------------------------------------------------------- */
 
-/* Mirrored cells of B at a level, by the bits of a child's mirror. */
+/* Returns the mirror image of a cell of B at a level, by the bits of a child's mirror. */
 static size_t mirrored_cell(size_t cell, unsigned level, unsigned mirror)
 {
     for (unsigned l = 0; l < level; l++)
@@ -22,7 +22,7 @@ static size_t mirrored_cell(size_t cell, unsigned level, unsigned mirror)
     return cell;
 }
 
-/* The nodes of a block, in the side's forest. Original or mirrored. */
+/* Adds the nodes of a block, original or mirrored, to the side's forest. */
 static bool plant(const struct orl_gonio_trees *t, struct orl_gonio_forest *forest, size_t side,
                   size_t a, struct orl_gonio_cells ret_cells)
 {
@@ -42,8 +42,8 @@ static bool plant(const struct orl_gonio_trees *t, struct orl_gonio_forest *fore
     return true;
 }
 
-/* The nodes of incident cell a at a level above the blocks. Of rank 3 the upper half of A is of no
- * direction: it is as the lower one. */
+/* Computes the nodes of incident cell a at a level above the blocks. In rank 3 the upper half of A
+ * has no directions; it is a copy of the lower one. */
 static bool gather(const struct orl_gonio_trees *t, struct orl_gonio_forest *forest, size_t side,
                    unsigned level, size_t a, struct orl_gonio_cells ret_cells)
 {
@@ -77,9 +77,10 @@ static int join_all(struct orl_gonio_trees *t)
     return 0;
 }
 
-/* ---- What is told ---------------------------------------------------------------------------- */
+/* ---- Results -------------------------------------------------------------------------------- */
 
-/* Light from a side evenly: cells of A weigh alike in rank 4, rings by their size in rank 3. */
+/* Returns the share of diffuse light from a side. Cells of A have equal weights in rank 4, rings
+ * weights by their size in rank 3. */
 static struct orl_bsdf_share diffuse_of(const struct orl_gonio_trees *t, size_t side,
                                         bool transmitted)
 {
@@ -120,7 +121,7 @@ static void tell(const struct orl_gonio_trees *t, struct orl_bsdf_made *made)
     made->lost = made->paths > 0 ? lost / (double)made->paths : 0;
 }
 
-/* Of a part: its side, and whether it is what is transmitted. */
+/* Finds the side of a part, and if it is transmitted. */
 static void find_part(enum orl_bsdf_part part, size_t *ret_side, size_t *ret_transmitted)
 {
     for (size_t i = 0; i < 4; i++)
@@ -142,7 +143,7 @@ static void write_part(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_channel
                              t->cancel, out);
 }
 
-/* They are of luminance alone. */
+/* Writes errors, which are those of luminance only. */
 static void write_errors(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_channel channel,
                          FILE *out)
 {
@@ -153,7 +154,7 @@ static void write_errors(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_chann
     orl_gonio_forest_write(&t->forests[side], t->roots[side][k], true, t->cancel, out);
 }
 
-/* The BSDF, or its errors. */
+/* Writes the BSDF, or its errors. */
 static int write_out(struct orl_gonio_trees *t, bool errors, struct orl_bsdf_made *made)
 {
     struct orl_document document = {.structure =
@@ -194,7 +195,7 @@ static struct orl_gonio_trees trees_of(const struct orl_bsdf_make_request *reque
     t.rank = request->basis == ORL_BSDF_TENSOR_TREE_4 ? 4 : 3;
     while (1U << t.levels < request->resolution)
         t.levels++;
-    /* Of rank 3 every ring is a block, and half of A is none. */
+    /* Rank 3: every ring is a block, and half of A has none. */
     t.split = t.rank == 3 ? t.levels : t.levels < SPLIT_LEVEL ? t.levels : SPLIT_LEVEL;
     t.n_blocks = t.rank == 3 ? (size_t)1 << (t.levels - 1) : (size_t)1 << 2 * t.split;
     const uint32_t sets = request->accuracy > 0 ? 2 * ORL_GONIO_BATCHES : ORL_GONIO_BATCHES;
