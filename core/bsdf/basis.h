@@ -1,11 +1,11 @@
 /*
- * Angle bases of BSDF matrices: the hemisphere cut into rings of constant polar angle, each ring
- * into equal cells, the first of which is centred on azimuth 0 (the x axis). Klems, J. H., "A new
- * method for predicting the solar heat gain of complex fenestration systems", ASHRAE Transactions
- * 100(1), 1994.
+ * Angle bases of BSDF matrices. The hemisphere is cut into rings of constant polar angle, each ring
+ * into equal cells. The first cell of a ring is centred on azimuth 0 (the x axis). Klems, J. H., "A
+ * new method for predicting the solar heat gain of complex fenestration systems", ASHRAE
+ * Transactions 100(1), 1994.
  *
- * Invariants: rings follow each other without gap from the pole outwards; every cell has a
- * positive projected solid angle. A basis is plain data and may be copied.
+ * Invariants: rings follow each other without gap from the pole outwards; every cell has a positive
+ * projected solid angle. A basis is plain data and may be copied.
  */
 #ifndef ORL_BSDF_BASIS_H
 #define ORL_BSDF_BASIS_H
@@ -18,7 +18,7 @@ enum { ORL_BASIS_RINGS_MAX = 64, ORL_BASIS_CELLS_MAX = 2048, ORL_BASIS_NAME_MAX 
 struct orl_theta_ring {
     double cos2_low, cos2_high; /* squared cosine at the inner and the outer edge: low > high */
     int cells, first; /* cells: number in azimuth; first: index of the ring's first cell */
-    double omega_sr;  /* projected solid angle of one cell */
+    double omega_sr;  /* projected solid angle of one cell, sr */
 };
 
 struct orl_basis {

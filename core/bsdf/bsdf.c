@@ -1,6 +1,6 @@
 /*
- * Loading: turns the file's sides into the surface's frame, drops a dummy transmission, fills a
- * missing one by reciprocity, makes colour and peaks, and fills the description.
+ * Loads a BSDF: turns the file's sides into the surface's frame and drops a dummy transmission. It
+ * fills a missing transmission by reciprocity, makes colour and peaks, and fills the description.
  */
 #include <oriel/bsdf.h>
 #include <oriel/crew.h>

@@ -2,9 +2,9 @@
  * Colour of one component: the colour channels beside its luminances, and the tints made of them.
  *
  * Matrices have one tint per value. Trees keep u' and v' as separate trees, usually much coarser
- * than the luminance's. Both have tints of the integral over the other direction for each given
- * direction. `total` has them by matrix cell, by cell of a grid of 2^depth a side (rank 4), or by
- * ring of A (rank 3, where the colour of an integral given B is never needed).
+ * than the luminance's. Both have `total`: tints of the integral over the other direction, for each
+ * given direction. Entries are by matrix cell, by cell of a grid of 2^depth a side (rank 4), or by
+ * ring of A (rank 3). Rank 3 has none for B, because their colour is never needed.
  *
  * Ownership: owned by the component; freed by orl_chroma_done. Immutable once finished; safe to
  * read from any number of threads.

@@ -2,10 +2,11 @@
  * Peak of a transmission: light that goes straight through, or so nearly that the cells of the data
  * cannot resolve the difference. aBSDF takes it out of the lobes and lets it pass undeviated.
  *
- * Trees: the straight cell and its neighbours (two cells each way, of the finest size in the tree)
- * belong to the peak while they are within a factor of eight of its mean. The other neighbours are
- * the surround. There is a peak if the straight cell belongs to it, the surround has at least a
- * fifth of its solid angle, and at least 0.05 % of the light stands out.
+ * Trees: candidates are the straight cell and its neighbours, two cells each way, of the finest
+ * size in the tree. They belong to the peak while they are within a factor of eight of its mean.
+ * The others are the surround. There is a peak under three conditions. The straight cell belongs to
+ * it, the surround has at least a fifth of its solid angle, and at least 0.05 % of the light stands
+ * out.
  *
  * Matrices have wide cells, so only the straight cell can be a peak. Cells whose centres are within
  * 2.4 of its widths are the surround. The part of a member's value above the mean of the surround
@@ -28,7 +29,7 @@
 struct orl_peak {
     size_t cells;      /* cells of A: 4^depth, rings, or a matrix's; 0: no peak anywhere */
     uint32_t *members; /* per cell of A: a bit per neighbour of its straight cell of B; owned */
-    float *surround;   /* mean of the surround per cell of A, 1/sr */
+    float *surround;   /* per cell of A: mean of the surround, 1/sr; owned */
     float *share[2]; /* straight share of the light, per cell of the given direction; NULL for B of
                         rank 3 */
     float greatest[2];        /* largest entry of each share */

@@ -1,8 +1,8 @@
 /*
- * Equal-area map between the square and the unit disk by Shirley and Chiu ("A low distortion map
- * between disk and square", Journal of Graphics Tools 2(3), 1997), as used by tensor trees. The
- * disk is the hemisphere projected along its axis, so equal areas of the square are equal projected
- * solid angles; the whole square is pi steradians.
+ * Equal-area map between the square and the unit disk, as used by tensor trees: Shirley and Chiu,
+ * "A low distortion map between disk and square", Journal of Graphics Tools 2(3), 1997. The disk is
+ * the hemisphere projected along its axis, so equal areas of the square are equal projected solid
+ * angles. The whole square is pi steradians.
  *
  * Square coordinates run from -1 to 1, with the pole at 0. Turning a direction by half a turn about
  * the axis negates both exactly. Both functions accept any input.

@@ -173,8 +173,8 @@ void orl_tree_ask_for_total(const struct orl_tree *tree, enum orl_tree_axis give
 }
 
 /*
- * Returns a place within a cell, at least 1e-9 of the cell's width from its border, so that its
- * direction maps back into the same cell.
+ * Returns a place within a cell, at least 1e-9 of the cell's width from its border. Its direction
+ * thus maps back into the same cell.
  */
 static double inside_cell(unsigned cell, double u, unsigned levels)
 {

@@ -8,14 +8,15 @@
  *
  * Storage: one array of lines of 16 words, a cache line each, children before parents. A word of a
  * branch is a child. A leaf is its value, a float that is never negative. A branch has the sign bit
- * set, depth - 1 (3 bits) and the index of its first line (28 bits). A branch is stored as
+ * set, depth - 1 (3 bits) and the index of its first line (28 bits). Its depth is the number of
+ * levels of branches that the node spans, itself included. A branch is stored as
  *     1 line             its children
- * and, if its depth is at least 2, that is if not all children are leaves,
+ * and, if its depth is at least 2 (not all children are leaves),
  *     4^depth words      float means over B, for each cell of A at 2^depth a side, x-major
  *     4^depth words      float means over A, for each cell of B
- * depth is the number of levels of branches that the node spans, itself included. With the means,
- * sampling one direction given the other is a descent that chooses among four sums at each level.
- * The means of a lowest branch are summed on demand, which costs less than fetching them.
+ * With the means, sampling one direction given the other is a descent that chooses among four sums
+ * at each level. The means of a lowest branch are summed on demand, which costs less than fetching
+ * them.
  *
  * Invariants: leaves are finite and not negative (scan.h); the tree is immutable once built.
  * Threads: any number may read. References: Ward, Kurt and Bonneel 2014 (the format); Clarberg,

@@ -1,7 +1,7 @@
 /*
- * Syntax: "{ v }" is a leaf, "{ v v ... }" a grid of 16^n values, "{ {..} {..} ... }" a branch of
- * 16 children; in rank 3, 8^n values and 8 children. ORL_LIMIT_TREE_DEPTH limits the depth,
- * ORL_LIMIT_BSDF_VALUES the values.
+ * Syntax of trees of rank 4: "{ v }" is a leaf, "{ v v ... }" a grid of 16^n values. "{ {..} {..}
+ * ... }" is a branch of 16 children. In rank 3 a grid has 8^n values and a branch 8 children.
+ * ORL_LIMIT_TREE_DEPTH limits the depth, ORL_LIMIT_BSDF_VALUES the values.
  */
 #include "bsdf/text.h"
 

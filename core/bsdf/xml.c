@@ -118,8 +118,9 @@ static size_t plain_length(const char *text, size_t length)
 
 /*
  * Reads data past expat. Most of a file is data in plain text. If a piece ends inside data, the
- * text up to the next markup is parsed directly, which halves the time, or deferred to a block if
- * possible. Returns its length. Expat continues behind it and does not count its lines.
+ * text up to the next markup is deferred to a block if possible. Otherwise it is parsed directly,
+ * which halves the time. Returns its length. Expat continues behind it and does not count its
+ * lines.
  */
 static size_t read_plain(struct orl_xml_reader *r, size_t at)
 {

@@ -36,10 +36,10 @@ struct shaping {
     const struct orl_bsdf_make_env *env;
     struct orl_fit_data *data;
     unsigned levels[2];                /* levels of lobes, the largest lobes and the smallest */
-    struct orl_fit_shape *shapes;      /* by scan */
-    struct orl_bsdf_fitted_scan *told; /* by scan */
-    struct orl_bsdf_outlier *outliers; /* by scan, ORL_BSDF_FIT_OUTLIERS_TOLD each */
-    struct orl_error *errors;          /* by scan */
+    struct orl_fit_shape *shapes;      /* one per scan */
+    struct orl_bsdf_fitted_scan *told; /* one per scan */
+    struct orl_bsdf_outlier *outliers; /* ORL_BSDF_FIT_OUTLIERS_TOLD per scan */
+    struct orl_error *errors;          /* one per scan */
     int *codes;
 };
 

@@ -326,7 +326,8 @@ static size_t sift_knot(struct orl_fit_knots *k, size_t i, struct orl_fit_row *r
     return 1;
 }
 
-/* Knots with more rows are skipped: their mean already averages outliers. */
+/* Knots with more rows are not searched: the neighbours' rows identify an outlier no better than
+ * the knot's own mean. */
 enum { SIFTED_ROWS = 64 };
 
 static void sift(struct orl_fit_knots *k, const struct orl_fit_scan *scan,

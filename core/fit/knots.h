@@ -9,9 +9,9 @@
  * the interpolant has the knots' values (normalised radial functions; Shepard 1968, Moody and
  * Darken 1989). In gaps and towards grazing the nearest knots extrapolate.
  *
- * Outliers. A row is left out if it differs from its neighbours by more than 12 times their spread
- * and a factor of five from each of them. Rows near the straight direction are kept. A single row
- * could not say how wide its peak is.
+ * Outliers. A row is left out if it is alone in differing from its neighbours: by more than 12
+ * times their spread, and by a factor of five from each of them. A single row could not say how
+ * wide its peak is. Rows near the straight direction are kept.
  *
  * Immutable once made; any number of threads may read. Ownership: the caller's, freed by _done.
  */

@@ -116,9 +116,9 @@ static const double end_of_sigma2 = 12; /* squared radius of the kernel, in squa
 /* Rays whose kernel radius is below this many point distances use points of their own. */
 static const double least_places = 2.5;
 
-/* Sums the kernel of a ray (x, y, z, 1 / squared radius) over the points of a tile's cells, and
- * with fold that of its image below the horizon. The sixteen terms of a cell are added in a fixed
- * order. */
+/* Sums the kernel of a ray (x, y, z, 1 / squared radius) over the points of a tile's cells. With
+ * fold, adds the kernel of its image below the horizon. The sixteen terms of a cell are added in a
+ * fixed order. */
 ORL_FOR_WIDE_VECTORS
 static double catch_tile(const struct orl_fit_screen *s, size_t tile, const float ray[4], bool fold,
                          float caught[ORL_FIT_TILE_CELLS])

@@ -1,11 +1,12 @@
 /*
- * Transport plans assign shares of one scan's light to another's at the least cost, as in
- * displacement interpolation (Bonneel, van de Panne, Paris and Heidrich 2011). The cost of a unit
- * of light is the squared chord of its move, up to a bound. Light that would have to move farther
- * fades at one place and appears at the other.
+ * Transport plans assign shares of one scan's light to another's at the least cost: displacement
+ * interpolation (Bonneel, van de Panne, Paris and Heidrich 2011). The cost of a unit of light is
+ * the squared chord of its move, up to a bound. Light that would have to move farther fades at one
+ * place and appears at the other.
  *
- * Plans are solved by the transportation simplex (Dantzig 1951) over clusters (shape.h), to within
- * 1e-7 of the largest cost. Ownership: the caller's, freed by orl_fit_plan_done.
+ * Plans are solved by the transportation simplex (Dantzig 1951) over clusters (shape.h). The
+ * solution is exact to 1e-7 of the largest cost, unless the limit on pivots is reached. Ownership:
+ * the caller's, freed by orl_fit_plan_done.
  */
 #ifndef ORL_FIT_TRANSPORT_H
 #define ORL_FIT_TRANSPORT_H

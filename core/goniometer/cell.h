@@ -3,9 +3,9 @@
  * the opposite one. Nothing is copied, and nothing outside the cell is hit.
  *
  * Surfaces in a side belong to the cell. Rays go beyond a side by a margin, and come in by as much
- * in front of the opposite one, so that walls in either side are hit, one after the other. The
- * margin is a few times the offset of ray origins from surfaces (orl_hit_leave). The panel's period
- * is too long by the margins only.
+ * in front of the opposite one. Walls in either side are thus hit, one after the other. The margin
+ * is a few times the offset of ray origins from surfaces (orl_hit_leave). The panel's period is too
+ * long by the margins only.
  *
  * Moved coordinates (scene/geometry/geometry.h). Immutable.
  */

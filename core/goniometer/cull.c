@@ -48,7 +48,7 @@ static int try_cull(const struct trial *trial, double unseen, struct orl_bsdf_ma
     return code;
 }
 
-/* Takes the trial as the best so far. */
+/* Makes this trial the best so far. */
 static void take(struct orl_bsdf_made *made, const struct orl_bsdf_comparison *lost,
                  struct orl_bsdf_made *ret_made, struct orl_bsdf_comparison *ret_lost)
 {

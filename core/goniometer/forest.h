@@ -3,11 +3,11 @@
  * 4 or 3 (bsdf/tree.h, iso.h). A branch has a child for each part of a cell in (A.x, A.y, B.x,
  * B.y), or (A, B.x, B.y), numbered by these bits.
  *
- * The cells of a branch are joined to a leaf if the data do not distinguish them. That is, they
- * differ by no more than their standard errors explain, by less than a given share of their mean,
- * or by less than an amount of light that counts. The leaf has their mean, and the standard
- * deviation of the cells from it: the standard error of the mean and the differences of the cells.
- * Colours are checked in addition (hues.h); errors are those of luminance.
+ * The cells of a branch are joined to a leaf if the data do not distinguish them. Their differences
+ * must be within their standard errors, below a given share of their mean, or below an amount of
+ * light that counts. The leaf has their mean, and the standard deviation of the cells from it: the
+ * standard error of the mean and the differences of the cells. Colours are checked in addition
+ * (hues.h); errors are those of luminance.
  *
  * Ownership: the caller's, freed by orl_gonio_forest_done. One thread writes at a time.
  */
