@@ -24,8 +24,7 @@ struct orl_chroma {
     struct orl_tree tree[ORL_CHROMA_CHANNELS];
     struct orl_iso iso[ORL_CHROMA_CHANNELS];
     struct orl_matrix matrix[ORL_CHROMA_CHANNELS]; /* freed by orl_chroma_finish */
-    bool present; /* true if both channels were given and match the luminance: the fields below are
-                     set */
+    bool present;            /* true if both channels fit the luminance: the fields below are set */
     struct orl_tint *values; /* matrices: indexed like orl_matrix.values */
     struct orl_tint *total[2];
     size_t cells; /* entries of each total; for matrices the larger of both axes */

@@ -24,11 +24,9 @@ struct orl_bsdf {
     atomic_uint references;
     struct orl_document document;
     struct orl_component_view views[2][2]; /* [light comes from the front][transmitted] */
-    double bound[2]; /* upper bounds of R + T as filed in any channel, for light from the back and
-                        from the front */
+    double bound[2]; /* upper bounds of R + T as filed, any channel: light from back, front */
     struct orl_bsdf_info info;
-    struct orl_sealed_file
-        file; /* the mapped file that holds all arrays (compiled.h); unset if none */
+    struct orl_sealed_file file; /* mapped file with all arrays (compiled.h), if any */
 };
 
 /* Sets the views according to the components present. */

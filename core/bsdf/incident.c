@@ -29,8 +29,7 @@ struct orl_incident {
     enum orl_tree_axis given;
     bool front;
     struct orl_vec3 axis; /* axis of the cone */
-    double sole_cosine;   /* cosine to the axis above which all directions are in the first cell; 2:
-                             no such cone */
+    double sole_cosine;   /* least cosine to the axis that implies cells[0]; 2: none */
     size_t n_cells;
     struct cell cells[MOST_CELLS];
 };
@@ -97,8 +96,7 @@ static int make_cell(const struct orl_incident *incident, size_t place, struct c
 {
     const struct orl_tree *tree = incident->tree;
     const size_t most = (size_t)1 << 2 * tree->depth, side = (size_t)1 << tree->depth;
-    const double sign =
-        incident->given == ORL_AXIS_A ? -1 : 1; /* A: directions as the light travels */
+    const double sign = incident->given == ORL_AXIS_A ? -1 : 1; /* A: direction of travel */
     struct list list = {.tree = tree,
                         .given = incident->given,
                         .x = (unsigned)(place >> tree->depth),

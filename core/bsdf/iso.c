@@ -263,8 +263,7 @@ static double draw_b(const struct orl_iso *iso, struct orl_round a, const double
     while (x + 1 < n && !(t < rows[x]))
         x++;
     t -= x > 0 ? rows[x - 1] : 0;
-    for (size_t y = 0; y < n;
-         y++) { /* if rounding leaves t at the end, the last non-zero cell is chosen */
+    for (size_t y = 0; y < n; y++) { /* if rounding leaves t at the end: the last lit cell */
         const double v = value_at(iso, ring, x * n + y);
         if (!(v > 0))
             continue;

@@ -8,9 +8,8 @@
 enum { REACH = 2, SPAN = 2 * REACH + 1, ISO_SPAN = 2 * REACH + 2, NEIGHBOURS_MAX = 32 };
 
 static const double contrast = 8; /* largest ratio of the peak's mean to the value of a member */
-static const double least_surround =
-    0.2; /* smallest surround, as a share of the peak's solid angle */
-static const double least_share = 5e-4; /* smallest peak, as a share of the light */
+static const double least_surround = 0.2; /* least surround, as a share of the peak's solid angle */
+static const double least_share = 5e-4;   /* smallest peak, as a share of the light */
 
 /* The straight cell and its neighbours, all of equal solid angle. */
 struct group {

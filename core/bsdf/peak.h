@@ -30,9 +30,8 @@ struct orl_peak {
     size_t cells;      /* cells of A: 4^depth, rings, or a matrix's; 0: no peak anywhere */
     uint32_t *members; /* per cell of A: a bit per neighbour of its straight cell of B; owned */
     float *surround;   /* per cell of A: mean of the surround, 1/sr; owned */
-    float *share[2]; /* straight share of the light, per cell of the given direction; NULL for B of
-                        rank 3 */
-    float greatest[2];        /* largest entry of each share */
+    float *share[2];   /* straight share, per cell of the given direction; NULL for B of rank 3 */
+    float greatest[2]; /* largest entry of each share */
     struct orl_tint *tint[2]; /* tint of each entry of share; NULL without colour */
 };
 

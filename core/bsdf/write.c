@@ -10,8 +10,7 @@
 static int character_bytes(const char *text)
 {
     const unsigned char *at = (const unsigned char *)text;
-    static const unsigned char leads[] = {
-        0, 0xc2, 0xe0, 0xf0, 0xf5}; /* least lead bytes of characters of 2, 3 and 4 bytes */
+    static const unsigned char leads[] = {0, 0xc2, 0xe0, 0xf0, 0xf5}; /* least, by length */
     uint32_t code = at[0];
     int n = 1;
     if (code < 0x80)

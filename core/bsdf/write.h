@@ -30,10 +30,9 @@ typedef void orl_bsdf_write_part(void *ctx, enum orl_bsdf_part part, enum orl_bs
 /* Contents of a file beside data, name and thickness. */
 struct orl_bsdf_labels {
     const char *manufacturer;
-    double width_m, height_m; /* 0: not written */
-    const char *comment; /* text on how the data were made, may have several lines; NULL: none */
-    orl_bsdf_write_part
-        *write_part; /* trees: writes the data of a part that is present; called with ctx */
+    double width_m, height_m;        /* 0: not written */
+    const char *comment;             /* text on how the data were made, any lines; NULL: none */
+    orl_bsdf_write_part *write_part; /* for trees; called with ctx for each part present */
     void *ctx;
 };
 

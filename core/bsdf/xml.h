@@ -57,8 +57,7 @@ struct orl_xml_reader {
     unsigned layers;
     const char *fed_to;  /* end of the piece that expat is processing */
     bool plain;          /* true if that piece ends inside data, in plain text that has been read */
-    size_t passed_lines; /* lines that expat does not see (read_plain in xml.c), without those of
-                            blocks */
+    size_t passed_lines; /* lines that expat does not see (xml.c), except those of blocks */
     char text[ORL_XML_TEXT_MAX]; /* text of the current element, if short */
     size_t text_length;
     double thickness_unit;

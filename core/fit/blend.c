@@ -27,8 +27,7 @@ struct mover {
 /* Sums for the place of a cluster: the mean of its places at the corners that it moves to, and of
  * the places that its slopes there predict. */
 struct step {
-    struct orl_vec3 middle,
-        ahead; /* sums of places; ahead: sum of predicted places, over corners of known slope */
+    struct orl_vec3 middle, ahead; /* sums; ahead: over corners with a known slope */
     double lean, sigma, weight;
     double ahead_weight, ahead_sigma;
 };

@@ -7,10 +7,7 @@
 #include "fit/output.h"
 #include "goniometer/provenance.h"
 
-enum {
-    LEVELS = 6,
-    PARTS = 4
-}; /* LEVELS: of the screen. Each screen cell is assigned to cells of the basis in 4 by 4 parts. */
+enum { LEVELS = 6, PARTS = 4 }; /* screen levels; parts a side of a screen cell */
 
 /* Part of a screen cell that lies in a cell of the basis. */
 struct share {

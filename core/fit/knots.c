@@ -230,8 +230,7 @@ static bool correct(struct orl_fit_knots *k)
 /* ---- Noise and outliers ---------------------------------------------------------------------- */
 
 enum { AROUND = ORL_FIT_NEIGHBOURS - 1 };
-static const double sigma_of_median = 1.4826; /* converts a median of absolute deviations to a
-                                                 standard deviation, for normal errors */
+static const double sigma_of_median = 1.4826; /* from a median deviation to sigma */
 
 /* Returns the deviation of a knot from the mean of the six around it, as the standard deviation of
  * one row. */

@@ -35,14 +35,12 @@ struct orl_bsdf_outlier;
 
 struct orl_fit_knots {
     struct orl_fit_knot *knots; /* in the order of codes; owned, like all pointers below */
-    uint32_t
-        *near; /* [knot][ORL_FIT_NEIGHBOURS]: the knot itself and its neighbours, nearest first */
+    uint32_t *near;      /* [knot][ORL_FIT_NEIGHBOURS]: itself and its neighbours, nearest first */
     uint32_t *tree;      /* knots in the order of a kd-tree */
     unsigned char *axes; /* dividing axis of each range of the tree, stored at its middle */
     size_t n, n_outliers, n_rows;
     double noise;      /* standard deviation of a row's noise in dark regions, 1/sr */
-    double hidden_rad; /* distance from the straight direction to the nearest knot, if it is in a
-                          gap; else 0 */
+    double hidden_rad; /* angle from straight to the nearest knot if that is in a gap; else 0 */
     double covered;    /* share of the hemisphere within a knot's reach, weighted by cosine */
 };
 

@@ -118,10 +118,7 @@ static void leave_out(void *arg, size_t index, uint32_t member)
         code = compare(l, &rest, &place, &plans, index);
     orl_fit_plans_done(&plans);
     orl_fit_mesh_done(&rest);
-    l->codes[index] =
-        code == ORL_ERR_INVALID
-            ? 0
-            : code; /* ORL_ERR_INVALID: the direction has none around it and is skipped */
+    l->codes[index] = code == ORL_ERR_INVALID ? 0 : code; /* nothing surrounds it: skipped */
 }
 
 int orl_fit_leave_out(const struct orl_fit_model *model, const struct orl_bsdf_make_env *env,

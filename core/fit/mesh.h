@@ -36,8 +36,7 @@ struct orl_fit_place {
     unsigned count;
     uint32_t corner[ORL_FIT_CORNERS];
     double weight[ORL_FIT_CORNERS]; /* weights of the corners; they add up to 1 */
-    double lean[ORL_FIT_CORNERS];   /* weights for directions: the weighted sum of the corners'
-                                       directions points to at */
+    double lean[ORL_FIT_CORNERS];   /* such that the weighted corner directions point to at */
     double mass[ORL_FIT_MASSES];    /* mass of each kind, then of the floor */
 };
 void orl_fit_mesh_locate(const struct orl_fit_mesh *mesh, struct orl_vec3 in,

@@ -28,13 +28,11 @@ struct orl_fit_row {
 
 struct orl_fit_scan {
     bool front, transmitted;
-    double theta_deg,
-        phi_deg; /* direction in: theta from its side's normal; phi from +x, 0 to 360 */
+    double theta_deg, phi_deg; /* direction in, from its side's normal; phi from +x, 0 to 360 */
     struct orl_vec3 in;
     struct orl_fit_row *rows; /* owned */
     size_t n_rows, room;
-    size_t
-        n_measured; /* rows without mirror images; set by scans.h, like the file of the first row */
+    size_t n_measured; /* without mirror images; scans.h sets it and file, that of the first row */
     uint32_t file;
 };
 

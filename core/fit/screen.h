@@ -24,9 +24,8 @@ struct orl_fit_screen {
     size_t n_cells, n_tiles;
     double area;      /* projected solid angle of a cell, sr */
     float *x, *y, *z; /* sample points, sixteen to a cell; owned, like all pointers below */
-    struct orl_fit_ball *tiles,
-        *groups;    /* bounding balls of four cells each, and of 16 tiles each */
-    double spacing; /* distance of sample points, projected */
+    struct orl_fit_ball *tiles, *groups; /* bounding balls of four cells, of 16 tiles */
+    double spacing;                      /* distance of sample points, projected */
 };
 
 enum { ORL_FIT_TILE_CELLS = 4, ORL_FIT_CELL_POINTS = 16 };
@@ -36,10 +35,9 @@ int orl_fit_screen_make(unsigned levels, struct orl_fit_screen *ret_screen, stru
 void orl_fit_screen_done(struct orl_fit_screen *screen);
 
 struct orl_fit_brush {
-    float (
-        *caught)[ORL_FIT_TILE_CELLS]; /* sums by tile reached by a ray, for each cell of the tile */
-    uint32_t *tiles;                  /* numbers of these tiles */
-    double *value;                    /* by cell: the result, 1/sr */
+    float (*caught)[ORL_FIT_TILE_CELLS]; /* sums by tile that a ray reaches, and cell of it */
+    uint32_t *tiles;                     /* numbers of these tiles */
+    double *value;                       /* by cell: the result, 1/sr */
 };
 bool orl_fit_brush_make(const struct orl_fit_screen *screen, struct orl_fit_brush *ret_brush);
 void orl_fit_brush_done(struct orl_fit_brush *brush);

@@ -40,8 +40,7 @@ struct tree {
     const atomic_bool *cancel;
     unsigned bright_level, finest; /* coarsest level of bright leaves; finest level of all */
     double uneven;                 /* unevenness allowed in a leaf, 1/sr times sr */
-    double bright[BRIGHT_LEVELS];  /* value, 1/sr, from which leaves are at the bright level, or at
-                                      one above it */
+    double bright[BRIGHT_LEVELS];  /* 1/sr, least for the bright level, and for the one above */
     struct leaf *leaves;
     size_t n, room;
     float low[BASE_CELLS], base[BASE_CELLS]; /* by cells in the order of codes; 1/sr */
@@ -436,8 +435,7 @@ static bool make(struct tree *t, struct orl_fit_shape *shape)
     if (!add_lobes(t, shape) || !orl_fit_sharpen(shape))
         return false;
     bool fine = true;
-    shape->total =
-        ORL_PI * shape->floor; /* sum of all lobes and the floor, like the blended light */
+    shape->total = ORL_PI * shape->floor; /* the light that is blended */
     for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
         shape->total += shape->parts[kind].mass;
     for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++)

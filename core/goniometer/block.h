@@ -11,12 +11,11 @@
 struct orl_gonio_block {
     struct orl_gonio_forest forest;
     struct orl_gonio_cells
-        tops; /* [transmitted][cell out at that level]; owned; NULL nodes: not measured yet */
+        tops; /* [transmitted][cell out at that level]; owned; NULL until measured */
     double totals[ORL_GONIO_BATCHES][2], lost;
     double peaks[2]; /* 1/sr; reflected, transmitted: estimates from a few paths */
     uint64_t paths;
-    bool short_of; /* true if an error was predicted above the accuracy when no more paths were
-                      allowed */
+    bool short_of; /* true if an error was predicted above the accuracy at the most paths */
     int code;
 };
 void orl_gonio_block_done(struct orl_gonio_block *block);

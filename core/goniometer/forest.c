@@ -186,8 +186,7 @@ bool orl_gonio_join(struct orl_gonio_forest *forest, struct orl_gonio_cells chil
     struct orl_gonio_node node;
     const bool one = orl_gonio_are_one(&forest->cull, children, fan, level,
                                        (struct orl_gonio_cells){&node, ret_node.hues});
-    if (forest->rank == 3 &&
-        level == 0) /* two of the eight parts are independent: the rest are mirrored or copied */
+    if (forest->rank == 3 && level == 0) /* two of eight parts are independent */
         node.variance *= 4;
     if (one) {
         node.doubt = 0;

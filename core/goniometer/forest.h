@@ -26,13 +26,11 @@ enum { ORL_GONIO_FAN_MOST = 16 };
 
 /* A leaf or a branch. */
 struct orl_gonio_node {
-    float value,
-        variance; /* mean, 1/sr, and the variance of the mean; of a branch over all cells below */
+    float value, variance; /* 1/sr; variance of the mean, in a branch of all below */
     float path;   /* value contributed by a single path, 1/sr: a lower limit of the error */
     float spread; /* mean squared difference of the finest cells below from the value, beyond what
                      their errors explain; may be negative by chance */
-    float doubt;  /* branch: largest ratio of squared differences below it to the squared errors; 0
-                     for a leaf */
+    float doubt;  /* branch: largest squared difference below, by squared error; leaf: 0 */
     uint32_t branch; /* 1 + index of the branch; 0: a leaf */
 };
 

@@ -20,8 +20,7 @@ struct round {
     uint32_t *wanted; /* paths in each batch, by item; 0: no more are needed */
     uint32_t number;
     size_t first;
-    bool short_of; /* true if an item's predicted error is above the accuracy, but no more paths are
-                      allowed */
+    bool short_of;        /* true if a predicted error is above the accuracy at the most paths */
     size_t *todo, n_todo; /* shared rounds: items that need more paths */
     atomic_bool starved;  /* true if memory was out while a file was read */
 };

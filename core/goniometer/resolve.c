@@ -31,8 +31,7 @@ static void join(struct orl_gonio_cells four, unsigned level, const struct orl_g
     const bool one = orl_gonio_are_one(cull, (struct orl_gonio_cells){plain, four.hues}, FAN, level,
                                        (struct orl_gonio_cells){&mean, four.hues ? &hue : NULL});
     for (int i = 0; i < FAN && (!one || (double)mean.value < from); i++)
-        see(seen, &children[i],
-            from); /* also for dark joined cells, which may stay cells of a tree */
+        see(seen, &children[i], from); /* even if joined: trees may keep it */
     if (one)
         mean.doubt = (float)variance;
     mean.branch = !one;

@@ -11,10 +11,9 @@
 #include "goniometer/cell.h"
 
 struct orl_gonio_sample {
-    const struct orl_bsdf
-        *file; /* borrowed; NULL: a panel. If set, only depth and source are used besides */
-    const char *source;      /* description of the file; borrowed */
-    struct orl_world *world; /* owned; without lights */
+    const struct orl_bsdf *file; /* borrowed; NULL: a panel. Needs only source and depth */
+    const char *source;          /* description of the file; borrowed */
+    struct orl_world *world;     /* owned; without lights */
     struct orl_gonio_cell cell;
     double sides[4], depth[2]; /* extents of the cell without margins, in the files' coordinates */
 };

@@ -60,8 +60,7 @@ struct work {
     const struct orl_gonio_trees *t;
     struct orl_gonio_block *block;
     struct orl_gonio_probe probe;
-    struct orl_gonio_cells
-        cells; /* cells of one incident cell, overwritten by resolve; with an accuracy only */
+    struct orl_gonio_cells cells; /* scratch for one incident cell; with an accuracy */
     size_t side;
 };
 

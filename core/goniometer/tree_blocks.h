@@ -16,12 +16,10 @@ struct orl_gonio_trees {
     unsigned rank, levels, split; /* split: the level of the blocks */
     size_t n_blocks;              /* blocks on one side */
     uint32_t paths, paths_most;   /* paths in each batch */
-    double from[2][2]; /* [side][transmitted]: values above which errors count; with an accuracy
-                          only */
+    double from[2][2]; /* [side][transmitted]: least values whose errors count; with an accuracy */
     const atomic_bool *cancel;
     struct orl_gonio_block *blocks; /* blocks for light from the back, then from the front */
-    size_t *todo,
-        n_todo; /* indices of the blocks to measure; mirror images of others are left out */
+    size_t *todo, n_todo;           /* blocks to measure, by index; no mirror images */
     size_t first;
     /* Results, by side: */
     struct orl_gonio_forest forests[2];
