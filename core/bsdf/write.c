@@ -10,7 +10,8 @@
 static int character_bytes(const char *text)
 {
     const unsigned char *at = (const unsigned char *)text;
-    static const unsigned char leads[] = {0, 0xc2, 0xe0, 0xf0, 0xf5}; /* least, by length */
+    /* leads[n]: least lead byte of characters longer than n bytes; leads[4]: of none. */
+    static const unsigned char leads[] = {0, 0xc2, 0xe0, 0xf0, 0xf5};
     uint32_t code = at[0];
     int n = 1;
     if (code < 0x80)

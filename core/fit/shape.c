@@ -435,7 +435,7 @@ static bool make(struct tree *t, struct orl_fit_shape *shape)
     if (!add_lobes(t, shape) || !orl_fit_sharpen(shape))
         return false;
     bool fine = true;
-    shape->total = ORL_PI * shape->floor; /* the light that is blended */
+    shape->total = ORL_PI * shape->floor; /* equal to the light that is blended */
     for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
         shape->total += shape->parts[kind].mass;
     for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++)

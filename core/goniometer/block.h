@@ -10,8 +10,7 @@
 
 struct orl_gonio_block {
     struct orl_gonio_forest forest;
-    struct orl_gonio_cells
-        tops; /* [transmitted][cell out at that level]; owned; NULL until measured */
+    struct orl_gonio_cells tops; /* [transmitted][cell out at that level]; owned; NULL at first */
     double totals[ORL_GONIO_BATCHES][2], lost;
     double peaks[2]; /* 1/sr; reflected, transmitted: estimates from a few paths */
     uint64_t paths;

@@ -30,7 +30,8 @@ struct orl_gonio_node {
     float path;   /* value contributed by a single path, 1/sr: a lower limit of the error */
     float spread; /* mean squared difference of the finest cells below from the value, beyond what
                      their errors explain; may be negative by chance */
-    float doubt;  /* branch: largest squared difference below, by squared error; leaf: 0 */
+    float doubt;  /* branch: largest ratio of squared differences below it to their squared errors;
+                     leaf: 0 */
     uint32_t branch; /* 1 + index of the branch; 0: a leaf */
 };
 
