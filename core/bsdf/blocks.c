@@ -28,7 +28,8 @@ void orl_block_name(int part, char *ret_name, size_t size)
 }
 
 /* Parses a block's text in slices, and reports each slice to the XML's `passed` callback. */
-static int feed(const struct orl_bsdf_xml *xml, struct orl_block *block, struct orl_error *err)
+static int feed_block(const struct orl_bsdf_xml *xml, struct orl_block *block,
+                      struct orl_error *err)
 {
     int code = 0;
     for (size_t at = block->begin; at < block->end && code == 0;) {
@@ -48,7 +49,7 @@ int orl_block_read(struct orl_blocks *blocks, size_t index, struct orl_error *er
     const struct orl_bsdf_xml *xml = blocks->xml;
     struct orl_block *block = &blocks->blocks[index];
     const char *failed_at = xml->data + block->end;
-    int code = feed(xml, block, err);
+    int code = feed_block(xml, block, err);
     if (code == ORL_ERR_CANCELLED)
         return code; /* not an error of the file; perhaps no text of the block was read */
     if (code < 0)

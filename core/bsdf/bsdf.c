@@ -132,7 +132,7 @@ static void describe_component(struct orl_bsdf_info *info, enum orl_structure st
         (!component->chroma.present && (component->chroma.given[0] || component->chroma.given[1]));
 }
 
-static void describe(struct orl_bsdf *bsdf, struct orl_crew *crew)
+static void describe_bsdf(struct orl_bsdf *bsdf, struct orl_crew *crew)
 {
     struct orl_bsdf_info *info = &bsdf->info;
     memcpy(info->name, bsdf->document.name, sizeof info->name);
@@ -183,7 +183,7 @@ int orl_bsdf_load(const struct orl_bsdf_xml *xml, struct orl_bsdf **ret_bsdf, st
         orl_bsdf_unref(bsdf);
         return code;
     }
-    describe(bsdf, xml->crew);
+    describe_bsdf(bsdf, xml->crew);
     *ret_bsdf = bsdf;
     return 0;
 }

@@ -55,7 +55,7 @@ static void fill_directions(const struct orl_bsdf *bsdf, struct orl_bsdf_check *
     }
 }
 
-static void widen(struct orl_bsdf_extremes *x, double value, struct orl_vec3 in)
+static void widen_extremes(struct orl_bsdf_extremes *x, double value, struct orl_vec3 in)
 {
     x->least = fmin(x->least, value);
     if (!(value > x->most))
@@ -74,7 +74,7 @@ static void add_total(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c, boo
     double own[2], other[2];
     orl_bsdf_filed_totals(bsdf, in, own);
     orl_bsdf_filed_totals(bsdf, orl_v3(in.x, in.y, -in.z), other);
-    widen(&c->total[front], own[0] + own[1], in);
+    widen_extremes(&c->total[front], own[0] + own[1], in);
     c->total_exchanged[front] = fmax(c->total_exchanged[front], own[1] + other[0]);
 }
 
@@ -116,7 +116,7 @@ static void fill_extremes_of(const struct orl_bsdf *bsdf, struct orl_bsdf_check 
         const struct orl_vec3 in = orl_view_incident(bsdf, view, i, front, &omega);
         double total[2];
         orl_bsdf_filed_totals(bsdf, in, total);
-        widen(x, total[transmitted], in);
+        widen_extremes(x, total[transmitted], in);
         add_to_patch(&patches, in, total[transmitted]);
         sum += total[transmitted] * omega;
         add_total(bsdf, c, front, in);
@@ -167,8 +167,8 @@ struct surroundings {
     double peak;                          /* the largest value within INNER */
 };
 
-static void look_around(const struct orl_bsdf *bsdf, struct orl_vec3 in, double omega_sr,
-                        struct surroundings *s)
+static void sample_surroundings(const struct orl_bsdf *bsdf, struct orl_vec3 in, double omega_sr,
+                                struct surroundings *s)
 {
     const double cell = sqrt(omega_sr / ORL_PI), step = 2 * OUTER / PEAK_SIDE;
     s->peak = 0;
@@ -229,7 +229,7 @@ static struct orl_bsdf_peak peak_at(const struct orl_bsdf *bsdf,
     p.cell_sr = omega_sr / fabs(in.z);
     p.smear = fmax(1, p.cell_sr / sun_sr);
     p.straight = orl_luma(orl_bsdf_straight(bsdf, in));
-    look_around(bsdf, in, omega_sr, &around);
+    sample_surroundings(bsdf, in, omega_sr, &around);
     orl_bsdf_filed_totals(bsdf, in, total);
     p.share = peak_share(&around, h->transmitted / fmax(1, total[0] + total[1]));
     if (p.share > 0.01)
@@ -255,7 +255,8 @@ static void fill_peaks(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c)
 
 /* ---- Which way is up ------------------------------------------------------------------------- */
 
-static struct orl_bsdf_redirection redirection(const struct orl_bsdf *bsdf, bool front, bool above)
+static struct orl_bsdf_redirection measure_redirection(const struct orl_bsdf *bsdf, bool front,
+                                                       bool above)
 {
     struct orl_bsdf_redirection result = {0, 0};
     double sum = 0, upward = 0;
@@ -299,6 +300,6 @@ void orl_bsdf_examine(const struct orl_bsdf *bsdf, struct orl_bsdf_check *ret_ch
     fill_peaks(bsdf, ret_check);
     for (int front = 0; front < 2; front++)
         for (int above = 0; above < 2; above++)
-            ret_check->redirection[front][above] = redirection(bsdf, front, above);
+            ret_check->redirection[front][above] = measure_redirection(bsdf, front, above);
     orl_bsdf_judge(ret_check);
 }

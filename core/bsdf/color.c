@@ -24,7 +24,7 @@ struct primary {
 static const struct primary red = PRIMARY(0.640, 0.330), green = PRIMARY(0.290, 0.600),
                             blue = PRIMARY(0.150, 0.060);
 
-static struct orl_tint encode(struct shares s)
+static struct orl_tint encode_tint(struct shares s)
 {
     const double sum = s.r + s.g + s.b;
     double r = nearbyint(s.r / sum * STEPS), b = nearbyint(s.b / sum * STEPS);
@@ -40,7 +40,7 @@ static struct orl_tint tint_of_shares(struct shares s, size_t *outside)
         fabs(s.b - ORL_LUMA_B) < gray_tolerance)
         return orl_tint_gray;
     *outside += fmin(s.r, fmin(s.g, s.b)) < -outside_tolerance;
-    return encode((struct shares){fmax(s.r, 0), fmax(s.g, 0), fmax(s.b, 0)});
+    return encode_tint((struct shares){fmax(s.r, 0), fmax(s.g, 0), fmax(s.b, 0)});
 }
 
 /*

@@ -113,8 +113,8 @@ static struct orl_vec3 cell_towards(const struct cells *cells, int k, bool front
 }
 
 /* Updates the cone with the largest difference, and the amount of light in other places. */
-static void find(const float *off, const struct cells *cells, bool front, int channel,
-                 struct told *told)
+static void find_worst_cone(const float *off, const struct cells *cells, bool front, int channel,
+                            struct told *told)
 {
     for (int k = 0; k < CELLS; k++) {
         if (off[k] == 0)
@@ -147,7 +147,7 @@ static void compare_side(const struct work *w, struct orl_vec3 in, bool transmit
     }
     for (int c = 0; c < w->channels; c++) {
         told->albedo[c] = of_channel(b, c) - of_channel(a, c);
-        find(off + (ptrdiff_t)c * CELLS, w->cells, front_out, c, told);
+        find_worst_cone(off + (ptrdiff_t)c * CELLS, w->cells, front_out, c, told);
     }
 }
 
@@ -170,7 +170,7 @@ static void compare_from(void *arg, size_t index, uint32_t member)
 }
 
 /* Replaces *worst by value if value is larger in magnitude; returns true then. */
-static bool raise(double *worst, double value)
+static bool update_worst(double *worst, double value)
 {
     const bool more = fabs(value) > fabs(*worst);
     if (more)
@@ -181,28 +181,28 @@ static bool raise(double *worst, double value)
 static void sum_up_color(const struct told *told, int channel,
                          struct orl_bsdf_color_difference *worst)
 {
-    if (raise(&worst->albedo_worst, told->albedo[channel]))
+    if (update_worst(&worst->albedo_worst, told->albedo[channel]))
         worst->albedo_from = told->from;
-    if (raise(&worst->cone_worst, told->cone[channel])) {
+    if (update_worst(&worst->cone_worst, told->cone[channel])) {
         worst->cone_from = told->from;
         worst->cone_to = told->cone_to[channel];
     }
 }
 
-static void sum_up(const struct work *w, int front, int t, struct orl_bsdf_difference *ret)
+static void sum_up_part(const struct work *w, int front, int t, struct orl_bsdf_difference *ret)
 {
     struct orl_bsdf_difference d = {.albedo_worst = 0};
     for (int i = 0; i < ORL_BSDF_COMPARED; i++) {
         const struct told *told = &w->of[front][i][t];
         d.albedo_rms += told->albedo[0] * told->albedo[0] / ORL_BSDF_COMPARED;
         d.moved_mean += told->moved / ORL_BSDF_COMPARED;
-        if (raise(&d.albedo_worst, told->albedo[0]))
+        if (update_worst(&d.albedo_worst, told->albedo[0]))
             d.albedo_from = told->from;
-        if (raise(&d.cone_worst, told->cone[0])) {
+        if (update_worst(&d.cone_worst, told->cone[0])) {
             d.cone_from = told->from;
             d.cone_to = told->cone_to[0];
         }
-        if (raise(&d.moved_worst, told->moved))
+        if (update_worst(&d.moved_worst, told->moved))
             d.moved_from = told->from;
         for (int c = w->channels > 1; c < w->channels; c++)
             sum_up_color(told, c, &d.color);
@@ -237,7 +237,7 @@ int orl_bsdf_compare(const struct orl_bsdf *a, const struct orl_bsdf *b, struct 
     for (int i = 0; i < 2 && code == 0; i++)
         ret_comparison->colored[i] = infos[i].colored;
     for (int part = 0; part < 4 && code == 0; part++)
-        sum_up(work, part / 2, part % 2, &ret_comparison->of[part / 2][part % 2]);
+        sum_up_part(work, part / 2, part % 2, &ret_comparison->of[part / 2][part % 2]);
     free(cells);
     free(work);
     return code < 0

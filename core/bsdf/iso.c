@@ -81,7 +81,7 @@ static size_t edge_cell(const struct ring *ring, unsigned side, unsigned m)
 }
 
 /* Computes the sums for ring a of A. */
-static void add_up(struct orl_iso *iso, unsigned a)
+static void add_up_ring(struct orl_iso *iso, unsigned a)
 {
     const size_t n = 2 * (size_t)iso->half;
     const float *values = iso->values + a * n * n;
@@ -127,7 +127,7 @@ int orl_iso_finish(struct orl_iso *iso, struct orl_error *err)
     iso->canvas = NULL;
     iso->minimum = iso->values[0];
     for (unsigned a = 0; a < half && !iso->plain; a++)
-        add_up(iso, a);
+        add_up_ring(iso, a);
     return 0;
 }
 
@@ -240,12 +240,12 @@ double orl_iso_total(const struct orl_iso *iso, enum orl_tree_axis given, struct
 
 static const double margin = 0x1p-30; /* distance of samples from borders, as in tree.c */
 
-static double inside(double u)
+static double keep_inside(double u)
 {
     return margin + fmin(1, fmax(0, u)) * (1 - 2 * margin);
 }
 
-static struct orl_vec3 turned(struct orl_vec3 d, double angle)
+static struct orl_vec3 rotate_azimuth(struct orl_vec3 d, double angle)
 {
     const double c = cos(angle), s = sin(angle);
     return orl_v3(d.x * c - d.y * s, d.x * s + d.y * c, d.z);
@@ -273,10 +273,10 @@ static double draw_b(const struct orl_iso *iso, struct orl_round a, const double
         if (t < v)
             break;
     }
-    *ret_b = turned(orl_square_to_hemisphere(
-                        (struct orl_square){2 * ((double)x + inside(t / value)) / (double)n - 1,
-                                            2 * ((double)last + inside(u[1])) / (double)n - 1}),
-                    a.azimuth + ORL_PI);
+    *ret_b = rotate_azimuth(orl_square_to_hemisphere((struct orl_square){
+                                2 * ((double)x + keep_inside(t / value)) / (double)n - 1,
+                                2 * ((double)last + keep_inside(u[1])) / (double)n - 1}),
+                            a.azimuth + ORL_PI);
     return value;
 }
 
@@ -355,9 +355,9 @@ static double draw_a(const struct orl_iso *iso, struct orl_round b, const double
         if (t < next.value * next.length)
             break;
     }
-    s = piece.start + piece.length * inside(t / (piece.value * piece.length));
+    s = piece.start + piece.length * keep_inside(t / (piece.value * piece.length));
     angle = b.azimuth - (ORL_PI / 2 * piece.side + ORL_PI / 4 * s) - ORL_PI;
-    sine2 = ((double)chosen * chosen + inside(u[1]) * (2.0 * chosen + 1)) /
+    sine2 = ((double)chosen * chosen + keep_inside(u[1]) * (2.0 * chosen + 1)) /
             ((double)iso->half * iso->half);
     *ret_a = orl_v3(sqrt(sine2) * cos(angle), sqrt(sine2) * sin(angle), sqrt(1 - sine2));
     return piece.value;

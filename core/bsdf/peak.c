@@ -66,7 +66,7 @@ static uint32_t find_members(const struct group *g, double *ret_surround, double
     return *ret_share >= least_share ? members : 0;
 }
 
-static double above(double value, double surround)
+static double excess_over(double value, double surround)
 {
     return value > surround ? value - surround : 0;
 }
@@ -76,7 +76,7 @@ struct sums {
     struct orl_rgb *color[2]; /* NULL for B of rank 3 */
 };
 
-static int begin(struct orl_peak *p, struct sums *sums, size_t cells, bool both)
+static int begin_peak(struct orl_peak *p, struct sums *sums, size_t cells, bool both)
 {
     p->members = calloc(cells, sizeof *p->members);
     p->surround = calloc(cells, sizeof *p->surround);
@@ -91,7 +91,7 @@ static int begin(struct orl_peak *p, struct sums *sums, size_t cells, bool both)
 }
 
 /* Converts sums to shares and tints; frees the peak if it is empty everywhere. */
-static int finish(struct orl_peak *p, struct sums *sums, bool colored, int code)
+static int finish_peak(struct orl_peak *p, struct sums *sums, bool colored, int code)
 {
     for (int axis = 0; axis < 2 && code == 0; axis++) {
         if (!sums->color[axis])
@@ -136,7 +136,7 @@ static bool neighbour(unsigned x, unsigned y, unsigned k, unsigned depth, unsign
     return nx >= 0 && ny >= 0 && nx < side && ny < side;
 }
 
-static void look_about(const struct orl_tree *tree, unsigned x, unsigned y, struct group *g)
+static void read_neighbours(const struct orl_tree *tree, unsigned x, unsigned y, struct group *g)
 {
     *g = (struct group){.count = SPAN * SPAN,
                         .middle = 1U << (REACH * SPAN + REACH),
@@ -166,7 +166,7 @@ static void add_tree_cell(struct orl_component *c, struct sums *sums, unsigned x
     if (!(orl_tree_look(&c->tree, a.square, middle_of(x, y, depth, 1), &level) > 0) ||
         level < depth)
         return;
-    look_about(&c->tree, x, y, &g);
+    read_neighbours(&c->tree, x, y, &g);
     p->members[cell] = find_members(&g, &surround, &share);
     if (!p->members[cell])
         return;
@@ -178,7 +178,7 @@ static void add_tree_cell(struct orl_component *c, struct sums *sums, unsigned x
         const struct orl_coords b = {.square = middle_of(nx, ny, depth, 1)};
         const struct orl_rgb part =
             orl_tinted(orl_chroma_tint(ORL_STRUCTURE_TREE4, c, &a, &b),
-                       above(g.value[k], (double)p->surround[cell]) * g.cell_sr);
+                       excess_over(g.value[k], (double)p->surround[cell]) * g.cell_sr);
         sums->color[ORL_AXIS_A][cell] = orl_rgb_add(sums->color[ORL_AXIS_A][cell], part);
         struct orl_rgb *other = &sums->color[ORL_AXIS_B][(size_t)nx << depth | ny];
         *other = orl_rgb_add(*other, part);
@@ -189,11 +189,11 @@ static int make_tree(struct orl_component *c)
 {
     const unsigned side = 1U << c->tree.depth;
     struct sums sums = {{NULL, NULL}};
-    const int code = begin(&c->peak, &sums, (size_t)side * side, true);
+    const int code = begin_peak(&c->peak, &sums, (size_t)side * side, true);
     for (unsigned x = 0; x < side && code == 0; x++)
         for (unsigned y = 0; y < side; y++)
             add_tree_cell(c, &sums, x, y);
-    return finish(&c->peak, &sums, c->chroma.present, code);
+    return finish_peak(&c->peak, &sums, c->chroma.present, code);
 }
 
 /* ---- Trees of rank 3 ------------------------------------------------------------------------- */
@@ -253,17 +253,17 @@ static void add_ring(struct orl_component *c, struct sums *sums, unsigned a)
         sums->color[ORL_AXIS_A][a] =
             orl_rgb_add(sums->color[ORL_AXIS_A][a],
                         orl_tinted(orl_chroma_tint(ORL_STRUCTURE_TREE3, c, &from, &b),
-                                   above(g.value[k], (double)p->surround[a]) * g.cell_sr));
+                                   excess_over(g.value[k], (double)p->surround[a]) * g.cell_sr));
     }
 }
 
 static int make_iso(struct orl_component *c)
 {
     struct sums sums = {{NULL, NULL}};
-    const int code = begin(&c->peak, &sums, c->iso.half, false);
+    const int code = begin_peak(&c->peak, &sums, c->iso.half, false);
     for (unsigned a = 0; a < c->iso.half && code == 0; a++)
         add_ring(c, &sums, a);
-    return finish(&c->peak, &sums, c->chroma.present, code);
+    return finish_peak(&c->peak, &sums, c->chroma.present, code);
 }
 
 /* ---- Matrices -------------------------------------------------------------------------------- */
@@ -294,7 +294,7 @@ static int make_matrix(struct orl_component *c)
     struct sums sums = {{NULL, NULL}};
     if (!orl_matrix_is_square(m))
         return 0;
-    const int code = begin(p, &sums, (size_t)cells, true);
+    const int code = begin_peak(p, &sums, (size_t)cells, true);
     for (int i = 0; i < cells && code == 0; i++) {
         const double omega = orl_basis_ring(&m->basis[ORL_AXIS_B], i)->omega_sr;
         const ptrdiff_t index = (ptrdiff_t)i * cells + i;
@@ -307,9 +307,9 @@ static int make_matrix(struct orl_component *c)
         p->surround[i] = (float)surround;
         const struct orl_tint tint = c->chroma.present ? c->chroma.values[index] : orl_tint_gray;
         sums.color[ORL_AXIS_A][i] = sums.color[ORL_AXIS_B][i] =
-            orl_tinted(tint, above(value, (double)p->surround[i]) * omega);
+            orl_tinted(tint, excess_over(value, (double)p->surround[i]) * omega);
     }
-    return finish(p, &sums, c->chroma.present, code);
+    return finish_peak(p, &sums, c->chroma.present, code);
 }
 
 /* ---- The whole ------------------------------------------------------------------------------- */
@@ -380,7 +380,7 @@ double orl_peak_part(enum orl_structure structure, const struct orl_component *c
     const int bit = bit_of(structure, component, a, b, &cell);
     if (bit < 0 || !(p->members[cell] >> bit & 1))
         return 0;
-    return above(value, (double)p->surround[cell]);
+    return excess_over(value, (double)p->surround[cell]);
 }
 
 /* Returns the peak's part of a value of rank 3, for the integral given B. */
@@ -390,7 +390,7 @@ static double iso_part(const void *ctx, unsigned ring, size_t cell, double value
     const int bit = iso_bit(&c->iso, ring, cell);
     if (bit < 0 || !(c->peak.members[ring] >> bit & 1))
         return 0;
-    return above(value, (double)c->peak.surround[ring]);
+    return excess_over(value, (double)c->peak.surround[ring]);
 }
 
 /* Returns the index of a given direction in share; negative if it has none. */

@@ -22,7 +22,8 @@ struct about {
     double share, most;
 };
 
-static struct about look(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 at)
+static struct about integrate_about(const struct orl_bsdf *bsdf, struct orl_vec3 in,
+                                    struct orl_vec3 at)
 {
     const struct orl_frame frame = orl_frame_about(at);
     const double reach = reach_deg * ORL_DEG_TO_RAD, step = 2 * reach / GRID;
@@ -74,8 +75,8 @@ static struct orl_vec3 start_of(const double values[ORL_POLAR_THETAS][ORL_POLAR_
 }
 
 /* Inserts a peak in order of brightness, unless a brighter one is near. Returns the new count. */
-static size_t enter(const struct orl_bsdf_lobe *lobe, struct orl_vec3 at, struct orl_vec3 *places,
-                    struct orl_bsdf_lobe *peaks, size_t n)
+static size_t insert_peak(const struct orl_bsdf_lobe *lobe, struct orl_vec3 at,
+                          struct orl_vec3 *places, struct orl_bsdf_lobe *peaks, size_t n)
 {
     size_t k = 0;
     for (size_t i = 0; i < n; i++) {
@@ -101,7 +102,7 @@ static size_t enter(const struct orl_bsdf_lobe *lobe, struct orl_vec3 at, struct
 
 /* Removes faint peaks, and those that were inserted before a brighter one near them. Returns the
  * new count. */
-static size_t thin(struct orl_vec3 *places, struct orl_bsdf_lobe *peaks, size_t n)
+static size_t thin_peaks(struct orl_vec3 *places, struct orl_bsdf_lobe *peaks, size_t n)
 {
     size_t kept = 0;
     for (size_t i = 0; i < n; i++) {
@@ -131,13 +132,13 @@ size_t orl_bsdf_find_peaks(const struct orl_bsdf *bsdf, bool front, double theta
                 continue;
             const struct orl_vec3 at =
                 start_of(polar->values[transmitted], t, p, front != transmitted);
-            struct about about = look(bsdf, in, at);
+            struct about about = integrate_about(bsdf, in, at);
             for (int k = 1; k < STEPS; k++)
-                about = look(bsdf, in, about.middle);
+                about = integrate_about(bsdf, in, about.middle);
             const double phi = atan2(about.middle.y, about.middle.x) / ORL_DEG_TO_RAD;
             const struct orl_bsdf_lobe lobe = {acos(fmin(1, fabs(about.middle.z))) / ORL_DEG_TO_RAD,
                                                phi < 0 ? phi + 360 : phi, about.most, about.share};
-            n = enter(&lobe, about.middle, places, ret_peaks, n);
+            n = insert_peak(&lobe, about.middle, places, ret_peaks, n);
         }
-    return thin(places, ret_peaks, n);
+    return thin_peaks(places, ret_peaks, n);
 }

@@ -23,7 +23,7 @@ struct reading {
     size_t length, geometry_room;
 };
 
-static void fail(struct reading *r, int code)
+static void fail_at_line(struct reading *r, int code)
 {
     orl_error_at(r->err, r->file, (int)XML_GetCurrentLineNumber(r->parser), NULL);
     r->code = code;
@@ -55,9 +55,9 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
         return;
     for (; attributes[0]; attributes += 2)
         if (strcmp(attributes[0], "format") == 0 && strcasecmp(attributes[1], "MGF") != 0)
-            fail(r, orl_error_set(r->err, ORL_ERR_UNSUPPORTED,
-                                  "geometry of the format '%.40s' is not read, but MGF",
-                                  attributes[1]));
+            fail_at_line(r, orl_error_set(r->err, ORL_ERR_UNSUPPORTED,
+                                          "geometry of the format '%.40s' is not read, but MGF",
+                                          attributes[1]));
 }
 
 static void add_geometry(struct reading *r, const char *text, size_t length)
@@ -67,7 +67,7 @@ static void add_geometry(struct reading *r, const char *text, size_t length)
         const size_t room = 2 * (piece->geometry_size + length + 1);
         char *grown = realloc(piece->geometry, room);
         if (!grown) {
-            fail(r, orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory"));
+            fail_at_line(r, orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory"));
             return;
         }
         piece->geometry = grown;
@@ -108,8 +108,8 @@ static void read_size(struct reading *r, const char *text, double *ret_m)
     if (*text == '\0')
         return;
     if (orl_number_read(text, strlen(text), &value) != ORL_NUMBER_OK || value < 0)
-        fail(r,
-             orl_error_set(r->err, ORL_ERR_RANGE, "%s is '%.40s', not a size", r->path[4], text));
+        fail_at_line(
+            r, orl_error_set(r->err, ORL_ERR_RANGE, "%s is '%.40s', not a size", r->path[4], text));
     else
         *ret_m = value * r->unit;
 }
@@ -142,18 +142,18 @@ static void on_doctype(void *ctx, const XML_Char *name, const XML_Char *system,
     (void)system;
     (void)public;
     (void)internal;
-    fail(r, orl_error_set(r->err, ORL_ERR_UNSUPPORTED,
-                          "a document type declaration; entities are not accepted"));
+    fail_at_line(r, orl_error_set(r->err, ORL_ERR_UNSUPPORTED,
+                                  "a document type declaration; entities are not accepted"));
 }
 
-static void parse(struct reading *r, const char *xml, size_t size)
+static void parse_xml(struct reading *r, const char *xml, size_t size)
 {
     for (size_t at = 0; r->code == 0 && at < size; at += SLICE) {
         const size_t length = size - at < SLICE ? size - at : SLICE;
         const bool last = at + length == size;
         if (XML_Parse(r->parser, xml + at, (int)length, last) == XML_STATUS_ERROR && r->code == 0)
-            fail(r, orl_error_set(r->err, ORL_ERR_SYNTAX, "XML: %s",
-                                  XML_ErrorString(XML_GetErrorCode(r->parser))));
+            fail_at_line(r, orl_error_set(r->err, ORL_ERR_SYNTAX, "XML: %s",
+                                          XML_ErrorString(XML_GetErrorCode(r->parser))));
     }
 }
 
@@ -182,7 +182,7 @@ int orl_bsdf_piece_read(const char *name, const char *xml, size_t size,
     XML_SetElementHandler(r.parser, on_start, on_end);
     XML_SetCharacterDataHandler(r.parser, on_text);
     XML_SetStartDoctypeDeclHandler(r.parser, on_doctype);
-    parse(&r, xml, size);
+    parse_xml(&r, xml, size);
     XML_ParserFree(r.parser);
     end_geometry(ret_piece);
     return r.code;

@@ -24,7 +24,7 @@ static double square(double value)
  * Computes the corners of a beam 0.1 degrees wide. Round angles lie on borders of the data's cells,
  * where rounding would choose the cell of a single direction.
  */
-static void spread(struct orl_vec3 in, struct orl_vec3 ret_beam[BEAM])
+static void spread_beam(struct orl_vec3 in, struct orl_vec3 ret_beam[BEAM])
 {
     const struct orl_frame frame = orl_frame_about(in);
     const double half = 0.05 * ORL_DEG_TO_RAD;
@@ -55,8 +55,8 @@ void orl_bsdf_polar(const struct orl_bsdf *bsdf, bool front, double theta_deg, d
                     struct orl_bsdf_polar *ret_polar)
 {
     struct orl_vec3 beam[BEAM];
-    spread(direction(square(sin(theta_deg * ORL_DEG_TO_RAD)), phi_deg * ORL_DEG_TO_RAD, front),
-           beam);
+    spread_beam(direction(square(sin(theta_deg * ORL_DEG_TO_RAD)), phi_deg * ORL_DEG_TO_RAD, front),
+                beam);
     *ret_polar = (struct orl_bsdf_polar){.reflected = 0};
     for (int k = 0; k < BEAM; k++) {
         ret_polar->reflected += orl_luma(orl_bsdf_albedo(bsdf, beam[k], ORL_BSDF_REFLECT)) / BEAM;

@@ -109,7 +109,7 @@ static const char *read_exponent(const char *p, const char *end, int *exponent)
 }
 
 /* Sets the error for text that is not a plain number, and returns its code. */
-static int refuse(const char *text, size_t length, struct orl_error *err)
+static int refuse_number(const char *text, size_t length, struct orl_error *err)
 {
     const size_t skip = length > 0 && (*text == '-' || *text == '+');
     const int shown = (int)(length < 40 ? length : 40);
@@ -134,7 +134,7 @@ int orl_number_parse(const char *text, size_t length, double *ret_value, struct 
     if (d.any)
         p = read_exponent(p, end, &d.exponent);
     if (!d.any || p != end)
-        return refuse(text, length, err);
+        return refuse_number(text, length, err);
     value = scale_by_ten(d.value, d.exponent);
     if (!(value <= ORL_BSDF_VALUE_MAX))
         return orl_error_set(err, ORL_ERR_RANGE, "'%.*s' is too large: at most %g is accepted",

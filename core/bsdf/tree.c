@@ -117,8 +117,8 @@ struct node {
 };
 
 /* Intersects the window with a node's cell along one axis; returns false if they are disjoint. */
-static bool meets(int low, int side, const struct node *node, int cell, int *ret_begin,
-                  int *ret_end)
+static bool intersect_window(int low, int side, const struct node *node, int cell, int *ret_begin,
+                             int *ret_end)
 {
     const int begin = cell << node->level, end = begin + (1 << node->level);
     *ret_begin = begin > low ? begin : low;
@@ -127,12 +127,12 @@ static bool meets(int low, int side, const struct node *node, int cell, int *ret
 }
 
 /* Recursion is as deep as the tree. */
-static void look_about(const struct orl_tree *tree, const struct orl_tree_window *w,
-                       const struct node *node)
+static void read_window(const struct orl_tree *tree, const struct orl_tree_window *w,
+                        const struct node *node)
 {
     int left, right, low, high;
-    if (!meets(w->low_x, w->side, node, node->x, &left, &right) ||
-        !meets(w->low_y, w->side, node, node->y, &low, &high))
+    if (!intersect_window(w->low_x, w->side, node, node->x, &left, &right) ||
+        !intersect_window(w->low_y, w->side, node, node->y, &low, &high))
         return;
     if (orl_tree_is_leaf(node->ref)) {
         for (int y = low; y < high; y++)
@@ -148,13 +148,13 @@ static void look_about(const struct orl_tree *tree, const struct orl_tree_window
     for (int k = 0; k < 4; k++) {
         const struct node part = {orl_tree_child(tree, node->ref, mine | (unsigned)k << 2), level,
                                   2 * node->x + (k & 1), 2 * node->y + (k >> 1)};
-        look_about(tree, w, &part);
+        read_window(tree, w, &part);
     }
 }
 
 void orl_tree_look_about(const struct orl_tree *tree, const struct orl_tree_window *window)
 {
-    look_about(tree, window, &(struct node){tree->root, (int)tree->depth, 0, 0});
+    read_window(tree, window, &(struct node){tree->root, (int)tree->depth, 0, 0});
 }
 
 double orl_tree_total(const struct orl_tree *tree, enum orl_tree_axis given,
@@ -248,7 +248,7 @@ static inline struct descent descent_of(const struct orl_tree_draw *draw)
 }
 
 /* Prefetches a branch's own line, which is read next if the descent goes there. */
-static inline void ask_for(const struct descent *d, struct orl_tree_ref ref)
+static inline void prefetch_branch(const struct descent *d, struct orl_tree_ref ref)
 {
     if (!orl_tree_is_leaf(ref))
         __builtin_prefetch(d->tree->lines[orl_tree_index(ref)].words);
@@ -284,7 +284,7 @@ static inline float read_mean(struct mean mean)
 }
 
 /* Reads a branch, and prefetches the means of the quarters to choose from. */
-static inline void look_down(struct descent *d)
+static inline void read_children(struct descent *d)
 {
     const unsigned own = d->given == ORL_AXIS_A ? 0 : 2, others = 2 - own;
     const uint32_t *words = d->tree->lines[orl_tree_index(d->ref)].words;
@@ -298,7 +298,7 @@ static inline void look_down(struct descent *d)
     }
 }
 
-static inline void go_down(struct descent *d)
+static inline void choose_child(struct descent *d)
 {
     float mean[4];
     for (unsigned k = 0; k < 4; k++)
@@ -310,7 +310,7 @@ static inline void go_down(struct descent *d)
     d->ref = d->child[i];
 }
 
-static inline void arrive(const struct descent *d, struct orl_tree_draw *draw)
+static inline void finish_descent(const struct descent *d, struct orl_tree_draw *draw)
 {
     const double value = (double)float_of(d->ref.bits);
     const double t = orl_smaller(d->t / value, 0x1.fffffffffffffp-1);
@@ -326,10 +326,10 @@ double orl_tree_draw(const struct orl_tree *tree, enum orl_tree_axis given, stru
     struct orl_tree_draw draw = {.tree = tree, .given = given, .place = place, .u = {u[0], u[1]}};
     struct descent d = descent_of(&draw);
     while (!orl_tree_is_leaf(d.ref)) {
-        look_down(&d);
-        go_down(&d);
+        read_children(&d);
+        choose_child(&d);
     }
-    arrive(&d, &draw);
+    finish_descent(&d, &draw);
     *ret_direction = draw.direction;
     return draw.value;
 }
@@ -341,7 +341,7 @@ static void draw_abreast(struct orl_tree_draw *draws, size_t n)
     unsigned under_way[ABREAST], left = 0;
     for (unsigned i = 0; i < n; i++) {
         descents[i] = descent_of(&draws[i]);
-        ask_for(&descents[i], descents[i].ref);
+        prefetch_branch(&descents[i], descents[i].ref);
         under_way[left++] = i;
     }
     while (left > 0) {
@@ -349,17 +349,17 @@ static void draw_abreast(struct orl_tree_draw *draws, size_t n)
         for (unsigned i = 0; i < left; i++) {
             struct descent *d = &descents[under_way[i]];
             if (orl_tree_is_leaf(d->ref)) {
-                arrive(d, &draws[under_way[i]]);
+                finish_descent(d, &draws[under_way[i]]);
                 continue;
             }
-            look_down(d);
+            read_children(d);
             under_way[kept++] = under_way[i];
         }
         left = kept;
         for (unsigned i = 0; i < left; i++) {
             struct descent *d = &descents[under_way[i]];
-            go_down(d);
-            ask_for(d, d->ref);
+            choose_child(d);
+            prefetch_branch(d, d->ref);
         }
     }
 }

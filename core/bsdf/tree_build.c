@@ -68,7 +68,7 @@ static void free_lines(struct orl_tree *tree, size_t first)
 }
 
 /* Moves the lines to an array of a greater capacity. Between arrays of pages nothing is copied. */
-static int resize(struct orl_tree *tree, size_t capacity, struct orl_error *err)
+static int resize_lines(struct orl_tree *tree, size_t capacity, struct orl_error *err)
 {
     struct orl_tree_line *lines = capacity < many_lines
                                       ? aligned_alloc(LINE_BYTES, capacity * LINE_BYTES)
@@ -92,7 +92,7 @@ static int resize(struct orl_tree *tree, size_t capacity, struct orl_error *err)
 }
 
 /* Ensures room for count more lines. Returns 0, ORL_ERR_LIMIT or ORL_ERR_NOMEM. */
-static int reserve(struct orl_tree *tree, size_t count, struct orl_error *err)
+static int reserve_lines(struct orl_tree *tree, size_t count, struct orl_error *err)
 {
     size_t capacity = tree->capacity ? tree->capacity : 256;
     if (count > LINES_MAX - tree->n_lines)
@@ -102,7 +102,7 @@ static int reserve(struct orl_tree *tree, size_t count, struct orl_error *err)
         return 0;
     while (capacity < tree->n_lines + count)
         capacity += capacity / 2 + 1;
-    return resize(tree, capacity, err);
+    return resize_lines(tree, capacity, err);
 }
 
 /*
@@ -190,7 +190,7 @@ int orl_tree_branch(struct orl_tree *tree, const struct orl_tree_ref child[ORL_T
                              ORL_LIMIT_TREE_DEPTH);
     if (depth > 1 && !tree->plain)
         means = (size_t)1 << 2 * depth;
-    code = reserve(tree, 1 + 2 * means / ORL_TREE_FANOUT, err);
+    code = reserve_lines(tree, 1 + 2 * means / ORL_TREE_FANOUT, err);
     if (code < 0)
         return code;
     words = tree->lines[tree->n_lines].words;
@@ -249,7 +249,7 @@ int orl_tree_grid(struct orl_tree *tree, const float *values, unsigned log2_side
 }
 
 /* Reallocates an array without pages to its exact size. If that fails, the larger array stays. */
-static void shrink(struct orl_tree *tree)
+static void shrink_lines(struct orl_tree *tree)
 {
     struct orl_tree_line *lines = aligned_alloc(LINE_BYTES, tree->n_lines * LINE_BYTES);
     if (!lines)
@@ -266,7 +266,7 @@ void orl_tree_finish(struct orl_tree *tree, struct orl_tree_ref root)
     tree->depth = orl_tree_depth(root);
     if (tree->n_lines < many_lines) {
         if (tree->n_lines > 0)
-            shrink(tree);
+            shrink_lines(tree);
     } else {
         free_lines(tree, tree->n_lines);
         tree->capacity = tree->n_lines;

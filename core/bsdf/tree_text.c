@@ -155,7 +155,7 @@ static int on_close(struct orl_tree_text *text, struct orl_error *err)
 }
 
 /* Processes all tokens that are available. */
-static int drain(struct orl_tree_text *text, struct orl_error *err)
+static int parse_tokens(struct orl_tree_text *text, struct orl_error *err)
 {
     for (;;) {
         double number = 0;
@@ -184,14 +184,14 @@ int orl_tree_text_feed(struct orl_tree_text *text, const char *piece, size_t siz
                        struct orl_error *err)
 {
     orl_scan_feed(&text->scan, piece, size);
-    return drain(text, err);
+    return parse_tokens(text, err);
 }
 
 int orl_tree_text_finish(struct orl_tree_text *text, struct orl_error *err)
 {
     int code;
     orl_scan_finish(&text->scan);
-    code = drain(text, err);
+    code = parse_tokens(text, err);
     if (code < 0)
         return code;
     if (text->n_open == 0 && !text->complete)

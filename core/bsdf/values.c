@@ -81,18 +81,19 @@ static const struct orl_component_view *view_for(const struct orl_bsdf *bsdf, en
     return &bsdf->views[role == ORL_ROLE_IN ? front : front != transmitted][transmitted];
 }
 
-static bool wants(enum orl_bsdf_side sides, bool transmitted)
+static bool includes_side(enum orl_bsdf_side sides, bool transmitted)
 {
     return sides & (transmitted ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT);
 }
 
 /* Computes reflected and transmitted totals of a direction; zero for a side not in `sides`. */
-static void totals(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
-                   const struct orl_coords *coords, enum orl_bsdf_side sides, double ret_total[2])
+static void compute_totals(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
+                           const struct orl_coords *coords, enum orl_bsdf_side sides,
+                           double ret_total[2])
 {
     for (int t = 0; t < 2; t++) {
         const struct orl_component_view *view = view_for(bsdf, role, front, t);
-        ret_total[t] = wants(sides, t) && view->component
+        ret_total[t] = includes_side(sides, t) && view->component
                            ? orl_component_total(bsdf->document.structure, view->component,
                                                  orl_view_axis(view, role), coords)
                            : 0;
@@ -102,7 +103,7 @@ static void totals(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
 void orl_bsdf_filed_totals(const struct orl_bsdf *bsdf, struct orl_vec3 in, double ret_total[2])
 {
     const struct orl_coords coords = orl_coords_of(bsdf->document.structure, in);
-    totals(bsdf, ORL_ROLE_IN, in.z > 0, &coords, ORL_BSDF_BOTH, ret_total);
+    compute_totals(bsdf, ORL_ROLE_IN, in.z > 0, &coords, ORL_BSDF_BOTH, ret_total);
 }
 
 struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3 in,
@@ -112,7 +113,7 @@ struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3
     const struct orl_coords coords = orl_coords_of(structure, in);
     struct orl_rgb sum = orl_gray(0);
     double total[2];
-    totals(bsdf, ORL_ROLE_IN, in.z > 0, &coords, sides, total);
+    compute_totals(bsdf, ORL_ROLE_IN, in.z > 0, &coords, sides, total);
     for (int t = 0; t < 2; t++) {
         const struct orl_component_view *view = view_for(bsdf, ORL_ROLE_IN, in.z > 0, t);
         if (total[t] > 0)
@@ -186,7 +187,7 @@ double orl_bsdf_total(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool a
 {
     const struct orl_coords coords = orl_coords_of(bsdf->document.structure, given);
     double total[2];
-    totals(bsdf, adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN, given.z > 0, &coords, sides, total);
+    compute_totals(bsdf, adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN, given.z > 0, &coords, sides, total);
     return total[0] + total[1];
 }
 
@@ -198,8 +199,8 @@ double orl_bsdf_total(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool a
  * straight share over exitant ones. They differ for data that are not reciprocal; the weight
  * corrects for that.
  */
-static void straighten(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
-                       double sum, struct orl_bsdf_draw *draw)
+static void straighten_draw(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
+                            double sum, struct orl_bsdf_draw *draw)
 {
     const enum orl_structure structure = bsdf->document.structure;
     draw->straight = true;
@@ -237,7 +238,7 @@ static inline void place_draw(const struct orl_bsdf *bsdf, enum orl_role role,
 static inline bool begin_draw(const struct orl_bsdf *bsdf, enum orl_bsdf_side sides, double u,
                               struct drawing *d)
 {
-    totals(bsdf, d->role, d->front, &d->coords, sides, d->total);
+    compute_totals(bsdf, d->role, d->front, &d->coords, sides, d->total);
     d->sum = d->total[0] + d->total[1];
     d->transmitted = d->total[1] > 0 && u * d->sum >= d->total[0];
     d->view = view_for(bsdf, d->role, d->front, d->transmitted);
@@ -245,12 +246,12 @@ static inline bool begin_draw(const struct orl_bsdf *bsdf, enum orl_bsdf_side si
 }
 
 /* Prefetches the memory that begin_draw will read. */
-static inline void ask_for_totals(const struct orl_bsdf *bsdf, enum orl_bsdf_side sides,
-                                  const struct drawing *d)
+static inline void prefetch_totals(const struct orl_bsdf *bsdf, enum orl_bsdf_side sides,
+                                   const struct drawing *d)
 {
     for (int t = 0; t < 2 && bsdf->document.structure == ORL_STRUCTURE_TREE4; t++) {
         const struct orl_component_view *view = view_for(bsdf, d->role, d->front, t);
-        if (wants(sides, t) && view->component)
+        if (includes_side(sides, t) && view->component)
             orl_tree_ask_for_total(&view->component->tree, orl_view_axis(view, d->role),
                                    d->coords.square);
     }
@@ -296,7 +297,7 @@ static bool draw_other(const struct orl_bsdf *bsdf, enum orl_role role, struct o
     /* The remainder of the number that chose the side is used again. */
     if (peaks && d.transmitted && p.component &&
         (u[2] * d.sum - d.total[0]) / d.total[1] < straight_share(bsdf, &p))
-        straighten(bsdf, role, given, d.sum, ret);
+        straighten_draw(bsdf, role, given, d.sum, ret);
     return true;
 }
 
@@ -331,7 +332,7 @@ static void draw_abreast(const struct orl_bsdf_ask *asks, size_t n, struct orl_b
     for (size_t i = 0; i < n; i++) {
         const enum orl_role role = asks[i].adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN;
         place_draw(asks[i].bsdf, role, asks[i].given, &drawings[i]);
-        ask_for_totals(asks[i].bsdf, asks[i].sides, &drawings[i]);
+        prefetch_totals(asks[i].bsdf, asks[i].sides, &drawings[i]);
     }
     for (size_t i = 0; i < n; i++) {
         const struct orl_bsdf_ask *ask = &asks[i];
@@ -348,14 +349,14 @@ static void draw_abreast(const struct orl_bsdf_ask *asks, size_t n, struct orl_b
     draw_from_trees(asks, drawings, which, trees, ret);
 }
 
-static double pdf(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
-                  enum orl_bsdf_side sides, struct orl_vec3 other)
+static double pdf_of(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
+                     enum orl_bsdf_side sides, struct orl_vec3 other)
 {
     const bool transmitted = (given.z > 0) != (other.z > 0);
     const struct orl_vec3 in = role == ORL_ROLE_IN ? given : other;
     const struct orl_vec3 out = role == ORL_ROLE_IN ? other : given;
     struct pair p;
-    if (!wants(sides, transmitted))
+    if (!includes_side(sides, transmitted))
         return 0;
     p = pair_of(bsdf, in, out);
     if (!(p.value > 0))
@@ -407,13 +408,13 @@ bool orl_bsdf_sample_split(const struct orl_bsdf *bsdf, struct orl_vec3 given, b
 double orl_bsdf_pdf(const struct orl_bsdf *bsdf, struct orl_vec3 in, enum orl_bsdf_side sides,
                     struct orl_vec3 out)
 {
-    return pdf(bsdf, ORL_ROLE_IN, in, sides, out);
+    return pdf_of(bsdf, ORL_ROLE_IN, in, sides, out);
 }
 
 double orl_bsdf_pdf_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
                             enum orl_bsdf_side sides, struct orl_vec3 in)
 {
-    return pdf(bsdf, ORL_ROLE_OUT, out, sides, in);
+    return pdf_of(bsdf, ORL_ROLE_OUT, out, sides, in);
 }
 
 /* ---- Precomputed directions ----------------------------------------------------------------- */
@@ -429,7 +430,7 @@ struct orl_bsdf_incidence orl_bsdf_place_incident(const struct orl_bsdf *bsdf, s
     struct orl_bsdf_incidence incidence = {.from = orl_bsdf_place(bsdf, in),
                                            .gain = gain_of(bsdf, in)};
     double total[2];
-    totals(bsdf, ORL_ROLE_IN, in.z > 0, &incidence.from.coords, ORL_BSDF_TRANSMIT, total);
+    compute_totals(bsdf, ORL_ROLE_IN, in.z > 0, &incidence.from.coords, ORL_BSDF_TRANSMIT, total);
     incidence.transmitted = total[1];
     return incidence;
 }

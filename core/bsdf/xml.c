@@ -192,7 +192,7 @@ static void parse_slice(struct orl_xml_reader *r, const char *slice, size_t size
 }
 
 /* Reports progress to the XML's `passed` callback, in steps of at least SLICE_MOST bytes. */
-static void tell_passed(const struct orl_bsdf_xml *xml, size_t at, size_t *told)
+static void report_passed(const struct orl_bsdf_xml *xml, size_t at, size_t *told)
 {
     if (!xml->passed || (at - *told < SLICE_MOST && at < xml->size))
         return;
@@ -200,7 +200,7 @@ static void tell_passed(const struct orl_bsdf_xml *xml, size_t at, size_t *told)
     *told = at;
 }
 
-static void heed_cancel(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
+static void check_cancel(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
 {
     if (r->code == 0 && orl_is_cancelled(xml->cancel))
         r->code = orl_error_set(r->err, ORL_ERR_CANCELLED, "cancelled while reading the BSDF");
@@ -210,7 +210,7 @@ static void heed_cancel(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml
  * Parses the whole file. Expat reads an incomplete token again with each slice, so slices grow.
  * They grow further while expat does not advance, as in a comment of many megabytes.
  */
-static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
+static void parse_file(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
 {
     size_t at = find_xml(xml), slice = SLICE_LEAST, told = 0;
     XML_Index reached = -1;
@@ -222,8 +222,8 @@ static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
         last = length == xml->size - at;
         parse_slice(r, xml->data + at, length, last);
         at += length;
-        tell_passed(xml, at, &told);
-        heed_cancel(r, xml);
+        report_passed(xml, at, &told);
+        check_cancel(r, xml);
         const XML_Index before = reached;
         reached = XML_GetCurrentByteIndex(r->parser);
         if (slice < SLICE_MOST || (reached == before && slice < SLICE_OF_TOKEN))
@@ -234,8 +234,8 @@ static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
             at += read_plain(r, at);
             if (r->putting_off) /* the block's reader reports its progress */
                 told = at;
-            tell_passed(xml, at, &told);
-            heed_cancel(r, xml);
+            report_passed(xml, at, &told);
+            check_cancel(r, xml);
             slice = SLICE_LEAST;
         }
     }
@@ -281,7 +281,7 @@ int orl_document_read(const struct orl_bsdf_xml *xml, struct orl_document *ret_d
     XML_SetStartDoctypeDeclHandler(r->parser, on_doctype);
     whole.size = find_end(xml);
     r->blocks.xml = &whole;
-    parse(r, &whole);
+    parse_file(r, &whole);
     /* An error in a deferred block comes before the error at which parsing stopped. */
     code = r->code == ORL_ERR_CANCELLED ? r->code : orl_blocks_read(&r->blocks, err);
     if (code == 0)
