@@ -164,7 +164,7 @@ static void set_turn(struct mover *m, struct orl_vec3 from, struct orl_vec3 to)
     m->axis[2][2] = c + h * v.z * v.z;
 }
 
-static struct orl_vec3 straight(struct orl_vec3 in)
+static struct orl_vec3 straight_of(struct orl_vec3 in)
 {
     return orl_v3(-in.x, -in.y, in.z);
 }
@@ -193,12 +193,13 @@ static bool blend_part(const struct orl_fit_mesh *mesh, const struct orl_fit_pla
     }
     m.scale = place->weight[corner] * place->mass[kind] / part->mass;
     if (kind == ORL_FIT_NARROW)
-        set_turn(&m, straight(place->at), straight(place->in));
+        set_turn(&m, straight_of(place->at), straight_of(place->in));
     return move_all(&m);
 }
 
 /* Returns the weight of the corners that have lobes of this kind; the others have no part in it. */
-static double held(const struct orl_fit_mesh *mesh, const struct orl_fit_place *place, int kind)
+static double weight_with_lobes(const struct orl_fit_mesh *mesh, const struct orl_fit_place *place,
+                                int kind)
 {
     double sum = 0;
     for (unsigned i = 0; i < place->count; i++)
@@ -214,7 +215,7 @@ bool orl_fit_blend(const struct orl_fit_mesh *mesh, const struct orl_fit_plans *
     light->n = 0;
     light->floor = place->mass[ORL_FIT_KINDS] / ORL_PI;
     for (int kind = 0; kind < ORL_FIT_KINDS; kind++) {
-        const double share = held(mesh, place, kind);
+        const double share = weight_with_lobes(mesh, place, kind);
         struct orl_fit_place here = *place;
         here.mass[kind] = share > 0 ? place->mass[kind] / share : 0;
         for (unsigned corner = 0; corner < place->count && fine; corner++)

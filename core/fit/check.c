@@ -19,7 +19,7 @@ static struct orl_slice first_line(struct orl_scanner scanner)
     return (struct orl_slice){"", 0};
 }
 
-static bool has(struct orl_slice line, const char *name)
+static bool contains_name(struct orl_slice line, const char *name)
 {
     const size_t length = strlen(name);
     for (size_t i = 0; i + length <= line.length; i++)
@@ -82,7 +82,8 @@ bool orl_bsdf_is_measured(const char *text, size_t size)
     if (orl_scanner_init(&scanner, NULL, text, size, 0, NULL) < 0)
         return false;
     const struct orl_slice line = first_line(scanner);
-    return is_row(line) || (has(line, "theta_in") && has(line, "theta_out")) || has_format(scanner);
+    return is_row(line) || (contains_name(line, "theta_in") && contains_name(line, "theta_out")) ||
+           has_format(scanner);
 }
 
 int orl_bsdf_measurements_check(const char *const *files, size_t count,

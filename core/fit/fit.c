@@ -9,7 +9,7 @@
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-static void tell_progress(const struct orl_bsdf_make_env *env, double fraction)
+static void report_progress(const struct orl_bsdf_make_env *env, double fraction)
 {
     if (env->progress)
         env->progress(env->ctx, 1, fraction);
@@ -43,7 +43,7 @@ struct shaping {
     int *codes;
 };
 
-static void tell(const struct shaping *s, size_t i, const struct orl_fit_knots *knots)
+static void report_scan(const struct shaping *s, size_t i, const struct orl_fit_knots *knots)
 {
     const struct orl_fit_scan *scan = &s->data->scans[i];
     const struct orl_fit_shape *shape = &s->shapes[i];
@@ -82,7 +82,7 @@ static void shape_scan(void *arg, size_t index, uint32_t member)
     s->codes[index] = orl_fit_shape_make(&knots, scan->in, s->levels, s->env->cancel,
                                          &s->shapes[index], &s->errors[index]);
     if (s->codes[index] == 0)
-        tell(s, index, &knots);
+        report_scan(s, index, &knots);
     orl_fit_knots_done(&knots);
     free(scan->rows);
     scan->rows = NULL;
@@ -174,8 +174,8 @@ static double error_beyond(const struct orl_bsdf_fitted_scan *scans, size_t n, d
 }
 
 /* Fills the leave-one-out errors of one component. */
-static void tell_component(struct orl_bsdf_fitted *f, const struct orl_bsdf_fitted_scan *scans,
-                           size_t n, int front, int t)
+static void report_component(struct orl_bsdf_fitted *f, const struct orl_bsdf_fitted_scan *scans,
+                             size_t n, int front, int t)
 {
     double squares = 0, misplaced = 0, most = 0;
     size_t left = 0;
@@ -223,7 +223,7 @@ static int make_model(struct shaping *s, int front, int t, struct orl_bsdf_fitte
         return code;
     code = orl_fit_leave_out(model, s->env, fitted->scans + first, err);
     fitted->n_scans = first + n;
-    tell_component(fitted, fitted->scans + first, n, front, t);
+    report_component(fitted, fitted->scans + first, n, front, t);
     return code;
 }
 
@@ -237,7 +237,7 @@ static int write_out(struct shaping *s, struct orl_bsdf_fitted *fitted, struct o
         code = make_model(s, i / 2, i % 2, fitted, &models[i / 2][i % 2], &any, err);
         given.of[i / 2][i % 2] = any ? &models[i / 2][i % 2] : NULL;
     }
-    tell_progress(s->env, orl_fit_begun);
+    report_progress(s->env, orl_fit_begun);
     if (code == 0)
         code = orl_bsdf_basis_is_tree(fitted->basis)
                    ? orl_fit_write_trees(s->request, s->env, &given, fitted, err)
@@ -263,14 +263,14 @@ static void set_levels(const struct orl_bsdf_fit_request *request, enum orl_bsdf
     levels[1] = level < 9 ? 9 : level;
 }
 
-static int fit(const struct orl_bsdf_fit_request *request, const struct orl_bsdf_make_env *env,
-               struct orl_fit_data *data, struct orl_bsdf_fitted *fitted, struct orl_error *err)
+static int run_fit(const struct orl_bsdf_fit_request *request, const struct orl_bsdf_make_env *env,
+                   struct orl_fit_data *data, struct orl_bsdf_fitted *fitted, struct orl_error *err)
 {
     struct shaping shaping = {.request = request, .env = env, .data = data};
     int code = 0;
     for (uint32_t i = 0; i < request->n_files && code == 0; i++)
         code = read_file(request, i, env, data, err);
-    tell_progress(env, 0.1);
+    report_progress(env, 0.1);
     if (code < 0)
         return code;
     fitted->rows = data->n_rows;
@@ -291,7 +291,7 @@ static int fit(const struct orl_bsdf_fit_request *request, const struct orl_bsdf
     set_levels(request, fitted->basis, shaping.levels);
     code = fitted->scans ? shape_all(&shaping, fitted, err)
                          : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");
-    tell_progress(env, 0.25);
+    report_progress(env, 0.25);
     if (code == 0)
         code = write_out(&shaping, fitted, err);
     shaping_done(&shaping);
@@ -309,7 +309,7 @@ int orl_bsdf_fit(const struct orl_bsdf_fit_request *request, const struct orl_bs
     if (request->n_files == 0)
         return orl_error_set(err, ORL_ERR_INVALID, "no file of measurements is named");
     orl_crew_heed(env->crew, env->cancel);
-    code = fit(request, env, &data, &fitted, err);
+    code = run_fit(request, env, &data, &fitted, err);
     orl_crew_heed(env->crew, NULL);
     orl_fit_data_done(&data);
     if (code == 0)

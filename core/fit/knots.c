@@ -116,7 +116,7 @@ static bool is_steep(const struct builder *b, size_t begin, size_t end)
     return least < steep_share * most;
 }
 
-static bool split(struct builder *b, size_t begin, size_t end, unsigned level, uint64_t code)
+static bool split_cell(struct builder *b, size_t begin, size_t end, unsigned level, uint64_t code)
 {
     const unsigned below = 2 * (ORL_FIT_SQUARE_LEVELS - level - 1);
     size_t edges[5] = {begin};
@@ -133,7 +133,7 @@ static bool split(struct builder *b, size_t begin, size_t end, unsigned level, u
     bool fine = true;
     for (uint64_t q = 0; q < 4 && fine; q++)
         if (edges[q + 1] > edges[q])
-            fine = split(b, edges[q], edges[q + 1], level + 1, code + (q << below));
+            fine = split_cell(b, edges[q], edges[q + 1], level + 1, code + (q << below));
     return fine;
 }
 
@@ -208,7 +208,7 @@ static float least_about(const struct orl_fit_knots *k, size_t i)
     return least > 0 ? 0.5F * least : least;
 }
 
-static bool correct(struct orl_fit_knots *k)
+static bool correct_knots(struct orl_fit_knots *k)
 {
     float *off = malloc(k->n * sizeof *off);
     if (!off)
@@ -329,8 +329,8 @@ static size_t sift_knot(struct orl_fit_knots *k, size_t i, struct orl_fit_row *r
  * the knot's own mean. */
 enum { SIFTED_ROWS = 64 };
 
-static void sift(struct orl_fit_knots *k, const struct orl_fit_scan *scan,
-                 const struct orl_fit_making *making)
+static void sift_outliers(struct orl_fit_knots *k, const struct orl_fit_scan *scan,
+                          const struct orl_fit_making *making)
 {
     const struct orl_vec3 straight = orl_v3(-scan->in.x, -scan->in.y, scan->in.z);
     for (size_t i = 0; i < k->n; i++) {
@@ -396,19 +396,20 @@ static int fail_few(const struct orl_fit_scan *scan, struct orl_error *err)
     return ORL_ERR_INVALID;
 }
 
-static int make(struct orl_fit_scan *scan, uint64_t *keys, const struct orl_fit_making *making,
-                struct orl_fit_knots *knots, struct orl_error *err)
+static int make_knots(struct orl_fit_scan *scan, uint64_t *keys,
+                      const struct orl_fit_making *making, struct orl_fit_knots *knots,
+                      struct orl_error *err)
 {
     struct builder builder = {scan, keys, knots, 0};
-    bool fine = sort_rows(scan, keys) && split(&builder, 0, scan->n_rows, 0, 0);
+    bool fine = sort_rows(scan, keys) && split_cell(&builder, 0, scan->n_rows, 0, 0);
     if (fine && knots->n < KNOTS_LEAST)
         return fail_few(scan, err);
     if (orl_is_cancelled(making->cancel))
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
     fine = fine && find_near(knots) && find_noise(knots);
     if (fine && !making->keep_outliers)
-        sift(knots, scan, making);
-    fine = fine && correct(knots);
+        sift_outliers(knots, scan, making);
+    fine = fine && correct_knots(knots);
     if (!fine)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");
     knots->n_rows = scan->n_rows;
@@ -424,7 +425,7 @@ int orl_fit_knots_make(struct orl_fit_scan *scan, const struct orl_fit_making *m
     if (scan->n_rows < KNOTS_LEAST)
         return fail_few(scan, err);
     uint64_t *keys = malloc(scan->n_rows * sizeof *keys);
-    const int code = keys ? make(scan, keys, making, &knots, err)
+    const int code = keys ? make_knots(scan, keys, making, &knots, err)
                           : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");
     free(keys);
     if (code == 0)

@@ -31,8 +31,8 @@ static double sum_of(const struct orl_fit_screen *screen, const double *values)
 }
 
 /* Rasterises both lights; returns the share of one that is not where the other is. */
-static double misplaced(const struct leaving *l, const struct orl_fit_light *told,
-                        const struct orl_fit_light *seen, struct orl_fit_brush brushes[2])
+static double misplaced_share(const struct leaving *l, const struct orl_fit_light *told,
+                              const struct orl_fit_light *seen, struct orl_fit_brush brushes[2])
 {
     double off = 0;
     orl_fit_draw(l->screen, told, blur_rad, &brushes[0]);
@@ -45,9 +45,9 @@ static double misplaced(const struct leaving *l, const struct orl_fit_light *tol
     return 0.5 * off;
 }
 
-static int compare(const struct leaving *l, const struct orl_fit_mesh *rest,
-                   const struct orl_fit_place *place, const struct orl_fit_plans *plans,
-                   size_t which)
+static int compare_prediction(const struct leaving *l, const struct orl_fit_mesh *rest,
+                              const struct orl_fit_place *place, const struct orl_fit_plans *plans,
+                              size_t which)
 {
     const struct orl_fit_mesh *mesh = &l->model->mesh;
     const struct orl_fit_plans none = {0};
@@ -71,7 +71,7 @@ static int compare(const struct leaving *l, const struct orl_fit_mesh *rest,
         scan->predicted = 0;
         for (int k = 0; k < ORL_FIT_MASSES; k++)
             scan->predicted += place->mass[k];
-        scan->misplaced = misplaced(l, &lights[0], &lights[1], brushes);
+        scan->misplaced = misplaced_share(l, &lights[0], &lights[1], brushes);
     }
     for (int i = 0; i < 2; i++) {
         orl_fit_light_done(&lights[i]);
@@ -115,7 +115,7 @@ static void leave_out(void *arg, size_t index, uint32_t member)
     if (code == 0)
         code = orl_fit_plans_make(&plans, &rest, NULL, l->env->cancel, NULL);
     if (code == 0)
-        code = compare(l, &rest, &place, &plans, index);
+        code = compare_prediction(l, &rest, &place, &plans, index);
     orl_fit_plans_done(&plans);
     orl_fit_mesh_done(&rest);
     l->codes[index] = code == ORL_ERR_INVALID ? 0 : code; /* nothing surrounds it: skipped */

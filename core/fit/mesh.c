@@ -258,7 +258,7 @@ static void locate_in_plane(const struct orl_fit_mesh *m, struct orl_fit_place *
 
 /* Sets lean, the weights by which the corners' directions add up to a vector along at. If they are
  * far from the other weights, those are used. */
-static void lean(const struct orl_fit_mesh *m, struct orl_fit_place *p)
+static void set_lean(const struct orl_fit_mesh *m, struct orl_fit_place *p)
 {
     const struct orl_vec3 a = m->shapes[p->corner[0]]->in, b = m->shapes[p->corner[1]]->in;
     double raw[ORL_FIT_CORNERS] = {1, 0, 0}, sum = 0;
@@ -325,6 +325,6 @@ void orl_fit_mesh_locate(const struct orl_fit_mesh *mesh, struct orl_vec3 in,
     else
         locate_in_plane(mesh, p);
     set_place(mesh, p->at, x);
-    lean(mesh, p);
+    set_lean(mesh, p);
     set_masses(mesh, p, x);
 }

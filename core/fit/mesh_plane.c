@@ -35,7 +35,7 @@ static bool is_in_circle(const struct plane *p, const uint32_t t[ORL_FIT_CORNERS
 
 /* Adds an edge to the outline of the hole. An edge that comes from both sides is inside and
  * removed. */
-static bool toggle(struct plane *p, uint32_t a, uint32_t b)
+static bool toggle_edge(struct plane *p, uint32_t a, uint32_t b)
 {
     for (size_t i = 0; i < p->n_edges; i++)
         if (p->edges[i].a == b && p->edges[i].b == a) {
@@ -61,7 +61,7 @@ static bool add_triangle(struct orl_fit_mesh *mesh, uint32_t a, uint32_t b, uint
 
 /* Replaces the triangles whose circumcircle contains the point by those from their outline to
  * it. */
-static bool insert(struct plane *p, uint32_t point)
+static bool insert_point(struct plane *p, uint32_t point)
 {
     struct orl_fit_mesh *m = p->mesh;
     bool fine = true;
@@ -72,7 +72,8 @@ static bool insert(struct plane *p, uint32_t point)
             i++;
             continue;
         }
-        fine = toggle(p, t[0], t[1]) && toggle(p, t[1], t[2]) && toggle(p, t[2], t[0]);
+        fine =
+            toggle_edge(p, t[0], t[1]) && toggle_edge(p, t[1], t[2]) && toggle_edge(p, t[2], t[0]);
         memcpy(m->triangles[i], m->triangles[--m->n_triangles], sizeof *m->triangles);
     }
     for (size_t i = 0; i < p->n_edges && fine; i++)
@@ -119,7 +120,7 @@ bool orl_fit_triangulate(struct orl_fit_mesh *mesh)
     if (fine)
         memcpy(p.at[n], far, sizeof far);
     for (uint32_t i = 0; i < n && fine; i++)
-        fine = insert(&p, i);
+        fine = insert_point(&p, i);
     if (fine)
         keep_inner(&p);
     free(p.at);

@@ -12,7 +12,7 @@ static const double near_normal_deg = 1, near_axis_deg = 1;
 
 /* ---- Symmetry from azimuths ----------------------------------------------------------------- */
 
-static double between(double phi, double other)
+static double azimuth_between(double phi, double other)
 {
     const double apart = fabs(phi - other);
     return fmin(apart, 360 - apart);
@@ -29,7 +29,7 @@ static bool have_one_azimuth(const struct orl_fit_data *data, bool opposite_too)
             continue;
         if (!*of)
             *of = s;
-        const double apart = between(s->phi_deg, (*of)->phi_deg);
+        const double apart = azimuth_between(s->phi_deg, (*of)->phi_deg);
         if (apart > near_axis_deg && !(opposite_too && apart > 180 - near_axis_deg))
             return false;
     }
@@ -63,7 +63,7 @@ static unsigned quarters_between(unsigned axes)
     return quarters;
 }
 
-static enum orl_bsdf_fit_symmetry said_by(unsigned quarters)
+static enum orl_bsdf_fit_symmetry symmetry_of(unsigned quarters)
 {
     switch (quarters) {
     case 1:
@@ -104,7 +104,7 @@ static int find_symmetry(const struct orl_fit_data *data, enum orl_bsdf_fit_symm
     unsigned quarters = quarters_of(data, &axes);
     if (quarters == 0)
         quarters = quarters_between(axes);
-    *ret_symmetry = said_by(quarters);
+    *ret_symmetry = symmetry_of(quarters);
     if (*ret_symmetry != ORL_BSDF_FIT_AUTO)
         return 0;
     orl_error_set(
@@ -118,7 +118,7 @@ static int find_symmetry(const struct orl_fit_data *data, enum orl_bsdf_fit_symm
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
 /* Adds the mirror images of the first n rows. */
-static bool fold(struct orl_fit_scan *scan, size_t n, unsigned mirror)
+static bool add_images(struct orl_fit_scan *scan, size_t n, unsigned mirror)
 {
     const float sx = mirror & 1 ? -1 : 1, sy = mirror & 2 ? -1 : 1;
     struct orl_fit_row *rows = realloc(scan->rows, (scan->n_rows + n) * sizeof *rows);
@@ -136,7 +136,7 @@ static bool fold(struct orl_fit_scan *scan, size_t n, unsigned mirror)
 }
 
 /* Applies all mirrors that leave the direction in place within 0.3 degrees. */
-static bool fold_by(struct orl_fit_scan *scan, enum orl_bsdf_fit_symmetry symmetry)
+static bool add_all_images(struct orl_fit_scan *scan, enum orl_bsdf_fit_symmetry symmetry)
 {
     const double near = 2 * sin(0.3 * ORL_DEG_TO_RAD);
     const size_t n = scan->n_rows;
@@ -149,13 +149,13 @@ static bool fold_by(struct orl_fit_scan *scan, enum orl_bsdf_fit_symmetry symmet
         const double off_x = mirrors[k] & 1 ? 2 * scan->in.x : 0;
         const double off_y = mirrors[k] & 2 ? 2 * scan->in.y : 0;
         if (hypot(off_x, off_y) < near)
-            fine = fold(scan, n, mirrors[k]);
+            fine = add_images(scan, n, mirrors[k]);
     }
     return fine;
 }
 
 /* Turns a scan so that light comes from -x. */
-static void turn(struct orl_fit_scan *scan)
+static void turn_scan(struct orl_fit_scan *scan)
 {
     const double angle = (180 - scan->phi_deg) * ORL_DEG_TO_RAD;
     const float cosine = (float)cos(angle), sine = (float)sin(angle);
@@ -189,12 +189,12 @@ static bool are_one(const struct orl_fit_scan *a, const struct orl_fit_scan *b)
 }
 
 /* Merges scans of equal theta of an isotropic sample; they must be sorted. */
-static bool merge(struct orl_fit_data *data)
+static bool merge_scans(struct orl_fit_data *data)
 {
     size_t kept = 0;
     for (size_t i = 0; i < data->n_scans; i++) {
         struct orl_fit_scan *s = &data->scans[i], *last = &data->scans[kept ? kept - 1 : 0];
-        turn(s);
+        turn_scan(s);
         if (kept == 0 || !are_one(last, s)) {
             data->scans[kept++] = *s;
             continue;
@@ -222,11 +222,11 @@ int orl_fit_sort_scans(struct orl_fit_data *data, enum orl_bsdf_fit_symmetry ask
     if (code < 0)
         return code;
     qsort(data->scans, data->n_scans, sizeof *data->scans, compare_scans);
-    bool fine = symmetry != ORL_BSDF_FIT_ISOTROPIC || merge(data);
+    bool fine = symmetry != ORL_BSDF_FIT_ISOTROPIC || merge_scans(data);
     for (size_t i = 0; i < data->n_scans && fine; i++) {
         data->scans[i].n_measured = data->scans[i].n_rows;
         data->scans[i].file = data->scans[i].rows[0].file;
-        fine = fold_by(&data->scans[i], symmetry);
+        fine = add_all_images(&data->scans[i], symmetry);
     }
     if (!fine)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");

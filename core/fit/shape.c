@@ -56,7 +56,7 @@ static uint32_t even_bits(uint32_t v)
 }
 
 /* Returns a place in a cell; u and v from 0 to 1. */
-static struct orl_vec3 within(uint32_t code, unsigned level, double u, double v)
+static struct orl_vec3 place_within(uint32_t code, unsigned level, double u, double v)
 {
     const uint32_t cell = code >> 2 * (ORL_FIT_SQUARE_LEVELS - level);
     const double side = UINT32_C(1) << level;
@@ -110,15 +110,16 @@ static bool add_leaf(struct tree *t, struct leaf leaf)
 
 /* Samples side * side values of a cell. Returns a leaf with their mean, weighted by projected solid
  * angle; values: the first four. */
-static struct leaf look_at(const struct tree *t, uint32_t code, unsigned level, int side,
-                           double values[4])
+static struct leaf sample_leaf(const struct tree *t, uint32_t code, unsigned level, int side,
+                               double values[4])
 {
     const int n = side * side;
     struct orl_vec3 at = {0};
     double sum = 0, z = 0;
     for (int i = 0; i < n; i++) {
         const int row = i / side;
-        const struct orl_vec3 d = within(code, level, (i % side + 0.5) / side, (row + 0.5) / side);
+        const struct orl_vec3 d =
+            place_within(code, level, (i % side + 0.5) / side, (row + 0.5) / side);
         const double value = orl_fit_knots_value(t->knots, d);
         if (i < 4)
             values[i] = value;
@@ -142,16 +143,16 @@ static int side_for(struct range knots)
     return side;
 }
 
-static bool grow(struct tree *t, uint32_t code, unsigned level, struct range knots)
+static bool grow_leaves(struct tree *t, uint32_t code, unsigned level, struct range knots)
 {
     if (level >= BASE_LEVEL) {
         const bool once = knots.end - knots.begin < 2 && level == t->bright_level;
         double values[4];
-        const struct leaf leaf = look_at(t, code, level, once ? 1 : 2, values);
+        const struct leaf leaf = sample_leaf(t, code, level, once ? 1 : 2, values);
         if (once || !is_uneven(t, values, (double)leaf.z, level, knots))
             return add_leaf(t, leaf);
         if (level >= t->finest)
-            return add_leaf(t, look_at(t, code, level, side_for(knots), values));
+            return add_leaf(t, sample_leaf(t, code, level, side_for(knots), values));
     }
     if (level == POLL_LEVEL && orl_is_cancelled(t->cancel))
         return false;
@@ -161,7 +162,7 @@ static bool grow(struct tree *t, uint32_t code, unsigned level, struct range kno
         const uint64_t from = (uint64_t)code + ((uint64_t)q << below);
         const size_t begin = first_knot(t->knots, knots.begin, knots.end, from);
         const size_t end = first_knot(t->knots, begin, knots.end, from + (UINT64_C(1) << below));
-        fine = grow(t, (uint32_t)from, level + 1, (struct range){begin, end});
+        fine = grow_leaves(t, (uint32_t)from, level + 1, (struct range){begin, end});
     }
     return fine;
 }
@@ -174,7 +175,7 @@ static uint32_t base_cell(uint32_t code)
 /* ---- The broad part ------------------------------------------------------------------------- */
 
 /* Sets each cell to the least, or the most, value within reach. */
-static void sweep(const struct orl_vec3 *places, const float *from, bool most, float *to)
+static void sweep_cells(const struct orl_vec3 *places, const float *from, bool most, float *to)
 {
     const double within_reach = cos(opening_rad);
     for (size_t i = 0; i < BASE_CELLS; i++) {
@@ -186,7 +187,7 @@ static void sweep(const struct orl_vec3 *places, const float *from, bool most, f
     }
 }
 
-static void smooth(const struct orl_vec3 *places, const float *from, float *to)
+static void smooth_cells(const struct orl_vec3 *places, const float *from, float *to)
 {
     const double within_reach = cos(smoothing_rad);
     for (size_t i = 0; i < BASE_CELLS; i++) {
@@ -206,16 +207,16 @@ static void open_base(struct tree *t)
     float eroded[BASE_CELLS], opened[BASE_CELLS];
     for (size_t i = 0; i < BASE_CELLS; i++) {
         t->low[i] = INFINITY;
-        places[i] =
-            within((uint32_t)i << 2 * (ORL_FIT_SQUARE_LEVELS - BASE_LEVEL), BASE_LEVEL, 0.5, 0.5);
+        places[i] = place_within((uint32_t)i << 2 * (ORL_FIT_SQUARE_LEVELS - BASE_LEVEL),
+                                 BASE_LEVEL, 0.5, 0.5);
     }
     for (size_t i = 0; i < t->n; i++) {
         float *low = &t->low[base_cell(t->leaves[i].code)];
         *low = t->leaves[i].value < *low ? t->leaves[i].value : *low;
     }
-    sweep(places, t->low, false, eroded);
-    sweep(places, eroded, true, opened);
-    smooth(places, opened, t->base);
+    sweep_cells(places, t->low, false, eroded);
+    sweep_cells(places, eroded, true, opened);
+    smooth_cells(places, opened, t->base);
 }
 
 /* Returns the broad value of a leaf, including the floor. */
@@ -225,7 +226,7 @@ static double broad_value(const struct tree *t, const struct leaf *leaf)
     return value <= least_narrow * base ? value : fmin(value, base);
 }
 
-static double lowest(const struct tree *t)
+static double lowest_value(const struct tree *t)
 {
     double least = INFINITY;
     for (size_t i = 0; i < t->n; i++)
@@ -240,8 +241,9 @@ static double lowest(const struct tree *t)
 static double sigma_of(uint32_t code, unsigned level)
 {
     const struct orl_vec3 across =
-        orl_sub(within(code, level, 1, 0.5), within(code, level, 0, 0.5));
-    const struct orl_vec3 up = orl_sub(within(code, level, 0.5, 1), within(code, level, 0.5, 0));
+        orl_sub(place_within(code, level, 1, 0.5), place_within(code, level, 0, 0.5));
+    const struct orl_vec3 up =
+        orl_sub(place_within(code, level, 0.5, 1), place_within(code, level, 0.5, 0));
     const double side = orl_fit_cell_rad(level);
     const double most = fmax(side, fmax(orl_length(across), orl_length(up)));
     return sigma_of_side * sqrt(side * most);
@@ -318,8 +320,8 @@ static bool add_cluster(struct orl_fit_part *part, size_t begin, size_t end)
 }
 
 /* Clusters the lobes of a cell, whose codes begin with the cell's bits. */
-static bool cluster(struct orl_fit_part *part, size_t begin, size_t end, unsigned level,
-                    uint64_t code)
+static bool cluster_lobes(struct orl_fit_part *part, size_t begin, size_t end, unsigned level,
+                          uint64_t code)
 {
     double mass = 0;
     if (begin == end)
@@ -334,7 +336,7 @@ static bool cluster(struct orl_fit_part *part, size_t begin, size_t end, unsigne
         size_t stop = begin;
         while (stop < end && part->lobes[stop].code < code + ((q + 1) << below))
             stop++;
-        fine = cluster(part, begin, stop, level + 1, code + (q << below));
+        fine = cluster_lobes(part, begin, stop, level + 1, code + (q << below));
         begin = stop;
     }
     return fine;
@@ -392,7 +394,7 @@ static double error_of(const struct orl_fit_knots *k)
     return sqrt(sum + rim * rim);
 }
 
-static double estimate(const struct orl_fit_knots *k)
+static double estimate_total(const struct orl_fit_knots *k)
 {
     double sum = 0;
     for (size_t i = 0; i < k->n; i++)
@@ -421,17 +423,17 @@ static bool set_bright(struct tree *t)
     return true;
 }
 
-static bool make(struct tree *t, struct orl_fit_shape *shape)
+static bool make_shape(struct tree *t, struct orl_fit_shape *shape)
 {
-    t->uneven = least_uneven * estimate(t->knots);
+    t->uneven = least_uneven * estimate_total(t->knots);
     if (!set_bright(t))
         return false;
-    if (!grow(t, 0, 0, (struct range){0, t->knots->n}))
+    if (!grow_leaves(t, 0, 0, (struct range){0, t->knots->n}))
         return false;
     for (size_t i = 0; i < t->n; i++)
         shape->total += light_of(&t->leaves[i], (double)t->leaves[i].value);
     open_base(t);
-    shape->floor = lowest(t);
+    shape->floor = lowest_value(t);
     if (!add_lobes(t, shape) || !orl_fit_sharpen(shape))
         return false;
     bool fine = true;
@@ -439,7 +441,7 @@ static bool make(struct tree *t, struct orl_fit_shape *shape)
     for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
         shape->total += shape->parts[kind].mass;
     for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++)
-        fine = cluster(&shape->parts[kind], 0, shape->parts[kind].n_lobes, 0, 0);
+        fine = cluster_lobes(&shape->parts[kind], 0, shape->parts[kind].n_lobes, 0, 0);
     return fine;
 }
 
@@ -456,7 +458,7 @@ int orl_fit_shape_make(const struct orl_fit_knots *knots, struct orl_vec3 in,
         tree->bright_level = levels[0];
         tree->finest = levels[1];
     }
-    if (!tree || !make(tree, &shape))
+    if (!tree || !make_shape(tree, &shape))
         code = orl_is_cancelled(cancel) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
     if (tree)
         free(tree->leaves);

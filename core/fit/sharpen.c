@@ -56,7 +56,7 @@ static void set_block(struct lobes *l, size_t b)
                                   (float)reach};
 }
 
-static bool make(struct orl_fit_shape *shape, struct lobes *l)
+static bool make_lobes(struct orl_fit_shape *shape, struct lobes *l)
 {
     l->shape = shape;
     l->n = shape->parts[ORL_FIT_BROAD].n_lobes + shape->parts[ORL_FIT_NARROW].n_lobes;
@@ -121,7 +121,7 @@ bool orl_fit_sharpen(struct orl_fit_shape *shape)
 {
     struct lobes l = {0};
     double was = 0, is = 0;
-    bool fine = make(shape, &l);
+    bool fine = make_lobes(shape, &l);
     for (int round = 0; round < SHARPENINGS && fine; round++) {
         for (size_t i = 0; i < l.n; i++) {
             struct orl_fit_lobe *lobe = lobe_of(&l, i);

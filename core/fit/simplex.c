@@ -28,7 +28,7 @@ static bool is_source(const struct simplex *s, int32_t node)
     return (size_t)node < s->n_from;
 }
 
-static void attach(struct simplex *s, int32_t node, int32_t parent, double flow)
+static void attach_node(struct simplex *s, int32_t node, int32_t parent, double flow)
 {
     s->parent[node] = parent;
     s->flow[node] = flow;
@@ -39,7 +39,7 @@ static void attach(struct simplex *s, int32_t node, int32_t parent, double flow)
     s->child[parent] = node;
 }
 
-static void detach(struct simplex *s, int32_t node)
+static void detach_node(struct simplex *s, int32_t node)
 {
     if (s->before[node] >= 0)
         s->next[s->before[node]] = s->next[node];
@@ -50,7 +50,7 @@ static void detach(struct simplex *s, int32_t node)
 }
 
 /* Sets potentials and depths below top. The potentials of a tree arc's ends add up to its cost. */
-static void settle(struct simplex *s, int32_t top)
+static void set_potentials(struct simplex *s, int32_t top)
 {
     size_t count = 0;
     s->stack[count++] = top;
@@ -66,7 +66,7 @@ static void settle(struct simplex *s, int32_t top)
 }
 
 /* Builds the first tree: sources and sinks in their order, each until it is used up. */
-static void begin(struct simplex *s, const double *supply, const double *demand)
+static void begin_tree(struct simplex *s, const double *supply, const double *demand)
 {
     size_t i = 0, j = 0;
     double left = supply[0], wanted = demand[0];
@@ -78,7 +78,7 @@ static void begin(struct simplex *s, const double *supply, const double *demand)
     while (i < s->n_from && j < s->n_to) {
         const double amount = left < wanted ? left : wanted;
         const int32_t source = (int32_t)i, sink = (int32_t)(s->n_from + j);
-        attach(s, by_source ? sink : source, by_source ? source : sink, amount);
+        attach_node(s, by_source ? sink : source, by_source ? source : sink, amount);
         left -= amount;
         wanted -= amount;
         const bool source_ends = j + 1 == s->n_to || (i + 1 < s->n_from && left <= wanted);
@@ -91,7 +91,7 @@ static void begin(struct simplex *s, const double *supply, const double *demand)
             wanted = demand[++j];
         }
     }
-    settle(s, 0);
+    set_potentials(s, 0);
 }
 
 struct arc {
@@ -101,7 +101,7 @@ struct arc {
 
 /* Returns the arc of largest gain in the first range of sources that has one. *row is where the
  * next search begins. */
-static struct arc price(const struct simplex *s, size_t *row, double least)
+static struct arc price_arcs(const struct simplex *s, size_t *row, double least)
 {
     enum { STRETCH = 8 };
     struct arc best = {0, 0, least};
@@ -123,7 +123,7 @@ static struct arc price(const struct simplex *s, size_t *row, double least)
 
 /* Returns the node whose arc to its parent runs out of light first, on the cycle of the new arc.
  * More light on the new arc means less on the other arcs out of its source. */
-static int32_t leaving(const struct simplex *s, struct arc arc, bool *ret_by_source)
+static int32_t find_leaving(const struct simplex *s, struct arc arc, bool *ret_by_source)
 {
     int32_t a = (int32_t)arc.source, b = (int32_t)arc.sink, least = -1;
     while (a != b) {
@@ -141,7 +141,7 @@ static int32_t leaving(const struct simplex *s, struct arc arc, bool *ret_by_sou
     return least;
 }
 
-static void shift(struct simplex *s, struct arc arc, double amount)
+static void shift_flow(struct simplex *s, struct arc arc, double amount)
 {
     int32_t a = (int32_t)arc.source, b = (int32_t)arc.sink;
     while (a != b) {
@@ -157,7 +157,8 @@ static void shift(struct simplex *s, struct arc arc, double amount)
 
 /* Attaches the part of the tree below `out` to the new arc; parents become children from the arc's
  * end up. */
-static void rehang(struct simplex *s, struct arc arc, int32_t out, bool by_source, double amount)
+static void rehang_subtree(struct simplex *s, struct arc arc, int32_t out, bool by_source,
+                           double amount)
 {
     int32_t node = (int32_t)(by_source ? arc.source : arc.sink);
     int32_t parent = (int32_t)(by_source ? arc.sink : arc.source);
@@ -167,18 +168,18 @@ static void rehang(struct simplex *s, struct arc arc, int32_t out, bool by_sourc
         const int32_t above = s->parent[node];
         const double was = s->flow[node];
         const bool last = node == out;
-        detach(s, node);
-        attach(s, node, parent, flow);
+        detach_node(s, node);
+        attach_node(s, node, parent, flow);
         if (last)
             break;
         parent = node;
         flow = was;
         node = above;
     }
-    settle(s, top);
+    set_potentials(s, top);
 }
 
-static int solve(struct simplex *s)
+static int solve_simplex(struct simplex *s)
 {
     enum { PIVOTS_A_POLL = 256 };
     double largest = 0;
@@ -187,16 +188,16 @@ static int solve(struct simplex *s)
         largest = fmax(largest, (double)s->cost[i]);
     const size_t most = 200 * s->n + 1000; /* a plan that is not optimal is still valid */
     for (size_t pivot = 0; pivot < most; pivot++) {
-        const struct arc arc = price(s, &row, 1e-7 * largest);
+        const struct arc arc = price_arcs(s, &row, 1e-7 * largest);
         bool by_source = true;
         if (arc.source == arc.sink)
             return 0;
         if (pivot % PIVOTS_A_POLL == 0 && orl_is_cancelled(s->cancel))
             return ORL_ERR_CANCELLED;
-        const int32_t out = leaving(s, arc, &by_source);
+        const int32_t out = find_leaving(s, arc, &by_source);
         const double amount = s->flow[out];
-        shift(s, arc, amount);
-        rehang(s, arc, out, by_source, amount);
+        shift_flow(s, arc, amount);
+        rehang_subtree(s, arc, out, by_source, amount);
     }
     return 0;
 }
@@ -225,8 +226,8 @@ int orl_fit_transport(const double *supply, size_t n_from, const double *demand,
     struct orl_fit_flow *flows = malloc(s.n * sizeof *flows);
     int code = make_room(&s) && flows ? 0 : ORL_ERR_NOMEM;
     if (code == 0) {
-        begin(&s, supply, demand);
-        code = solve(&s);
+        begin_tree(&s, supply, demand);
+        code = solve_simplex(&s);
     }
     for (size_t node = 1; node < s.n && code == 0; node++) {
         const size_t parent = (size_t)s.parent[node];

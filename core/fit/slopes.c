@@ -45,7 +45,8 @@ struct orl_vec3 orl_fit_slope_arc(const struct orl_fit_slope *slope, struct orl_
 }
 
 /* Returns a tangent vector carried along the great circle from one place to another. */
-static struct orl_vec3 carry(struct orl_vec3 tangent, struct orl_vec3 from, struct orl_vec3 to)
+static struct orl_vec3 carry_tangent(struct orl_vec3 tangent, struct orl_vec3 from,
+                                     struct orl_vec3 to)
 {
     const double along = orl_dot(tangent, to) / (1 + orl_dot(from, to));
     return orl_madd(tangent, orl_add(from, to), -along);
@@ -101,7 +102,7 @@ static void add_edge(struct squares *s, const struct orl_fit_cluster *cluster,
     double wider = (double)move->sigma_rad - (double)cluster->sigma_rad;
     if (continued && move->slope.known) {
         const struct orl_fit_turn back = orl_fit_turn_between(in[1], in[0]);
-        const struct orl_vec3 end = carry(orl_fit_slope_arc(&move->slope, back), to, from);
+        const struct orl_vec3 end = carry_tangent(orl_fit_slope_arc(&move->slope, back), to, from);
         arc = orl_add(orl_scale(arc, 2), end);
         wider = 2 * wider +
                 ((double)move->slope.sigma[0] * back.u + (double)move->slope.sigma[1] * back.v);
@@ -117,7 +118,7 @@ static void add_edge(struct squares *s, const struct orl_fit_cluster *cluster,
 }
 
 /* Solves the sums. A small regularisation makes slopes 0 across a row of directions. */
-static struct orl_fit_slope solve(const struct squares *s)
+static struct orl_fit_slope solve_squares(const struct squares *s)
 {
     const double more = 1e-6 * (s->uu + s->vv), uu = s->uu + more, vv = s->vv + more;
     const double determinant = uu * vv - s->uv * s->uv;
@@ -152,11 +153,11 @@ static struct orl_fit_slope slope_of(const struct slopes *s, uint32_t v, int kin
         add_edge(&squares, from, whole_move(&edge->plans[kind].ways[edge->b == v], cluster), in,
                  s->border[v] && !s->border[other]);
     }
-    return solve(&squares);
+    return solve_squares(&squares);
 }
 
 /* Makes the slopes of directions on the border, or of the others. */
-static bool make_some(struct slopes *s, bool border)
+static bool make_slopes(struct slopes *s, bool border)
 {
     const struct orl_fit_edge **edges = malloc((s->n + 1) * sizeof(void *));
     bool fine = edges != NULL;
@@ -208,7 +209,7 @@ static bool set_slopes(struct orl_fit_moves *moves, size_t n_moves,
     return true;
 }
 
-static bool set_all(const struct slopes *s)
+static bool set_all_slopes(const struct slopes *s)
 {
     for (size_t i = 0; i < s->n; i++) {
         const struct orl_fit_edge *edge = &s->edges[i];
@@ -233,7 +234,8 @@ bool orl_fit_slopes_make(struct orl_fit_edge *edges, size_t n, const struct orl_
     bool fine = s.slopes && s.border;
     if (fine) {
         orl_fit_mesh_border(mesh, s.border);
-        fine = make_some(&s, false) && set_all(&s) && make_some(&s, true) && set_all(&s);
+        fine = make_slopes(&s, false) && set_all_slopes(&s) && make_slopes(&s, true) &&
+               set_all_slopes(&s);
     }
     free(s.border);
     if (fine)

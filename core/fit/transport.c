@@ -156,7 +156,7 @@ static size_t join_moves(struct orl_fit_moves *all, uint32_t at, size_t n, float
     return n;
 }
 
-static void join_all(const struct way *w, struct orl_fit_moves *moves)
+static void join_all_moves(const struct way *w, struct orl_fit_moves *moves)
 {
     uint32_t kept = 0;
     for (size_t i = 0; i < w->of->n_clusters; i++) {
@@ -188,7 +188,7 @@ int orl_fit_plan_make(const struct orl_fit_part *from, const struct orl_fit_part
     for (int k = 0; k < 2 && code == 0; k++) {
         const struct way way = {k ? to : from, k ? from : to, flows, n, k, farthest};
         if (sort_moves(&way, &plan.ways[k]))
-            join_all(&way, &plan.ways[k]);
+            join_all_moves(&way, &plan.ways[k]);
         else
             code = ORL_ERR_NOMEM;
     }

@@ -125,8 +125,8 @@ static double value_of(const struct growing *g, const double *sums, uint32_t cel
     return g->rank == 3 ? 0.5 * (value + sums[mirrored(cell, g->levels, 2)]) : value;
 }
 
-static bool see(const struct growing *g, struct hand *hand, struct block *block, uint32_t a,
-                struct orl_gonio_cells ret_cells)
+static bool evaluate_cell(const struct growing *g, struct hand *hand, struct block *block,
+                          uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const size_t cells = g->screen->n_cells;
     const unsigned places = places_in(g, a);
@@ -156,17 +156,17 @@ static size_t nodes_at(unsigned level)
 }
 
 /* Computes the nodes of incident cell a at a level, from the finest cells up. */
-static bool grow(const struct growing *g, struct hand *hand, struct block *block, unsigned level,
-                 uint32_t a, struct orl_gonio_cells ret_cells)
+static bool grow_nodes(const struct growing *g, struct hand *hand, struct block *block,
+                       unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(g->rank);
     if (level == g->levels)
-        return !orl_is_cancelled(g->env->cancel) && see(g, hand, block, a, ret_cells);
+        return !orl_is_cancelled(g->env->cancel) && evaluate_cell(g, hand, block, a, ret_cells);
     struct orl_gonio_cells parts;
     bool fine = orl_gonio_cells_make(&parts, in * nodes_at(level + 1), false);
     for (unsigned k = 0; k < in && fine; k++)
-        fine = grow(g, hand, block, level + 1, in * a + k,
-                    orl_gonio_cells_at(parts, k * nodes_at(level + 1)));
+        fine = grow_nodes(g, hand, block, level + 1, in * a + k,
+                          orl_gonio_cells_at(parts, k * nodes_at(level + 1)));
     fine = fine && orl_gonio_join_level(&block->forest, parts, nodes_at(level), level, ret_cells);
     orl_gonio_cells_done(&parts);
     return fine;
@@ -182,12 +182,12 @@ static void grow_block(void *arg, size_t index, uint32_t member)
         return;
     block->forest = (struct orl_gonio_forest){.rank = g->rank, .cull = g->cull};
     if (!orl_gonio_cells_make(&block->tops, nodes_at(g->split), false) ||
-        !grow(g, &g->hands[member], block, g->split, a, block->tops))
+        !grow_nodes(g, &g->hands[member], block, g->split, a, block->tops))
         block->code = orl_is_cancelled(g->env->cancel) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
 }
 
 /* Adds the nodes of a block, original or mirrored, to the whole tree. */
-static bool plant(struct growing *g, uint32_t a, struct orl_gonio_cells ret_cells)
+static bool add_block_nodes(struct growing *g, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     unsigned mirror;
     const struct block *block = &g->blocks[original_of(g, a, &mirror)];
@@ -202,11 +202,12 @@ static bool plant(struct growing *g, uint32_t a, struct orl_gonio_cells ret_cell
 
 /* Computes the nodes of incident cell a at a level above the blocks. In rank 3 the upper half of A
  * has no directions; it is a copy of the lower one. */
-static bool gather(struct growing *g, unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
+static bool gather_nodes(struct growing *g, unsigned level, uint32_t a,
+                         struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(g->rank);
     if (level == g->split)
-        return plant(g, a, ret_cells);
+        return add_block_nodes(g, a, ret_cells);
     const size_t count = nodes_at(level + 1);
     struct orl_gonio_cells parts;
     bool fine = orl_gonio_cells_make(&parts, in * count, false);
@@ -214,7 +215,7 @@ static bool gather(struct growing *g, unsigned level, uint32_t a, struct orl_gon
         if (g->rank == 3 && level == 0 && k == 1)
             orl_gonio_cells_copy(orl_gonio_cells_at(parts, count), parts, count);
         else
-            fine = gather(g, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
+            fine = gather_nodes(g, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
     }
     fine = fine && orl_gonio_join_level(&g->forest, parts, nodes_at(level), level, ret_cells);
     orl_gonio_cells_done(&parts);
@@ -256,7 +257,7 @@ static int want_plans(struct growing *g, struct orl_error *err)
     return orl_fit_plans_make(&g->model->plans, &g->model->mesh, g->env->crew, g->env->cancel, err);
 }
 
-static bool take_hands(struct growing *g)
+static bool make_hands(struct growing *g)
 {
     const uint32_t members = orl_crew_size(g->env->crew);
     bool fine = g->hands != NULL && g->blocks != NULL;
@@ -267,7 +268,7 @@ static bool take_hands(struct growing *g)
     return fine;
 }
 
-static void let_go(struct growing *g)
+static void free_work(struct growing *g)
 {
     for (uint32_t i = 0; g->hands && i < orl_crew_size(g->env->crew); i++) {
         free(g->hands[i].sums);
@@ -307,8 +308,8 @@ static int grow_all(struct growing *g, struct orl_error *err)
         return code;
     g->blocks = calloc(g->n_blocks, sizeof *g->blocks);
     g->hands = calloc(orl_crew_size(g->env->crew), sizeof *g->hands);
-    code = take_hands(g) ? grow_blocks(g) : ORL_ERR_NOMEM;
-    if (code == 0 && !gather(g, 0, 0, (struct orl_gonio_cells){&g->root, NULL}))
+    code = make_hands(g) ? grow_blocks(g) : ORL_ERR_NOMEM;
+    if (code == 0 && !gather_nodes(g, 0, 0, (struct orl_gonio_cells){&g->root, NULL}))
         code = ORL_ERR_NOMEM;
     return code == 0 ? 0
                      : orl_error_set(err, code,
@@ -377,7 +378,7 @@ int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
         code = grow_all(g, err);
         if (code == 0)
             fitted->diffuse[i / 2][i % 2].value = diffuse_of(g);
-        let_go(g);
+        free_work(g);
         document.parts[orl_gonio_part_of[i / 2][i % 2]].present = true;
     }
     const struct orl_bsdf_labels labels = {.write_part = write_part, .ctx = &parts};
