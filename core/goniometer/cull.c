@@ -49,8 +49,8 @@ static int try_cull(const struct trial *trial, double unseen, struct orl_bsdf_ma
 }
 
 /* Makes this trial the best so far. */
-static void take(struct orl_bsdf_made *made, const struct orl_bsdf_comparison *lost,
-                 struct orl_bsdf_made *ret_made, struct orl_bsdf_comparison *ret_lost)
+static void take_trial(struct orl_bsdf_made *made, const struct orl_bsdf_comparison *lost,
+                       struct orl_bsdf_made *ret_made, struct orl_bsdf_comparison *ret_lost)
 {
     orl_bsdf_made_done(ret_made);
     *ret_made = *made;
@@ -59,9 +59,9 @@ static void take(struct orl_bsdf_made *made, const struct orl_bsdf_comparison *l
 
 /* Finds the largest cull that is allowed, by bisection. best and ret_lost: those of the least cull
  * at first. */
-static int search(const struct trial *trial, double within, double *ret_unseen,
-                  struct orl_bsdf_made *best, struct orl_bsdf_comparison *ret_lost,
-                  struct orl_error *err)
+static int search_cull(const struct trial *trial, double within, double *ret_unseen,
+                       struct orl_bsdf_made *best, struct orl_bsdf_comparison *ret_lost,
+                       struct orl_error *err)
 {
     double low = ORL_BSDF_UNSEEN, high = most_unseen, middle = high;
     for (int i = 0; i < TRIALS && low < high; i++) {
@@ -71,7 +71,7 @@ static int search(const struct trial *trial, double within, double *ret_unseen,
         if (code < 0)
             return code;
         if (worst_of(&lost, trial->to->color) <= within) {
-            take(&made, &lost, best, ret_lost);
+            take_trial(&made, &lost, best, ret_lost);
             *ret_unseen = low = middle;
         } else {
             orl_bsdf_made_done(&made);
@@ -115,7 +115,7 @@ int orl_bsdf_convert_within(const struct orl_bsdf *bsdf, const char *source,
         return code;
     code = check_resolution(ret_lost, to->color, within, err);
     if (code == 0)
-        code = search(&trial, within, ret_unseen, &best, ret_lost, err);
+        code = search_cull(&trial, within, ret_unseen, &best, ret_lost, err);
     if (code == 0)
         *ret_made = best;
     else

@@ -31,8 +31,8 @@ static void next_numbers(struct orl_gonio_numbers *numbers, int scattering, doub
 }
 
 /* Scatters the path by one of the lobes; returns false if it ends. */
-static bool send_on(const struct journey *j, struct branch *b, const struct orl_hit *hit,
-                    enum orl_lobes lobes, const double u[3])
+static bool scatter_by_lobes(const struct journey *j, struct branch *b, const struct orl_hit *hit,
+                             enum orl_lobes lobes, const double u[3])
 {
     const struct orl_world *world = j->sample->world;
     const struct orl_material *material = orl_world_material(world, hit);
@@ -51,7 +51,7 @@ static bool send_on(const struct journey *j, struct branch *b, const struct orl_
 }
 
 /* Returns true if the reflected and the transmitted part are both worth tracing. */
-static bool divides(const struct journey *j, const struct branch *b, const struct orl_hit *hit)
+static bool is_split(const struct journey *j, const struct branch *b, const struct orl_hit *hit)
 {
     const struct orl_material *m = orl_world_material(j->sample->world, hit);
     if ((m->kind != ORL_MATERIAL_DIELECTRIC && m->kind != ORL_MATERIAL_GLASS) ||
@@ -69,21 +69,21 @@ static bool divides(const struct journey *j, const struct branch *b, const struc
 
 /* Scatters the path at a surface. If it is split, the reflected part is queued. Returns false if
  * the path ends. */
-static bool meet(struct journey *j, struct branch *b, const struct orl_hit *hit)
+static bool handle_hit(struct journey *j, struct branch *b, const struct orl_hit *hit)
 {
     double u[3];
     orl_path_arrive(&b->path, orl_world_material(j->sample->world, hit), hit);
     next_numbers(j->numbers, b->surfaces, u);
-    if (!divides(j, b, hit))
-        return send_on(j, b, hit, ORL_LOBE_ALL, u);
+    if (!is_split(j, b, hit))
+        return scatter_by_lobes(j, b, hit, ORL_LOBE_ALL, u);
     struct branch mirrored = *b;
-    if (send_on(j, &mirrored, hit, ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED, u))
+    if (scatter_by_lobes(j, &mirrored, hit, ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED, u))
         j->waiting[j->n_waiting++] = mirrored;
-    return send_on(j, b, hit, ORL_LOBE_TRANSMITTED, u);
+    return scatter_by_lobes(j, b, hit, ORL_LOBE_TRANSMITTED, u);
 }
 
 /* Traces one branch to its end. */
-static void finish(struct journey *j, struct branch b, orl_gonio_sink *sink, void *ctx)
+static void trace_branch(struct journey *j, struct branch b, orl_gonio_sink *sink, void *ctx)
 {
     struct orl_gonio_exit exit = {.end = ORL_GONIO_GIVEN_UP};
     while (b.surfaces < MOST_SURFACES) {
@@ -91,7 +91,7 @@ static void finish(struct journey *j, struct branch b, orl_gonio_sink *sink, voi
         const enum orl_gonio_meeting meeting =
             orl_gonio_meet(&j->sample->cell, j->sample->world, &b.path, &hit);
         if (meeting == ORL_GONIO_SURFACE) {
-            if (!meet(j, &b, &hit))
+            if (!handle_hit(j, &b, &hit))
                 return;
             continue;
         }
@@ -112,5 +112,5 @@ void orl_gonio_follow(const struct orl_gonio_sample *sample, struct orl_path pat
     struct journey j = {.sample = sample, .numbers = numbers, .n_waiting = 1};
     j.waiting[0] = (struct branch){path, 0};
     while (j.n_waiting > 0)
-        finish(&j, j.waiting[--j.n_waiting], sink, ctx);
+        trace_branch(&j, j.waiting[--j.n_waiting], sink, ctx);
 }

@@ -114,7 +114,7 @@ static bool is_chance(const struct group *g, const struct scatter *s)
 
 /* Returns true if the nodes can be joined: within their errors or, if all are leaves, because the
  * differences are small enough. */
-static bool passes(const struct group *g, const struct scatter *s)
+static bool can_join(const struct group *g, const struct scatter *s)
 {
     const double omega = ldexp(ORL_PI, -2 * (int)g->level), unseen = g->cull->unseen / omega;
     const double shade = g->cull->share * s->mean, fan = g->fan;
@@ -164,14 +164,14 @@ bool orl_gonio_are_one(const struct orl_gonio_cull *cull, struct orl_gonio_cells
             return false;
     }
     if (!is_chance(&g, &s))
-        return passes(&g, &s);
+        return can_join(&g, &s);
     /* Nodes that differ as much as their errors were selected for looking alike. */
     mean->spread += (float)(unseen_more * (s.squares - s.noise * (fan - 1) / fan) / fan);
     return true;
 }
 
 /* Makes room for one more branch. */
-static bool make_room(struct orl_gonio_forest *forest)
+static bool reserve_branch(struct orl_gonio_forest *forest)
 {
     return forest->count < UINT32_MAX - 1 &&
            orl_grow(&forest->branches, &forest->room, forest->count, sizeof *forest->branches) &&
@@ -193,7 +193,7 @@ bool orl_gonio_join(struct orl_gonio_forest *forest, struct orl_gonio_cells chil
         *ret_node.nodes = node;
         return true;
     }
-    if (!make_room(forest))
+    if (!reserve_branch(forest))
         return false;
     memcpy(forest->branches[forest->count].child, children.nodes, fan * sizeof *children.nodes);
     if (forest->color)
@@ -235,7 +235,7 @@ bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gon
     if (other->count >= UINT32_MAX - 1 - forest->count)
         return false;
     for (size_t k = 0; k < other->count; k++) {
-        if (!make_room(forest))
+        if (!reserve_branch(forest))
             return false;
         const size_t at = forest->count++;
         for (unsigned i = 0; i < 1U << forest->rank; i++) {

@@ -102,9 +102,9 @@ static bool is_one(const struct orl_gonio_forest *forest, const struct orl_gonio
     return orl_gonio_blend_of(&cull, children, 1U << forest->rank, level + 1, &mean).is_one;
 }
 
-static void write(const struct orl_gonio_forest *forest, const struct orl_gonio_node *node,
-                  const struct orl_gonio_hue *hue, unsigned level, enum orl_bsdf_channel channel,
-                  const atomic_bool *cancel, FILE *out)
+static void write_hues(const struct orl_gonio_forest *forest, const struct orl_gonio_node *node,
+                       const struct orl_gonio_hue *hue, unsigned level,
+                       enum orl_bsdf_channel channel, const atomic_bool *cancel, FILE *out)
 {
     if (node->branch && orl_is_cancelled(cancel))
         return;
@@ -119,7 +119,8 @@ static void write(const struct orl_gonio_forest *forest, const struct orl_gonio_
         const struct orl_gonio_cells children = children_of(forest, node->branch);
         fputs("\n", out);
         for (unsigned i = 0; i < 1U << forest->rank; i++)
-            write(forest, &children.nodes[i], &children.hues[i], level + 1, channel, cancel, out);
+            write_hues(forest, &children.nodes[i], &children.hues[i], level + 1, channel, cancel,
+                       out);
     }
     fputs(" }\n", out);
 }
@@ -128,5 +129,5 @@ void orl_gonio_hues_write(const struct orl_gonio_forest *forest, struct orl_goni
                           struct orl_gonio_hue hue, enum orl_bsdf_channel channel,
                           const atomic_bool *cancel, FILE *out)
 {
-    write(forest, &root, &hue, 0, channel, cancel, out);
+    write_hues(forest, &root, &hue, 0, channel, cancel, out);
 }

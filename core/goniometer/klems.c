@@ -37,7 +37,7 @@ static void measure_item(void *arg, size_t index, uint32_t member)
         orl_gonio_sheet_measure(r->sheet, &r->lamp, item, r->wanted[item]);
 }
 
-static int measure(struct round *r, struct orl_error *err)
+static int measure_round(struct round *r, struct orl_error *err)
 {
     const size_t items = r->sheet->items;
     if (r->env->progress)
@@ -154,7 +154,7 @@ static int take_lot(void *ctx, size_t lot, const void *data, size_t size, bool *
     return 0;
 }
 
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     const struct round *r = ctx;
     if (r->env->progress)
@@ -175,7 +175,7 @@ static int share_round(struct round *r, struct orl_error *err)
                                        .core_s = lot_core_s,
                                        .make = make_lot,
                                        .take = take_lot,
-                                       .told = tell_share};
+                                       .told = report_share};
     return r->env->shared->run(r->env->shared->ctx, &lots, err);
 }
 
@@ -193,7 +193,7 @@ static void want_mirrored(struct round *r, size_t item, uint32_t paths)
 }
 
 /* Returns true if an item needs more than twice its paths, and the limit allows more. */
-static bool goes_on(const struct round *r, size_t item, const double peaks[2])
+static bool needs_more(const struct round *r, size_t item, const double peaks[2])
 {
     const uint64_t most = r->request->paths_most / ORL_GONIO_BATCHES;
     return orl_gonio_foreseen(r->sheet, item, peaks) > r->request->accuracy &&
@@ -212,7 +212,7 @@ static bool want_more(struct round *r)
         double peaks[2];
         orl_gonio_peaks(r->sheet, front, peaks);
         for (size_t item = front * cells; item < (front + 1) * cells; item++)
-            if (r->sheet->paths_before[item] == 0 && goes_on(r, item, peaks))
+            if (r->sheet->paths_before[item] == 0 && needs_more(r, item, peaks))
                 want_mirrored(r, item, 2 * r->sheet->paths[item]);
         for (size_t item = front * cells; item < (front + 1) * cells; item++) {
             if (r->sheet->paths_before[item] == 0 && r->wanted[item] == 0) {
@@ -238,7 +238,7 @@ static int measure_all(struct round *r, struct orl_error *err)
         r->wanted[item] = first;
     r->sheet->exact = r->sample->file != NULL;
     do {
-        code = r->env->shared && !r->sample->file ? share_round(r, err) : measure(r, err);
+        code = r->env->shared && !r->sample->file ? share_round(r, err) : measure_round(r, err);
         r->number++;
     } while (code == 0 && accurate && want_more(r));
     return code;

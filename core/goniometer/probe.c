@@ -86,8 +86,8 @@ struct shot {
 };
 
 /* Adds a share of the light that left on a side. */
-static void add(const struct shot *shot, bool transmitted, uint32_t cell, double share,
-                struct orl_rgb color)
+static void add_share(const struct shot *shot, bool transmitted, uint32_t cell, double share,
+                      struct orl_rgb color)
 {
     const struct orl_gonio_probe *p = shot->probe;
     const size_t cells = orl_gonio_probe_cells(p), at = transmitted * cells + cell;
@@ -98,7 +98,7 @@ static void add(const struct shot *shot, bool transmitted, uint32_t cell, double
     p->heaviest[at] = fmaxf(p->heaviest[at], (float)(share * weights[0]));
 }
 
-static void count(void *ctx, const struct orl_gonio_exit *exit)
+static void count_exit(void *ctx, const struct orl_gonio_exit *exit)
 {
     const struct shot *shot = ctx;
     struct orl_gonio_probe *p = shot->probe;
@@ -110,17 +110,17 @@ static void count(void *ctx, const struct orl_gonio_exit *exit)
     }
     const bool transmitted = exit->front != p->front;
     if (p->rank == 4) {
-        add(shot, transmitted, cell_of(p, d.x, d.y), 1, exit->weight);
+        add_share(shot, transmitted, cell_of(p, d.x, d.y), 1, exit->weight);
         return;
     }
     /* Straight light lies on the border of two cells; each counts half of it. */
     const double x = shot->cosine * d.x + shot->sine * d.y;
     const double y = shot->cosine * d.y - shot->sine * d.x;
-    add(shot, transmitted, cell_of(p, x, fabs(y)), 0.5, exit->weight);
-    add(shot, transmitted, cell_of(p, x, -fmax(fabs(y), least_away)), 0.5, exit->weight);
+    add_share(shot, transmitted, cell_of(p, x, fabs(y)), 0.5, exit->weight);
+    add_share(shot, transmitted, cell_of(p, x, -fmax(fabs(y), least_away)), 0.5, exit->weight);
 }
 
-static void send(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint32_t index)
+static void send_path(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint32_t index)
 {
     const uint64_t set = (p->paths_before > 0 ? 2U : 0U) + p->front;
     const uint64_t item = set * (uint64_t)orl_gonio_probe_cells(p) + a;
@@ -144,7 +144,7 @@ static void send(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint32_t i
         towards.z = -towards.z;
     orl_gonio_follow(
         p->sample, orl_path_from(orl_gonio_cell_place(&p->sample->cell, p->front, u + 2), towards),
-        &numbers, count, &shot);
+        &numbers, count_exit, &shot);
 }
 
 void orl_gonio_probe_send(struct orl_gonio_probe *probe, uint32_t a, uint32_t from, uint32_t to)
@@ -154,7 +154,7 @@ void orl_gonio_probe_send(struct orl_gonio_probe *probe, uint32_t a, uint32_t fr
         for (uint32_t index = from; index < to; index++) {
             if (index % AT_ONCE == 0 && orl_is_cancelled(probe->cancel))
                 return;
-            send(probe, a, batch, index);
+            send_path(probe, a, batch, index);
         }
 }
 

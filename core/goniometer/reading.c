@@ -51,8 +51,8 @@ static uint32_t even_bits(uint32_t v)
 }
 
 /* Returns a direction out in a cell, z > 0. */
-static struct orl_vec3 leaving(const struct orl_gonio_probe *probe, uint32_t cell, double u,
-                               double v)
+static struct orl_vec3 direction_out(const struct orl_gonio_probe *probe, uint32_t cell, double u,
+                                     double v)
 {
     const double side = 1U << probe->levels;
     return orl_square_to_hemisphere((struct orl_square){2 * (even_bits(cell) + u) / side - 1,
@@ -60,7 +60,7 @@ static struct orl_vec3 leaving(const struct orl_gonio_probe *probe, uint32_t cel
 }
 
 /* Returns d turned about the axis by the azimuth of towards. */
-static struct orl_vec3 turned(struct orl_vec3 d, struct orl_vec3 towards)
+static struct orl_vec3 rotate_azimuth(struct orl_vec3 d, struct orl_vec3 towards)
 {
     const double r = hypot(towards.x, towards.y);
     if (!(r > 0))
@@ -82,9 +82,9 @@ static void add_beam(const struct orl_gonio_probe *probe, const struct orl_bsdf 
         struct orl_rgb sum = orl_gray(0);
         for (uint32_t k = 0; k < points * points; k++) {
             const struct middle at = middle_of(k, points, points);
-            struct orl_vec3 out = leaving(probe, (uint32_t)(i % cells), at.u, at.v);
+            struct orl_vec3 out = direction_out(probe, (uint32_t)(i % cells), at.u, at.v);
             if (probe->rank == 3)
-                out = turned(out, towards);
+                out = rotate_azimuth(out, towards);
             if (!front)
                 out.z = -out.z;
             sum = orl_rgb_add(sum, orl_bsdf_eval(bsdf, in, out));
@@ -98,7 +98,8 @@ static void add_beam(const struct orl_gonio_probe *probe, const struct orl_bsdf 
     }
 }
 
-static void settle(struct orl_gonio_probe *probe, const double albedo[2], struct orl_gonio_cells of)
+static void scale_to_albedo(struct orl_gonio_probe *probe, const double albedo[2],
+                            struct orl_gonio_cells of)
 {
     const size_t cells = orl_gonio_probe_cells(probe);
     for (size_t t = 0; t < 2; t++) {
@@ -141,7 +142,7 @@ void orl_gonio_read_cell(struct orl_gonio_probe *probe, const struct orl_bsdf *b
                 share * orl_luma(orl_bsdf_albedo(bsdf, orl_neg(towards),
                                                  t ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT));
     }
-    settle(probe, albedo, ret_cells);
+    scale_to_albedo(probe, albedo, ret_cells);
 }
 
 /* ---- Matrices -------------------------------------------------------------------------------- */
@@ -163,7 +164,7 @@ struct reading {
     struct spread *spreads; /* by piece; owned */
 };
 
-static void fall(struct spread *s, int cell, double share)
+static void add_overlap(struct spread *s, int cell, double share)
 {
     int i = 0;
     while (i < INTO - 1 && s->share[i] > 0 && s->cell[i] != cell)
@@ -184,7 +185,7 @@ static bool spread_square(struct reading *r)
                 2 * (of.u + (at.u - 0.5) / r->side) - 1, 2 * (of.v + (at.v - 0.5) / r->side) - 1});
             const int cell = orl_basis_cell(&r->sheet->basis, orl_polar_of(d), 0);
             if (cell >= 0)
-                fall(&r->spreads[i], cell, 1.0 / (PIECES * PIECES));
+                add_overlap(&r->spreads[i], cell, 1.0 / (PIECES * PIECES));
         }
     return r->spreads != NULL;
 }

@@ -100,7 +100,7 @@ struct beam {
     int in;
 };
 
-static void count(void *ctx, const struct orl_gonio_exit *exit)
+static void count_exit(void *ctx, const struct orl_gonio_exit *exit)
 {
     const struct beam *b = ctx;
     struct orl_gonio_sheet *sheet = b->sheet;
@@ -124,7 +124,7 @@ static void count(void *ctx, const struct orl_gonio_exit *exit)
 }
 
 /* Sends one path; directions in the cell and places on the panel are evenly distributed. */
-static void send(struct beam *b, uint32_t index)
+static void send_path(struct beam *b, uint32_t index)
 {
     const struct orl_gonio_lamp *lamp = b->lamp;
     const uint64_t set = b->sheet->paths_before[b->item] > 0 ? b->sheet->items : 0;
@@ -142,7 +142,7 @@ static void send(struct beam *b, uint32_t index)
         towards.z = -towards.z;
     const struct orl_path path =
         orl_path_from(orl_gonio_cell_place(&lamp->sample->cell, b->front, u + 2), towards);
-    orl_gonio_follow(lamp->sample, path, &numbers, count, b);
+    orl_gonio_follow(lamp->sample, path, &numbers, count_exit, b);
 }
 
 void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gonio_lamp *lamp,
@@ -155,7 +155,7 @@ void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gon
         for (uint32_t i = sheet->paths[item]; i < paths; i++) {
             if (i % AT_ONCE == 0 && orl_is_cancelled(lamp->cancel))
                 return;
-            send(&beam, i);
+            send_path(&beam, i);
         }
     sheet->paths[item] = paths;
 }

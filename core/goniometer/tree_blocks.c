@@ -17,7 +17,7 @@ enum { MOST_BRANCHES = 1 << 20 };
 
 /* Share of the peak from which values must reach the accuracy. Reported errors begin a little
  * higher (trees.c), because a few paths overestimate the peak. */
-static const double heeded_from = 0.007;
+static const double sampled_from = 0.007;
 
 static int most_branches(const struct orl_gonio_trees *t)
 {
@@ -64,7 +64,7 @@ struct work {
     size_t side;
 };
 
-static struct orl_gonio_seen look(const struct work *w, bool transmitted, double from)
+static struct orl_gonio_seen resolve_component(const struct work *w, bool transmitted, double from)
 {
     const size_t cells = orl_gonio_probe_cells(&w->probe);
     return orl_gonio_resolve(orl_gonio_cells_at(w->cells, transmitted * cells), w->t->levels,
@@ -78,13 +78,13 @@ static bool is_resolved(const struct work *w, struct orl_gonio_cells cells)
     bool resolved = true;
     orl_gonio_cells_copy(w->cells, cells, 2 * orl_gonio_probe_cells(&w->probe));
     for (int k = 0; k < 2 && resolved; k++)
-        resolved = look(w, k, w->t->from[w->side][k]).worst <= accuracy;
+        resolved = resolve_component(w, k, w->t->from[w->side][k]).worst <= accuracy;
     return resolved;
 }
 
 /* Doubles the paths until a second set of as many will reach the accuracy. Returns the paths in
  * each batch; 0 if cancelled. */
-static uint32_t decide(struct work *w, uint32_t a, struct orl_gonio_cells cells)
+static uint32_t decide_paths(struct work *w, uint32_t a, struct orl_gonio_cells cells)
 {
     const struct orl_gonio_trees *t = w->t;
     uint32_t sent = 0, paths = t->paths;
@@ -113,7 +113,7 @@ static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_cells ret_
         return !orl_is_cancelled(t->cancel);
     }
     if (t->request->accuracy > 0) {
-        paths = decide(w, a, ret_cells);
+        paths = decide_paths(w, a, ret_cells);
         orl_gonio_probe_put_aside(&w->probe, paths);
         sets = 2;
     }
@@ -127,7 +127,7 @@ static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_cells ret_
 }
 
 /* Computes the nodes of incident cell a at a level, from the finest cells up. */
-static bool grow(struct work *w, unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
+static bool grow_nodes(struct work *w, unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(w->t->rank);
     if (level == w->t->levels)
@@ -136,7 +136,7 @@ static bool grow(struct work *w, unsigned level, uint32_t a, struct orl_gonio_ce
     struct orl_gonio_cells parts;
     bool fine = orl_gonio_cells_make(&parts, in * count, w->probe.color);
     for (unsigned k = 0; k < in && fine; k++)
-        fine = grow(w, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
+        fine = grow_nodes(w, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
     fine = fine && orl_gonio_join_level(&w->block->forest, parts, orl_gonio_nodes_at(level), level,
                                         ret_cells);
     orl_gonio_cells_done(&parts);
@@ -181,7 +181,7 @@ static void survey_block(void *arg, size_t index, uint32_t member)
         orl_gonio_probe_tell(&w.probe, SURVEY_PATHS, w.cells);
         orl_gonio_probe_drop(&w.probe);
         for (int k = 0; k < 2; k++)
-            w.block->peaks[k] = fmax(w.block->peaks[k], look(&w, k, 0).peak);
+            w.block->peaks[k] = fmax(w.block->peaks[k], resolve_component(&w, k, 0).peak);
     }
     close_work(&w);
 }
@@ -197,7 +197,7 @@ static void measure_block(void *arg, size_t index, uint32_t member)
     block->code = open_work(t, place, &w);
     if (block->code == 0 &&
         (!orl_gonio_cells_make(&block->tops, orl_gonio_nodes_at(t->split), w.probe.color) ||
-         !grow(&w, t->split, (uint32_t)(place % t->n_blocks), block->tops)))
+         !grow_nodes(&w, t->split, (uint32_t)(place % t->n_blocks), block->tops)))
         block->code = ORL_ERR_NOMEM;
     memcpy(block->totals, w.probe.totals, sizeof block->totals);
     block->lost = w.probe.lost;
@@ -215,7 +215,7 @@ struct pass {
 };
 
 /* Processes some of the blocks. */
-static int do_blocks(const struct pass *pass, size_t first, size_t count)
+static int run_blocks(const struct pass *pass, size_t first, size_t count)
 {
     struct orl_gonio_trees *t = pass->t;
     t->first = first;
@@ -237,7 +237,7 @@ static int check_branches(const struct orl_gonio_trees *t)
 }
 
 /* Processes all blocks, AT_ONCE at a time, and reports progress. */
-static int for_blocks(const struct pass *pass)
+static int run_all_blocks(const struct pass *pass)
 {
     struct orl_gonio_trees *t = pass->t;
     const struct orl_bsdf_make_env *env = pass->env;
@@ -246,7 +246,7 @@ static int for_blocks(const struct pass *pass)
         env->progress(env->ctx, 1, share_from);
     for (size_t first = 0, count; first < t->n_todo; first += count) {
         count = t->n_todo - first < AT_ONCE ? t->n_todo - first : AT_ONCE;
-        int code = do_blocks(pass, first, count);
+        int code = run_blocks(pass, first, count);
         if (code == 0)
             code = check_branches(t);
         if (code < 0)
@@ -285,7 +285,7 @@ static int make_lot(void *ctx, size_t lot, void **ret_data, size_t *ret_size, st
     const struct pass *pass = ctx;
     const struct orl_gonio_trees *t = pass->t;
     const size_t n = lot_size(t, lot), first = lot * LOT, tops = orl_gonio_nodes_at(t->split);
-    const int code = do_blocks(pass, first, n);
+    const int code = run_blocks(pass, first, n);
     if (code < 0)
         return orl_gonio_trees_fail(t, code, err);
     *ret_size = 0;
@@ -314,7 +314,7 @@ static int take_lot(void *ctx, size_t lot, const void *data, size_t size, bool *
     return 0;
 }
 
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     const struct pass *pass = ctx;
     if (pass->env->progress)
@@ -323,7 +323,7 @@ static void tell_share(void *ctx, double share)
 }
 
 /* Runs a pass here or shared with others; sets err. */
-static int go_through(struct pass *pass, struct orl_error *err)
+static int run_pass(struct pass *pass, struct orl_error *err)
 {
     const struct orl_gonio_trees *t = pass->t;
     const struct orl_bsdf_sharing *shared = pass->env->shared;
@@ -333,14 +333,14 @@ static int go_through(struct pass *pass, struct orl_error *err)
                                        .core_s = lot_core_s,
                                        .make = make_lot,
                                        .take = take_lot,
-                                       .told = tell_share};
+                                       .told = report_share};
     int code;
     if (shared && !t->sample->file) {
         code = shared->run(shared->ctx, &lots, err);
         return code < 0 || check_branches(t) == 0 ? code
                                                   : orl_gonio_trees_fail(t, ORL_ERR_LIMIT, err);
     }
-    code = for_blocks(pass);
+    code = run_all_blocks(pass);
     return code < 0 ? orl_gonio_trees_fail(t, code, err) : 0;
 }
 
@@ -351,13 +351,13 @@ int orl_gonio_measure_blocks(struct orl_gonio_trees *t, const struct orl_bsdf_ma
     struct pass all = {t, env, "blocks", measure_block, t->paths, 0, 1};
     struct pass survey = {t, env, "survey", survey_block, SURVEY_PATHS, 0, part};
     if (!(t->request->accuracy > 0))
-        return go_through(&all, err);
-    const int code = go_through(&survey, err);
+        return run_pass(&all, err);
+    const int code = run_pass(&survey, err);
     all.share_from = part;
     for (size_t i = 0; i < t->n_todo; i++)
         for (int k = 0; k < 2; k++) {
             double *from = &t->from[t->todo[i] / t->n_blocks][k];
-            *from = fmax(*from, heeded_from * t->blocks[t->todo[i]].peaks[k]);
+            *from = fmax(*from, sampled_from * t->blocks[t->todo[i]].peaks[k]);
         }
-    return code < 0 ? code : go_through(&all, err);
+    return code < 0 ? code : run_pass(&all, err);
 }
