@@ -190,8 +190,8 @@ static void sample_surroundings(const struct orl_bsdf *bsdf, struct orl_vec3 in,
 
 /*
  * Returns the peak's share of the transmitted light. Points near the middle within a factor of
- * eight of the brightest form the peak. Its light counts above the mean of the ring. Radiance's
- * aBSDF finds its peak in much the same way.
+ * eight of the brightest form the peak. Only their light above the mean of the ring counts.
+ * Radiance's aBSDF finds its peak in much the same way.
  */
 static double peak_share(const struct surroundings *s, double transmitted)
 {

@@ -1,8 +1,8 @@
 /*
  * Colour of BSDF values. A file gives luminance (Visible) and beside it CIE X and Z (matrices) or
- * the chromaticity u', v' (CIE 1976, tensor trees). It is stored as a tint: RGB of luma 1 in four
- * bytes, a factor of the luminance. Sampling uses luminance only. The luma of every value is
- * exactly that of the Visible channel.
+ * the chromaticity u', v' (CIE 1976, tensor trees). Colour is stored as a tint: RGB of luma 1 in
+ * four bytes, by which the luminance is multiplied. Sampling uses luminance only. The luma of every
+ * value is exactly that of the Visible channel.
  *
  * RGB is Radiance's: primaries (x, y) = (.640, .330), (.290, .600), (.150, .060), equal-energy
  * white. Colours outside that triangle are moved to its edge at equal luminance.

@@ -97,8 +97,9 @@ static bool *given_flag(struct orl_component *component, int channel)
     return channel == 0 ? &component->present : &component->chroma.given[channel - 1];
 }
 
-/* Fails if the part already has data of the channel. Called where the direction is named, and again
- * before the data: the channel may be named in between, and a block may hold data twice. */
+/* Fails and returns true if the part already has data of the channel. Called where the direction is
+ * named, and again before the data: the channel may be named in between, and a block may hold data
+ * twice. */
 static bool is_given(struct orl_xml_reader *r)
 {
     if (r->channel < 0 || !*given_flag(&r->document->parts[r->part], r->channel))

@@ -156,7 +156,8 @@ static bool find_near(struct orl_fit_knots *k)
 
 /* ---- The value ------------------------------------------------------------------------------- */
 
-/* Limit on squared radii to the nearest knot; further away radii grow with the distance. */
+/* Largest exponent distance^2 / (2 radius^2) of the nearest knot; farther away, radii are widened
+ * to keep it. */
 static const double reach = 2;
 
 static double value_by(const struct orl_fit_knots *k, const uint32_t *near, const float *away2,
@@ -230,7 +231,8 @@ static bool correct_knots(struct orl_fit_knots *k)
 /* ---- Noise and outliers ---------------------------------------------------------------------- */
 
 enum { AROUND = ORL_FIT_NEIGHBOURS - 1 };
-static const double sigma_of_median = 1.4826; /* from a median deviation to sigma */
+/* Sigma of normal errors in units of their median absolute deviation. */
+static const double sigma_of_median = 1.4826;
 
 /* Returns the deviation of a knot from the mean of the six around it, as the standard deviation of
  * one row. */

@@ -35,7 +35,7 @@ int orl_fit_screen_make(unsigned levels, struct orl_fit_screen *ret_screen, stru
 void orl_fit_screen_done(struct orl_fit_screen *screen);
 
 struct orl_fit_brush {
-    float (*caught)[ORL_FIT_TILE_CELLS]; /* sums by tile that a ray reaches, and cell of it */
+    float (*caught)[ORL_FIT_TILE_CELLS]; /* [tile reached][cell of it]: kernel sums of a ray */
     uint32_t *tiles;                     /* numbers of these tiles */
     double *value;                       /* by cell: the result, 1/sr */
 };

@@ -14,7 +14,7 @@ enum { BRIGHT_LEVELS = 2, POLL_LEVEL = 2 };
 enum { BASE_LEVEL = 5, BASE_SIDE = 1 << BASE_LEVEL, BASE_CELLS = BASE_SIDE * BASE_SIDE };
 /* Unevenness allowed in a leaf, as a share of all light. */
 static const double least_uneven = 1e-3;
-/* Factor of that once leaves are as small as all leaves in bright regions: smaller ones among them
+/* Factor of least_uneven in leaves as small as those of bright regions: smaller ones among them
  * would cause ripples. */
 static const double finer_uneven = 2;
 /* Limit for bright values, as a share of dark values above these. */
@@ -40,7 +40,7 @@ struct tree {
     const atomic_bool *cancel;
     unsigned bright_level, finest; /* coarsest level of bright leaves; finest level of all */
     double uneven;                 /* unevenness allowed in a leaf, 1/sr times sr */
-    double bright[BRIGHT_LEVELS];  /* 1/sr, least for the bright level, and for the one above */
+    double bright[BRIGHT_LEVELS];  /* 1/sr: above [k], leaves reach level bright_level - k */
     struct leaf *leaves;
     size_t n, room;
     float low[BASE_CELLS], base[BASE_CELLS]; /* by cells in the order of codes; 1/sr */
@@ -236,8 +236,9 @@ static double lowest_value(const struct tree *t)
 
 /* ---- Lobes ----------------------------------------------------------------------------------- */
 
-/* Returns the sigma of a cell's lobe. Cells are elongated towards the horizon. The lobe is wide
- * enough to leave no gap, but no wider than the geometric mean of the cell's sides. */
+/* Returns the sigma of a cell's lobe: sigma_of_side times the geometric mean of the cell's mean
+ * side and its longest extent. Cells are elongated towards the horizon, where narrower lobes would
+ * leave gaps. */
 static double sigma_of(uint32_t code, unsigned level)
 {
     const struct orl_vec3 across =
@@ -361,8 +362,8 @@ static void find_peak(const struct orl_fit_knots *knots, struct orl_fit_shape *s
     shape->peak_value = (double)knots->knots[top].value;
 }
 
-/* Returns the extrapolated light between the last rows and the surface. It is twice this if the
- * value does not fall with the cosine. */
+/* Returns the extrapolated light between the last rows and the surface. It would be twice this if
+ * value times cosine were constant. */
 static double rim_light(const struct orl_fit_knots *k)
 {
     enum { AZIMUTHS = 72 };

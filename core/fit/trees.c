@@ -224,8 +224,8 @@ static bool gather_nodes(struct growing *g, unsigned level, uint32_t a,
 
 /* ---- One component --------------------------------------------------------------------------- */
 
-/* Returns the total for diffuse light from a side. Cells of A have equal weights in rank 4, rings
- * weights by their size in rank 3. */
+/* Returns the total for diffuse light from a side. Cells of A have equal weights in rank 4; rings
+ * have weights by their size in rank 3. */
 static double diffuse_of(const struct growing *g)
 {
     double sum = 0;

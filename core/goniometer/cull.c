@@ -4,7 +4,7 @@
 
 #include <oriel/bsdf_convert.h>
 
-/* Trials of the search; its upper limit: the light that a single cell may send elsewhere. */
+/* Number of trials, and the largest cull tried: light that a single cell may send elsewhere. */
 enum { TRIALS = 12 };
 static const double most_unseen = 0.1;
 

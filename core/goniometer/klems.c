@@ -57,7 +57,7 @@ static int measure_round(struct round *r, struct orl_error *err)
 
 /* ---- Shared rounds -------------------------------------------------------------------------- */
 
-/* Items of a lot. */
+/* Items per lot (oriel/bsdf_shared.h). */
 enum { LOT = 4 };
 
 static size_t lot_size(const struct round *r, size_t lot)

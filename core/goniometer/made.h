@@ -11,8 +11,8 @@ int orl_gonio_tell(const struct orl_gonio_sheet *sheet, struct orl_bsdf_made *ma
 /* Returns the largest relative error of an item, over values of at least a hundredth of the peaks.
  * peaks: reflected, transmitted. */
 double orl_gonio_worst(const struct orl_gonio_sheet *sheet, size_t item, const double peaks[2]);
-/* Predicts that error for twice as many paths. It includes values that may be large enough within
- * two of their errors. */
+/* Returns orl_gonio_worst as predicted for twice as many paths. It includes values that may be
+ * large enough within two of their errors. */
 double orl_gonio_foreseen(const struct orl_gonio_sheet *sheet, size_t item, const double peaks[2]);
 /* Returns the largest values of light from that side, 1/sr: reflected, transmitted. */
 void orl_gonio_peaks(const struct orl_gonio_sheet *sheet, bool front, double ret_peaks[2]);

@@ -51,8 +51,8 @@ void orl_gonio_probe_put_aside(struct orl_gonio_probe *probe, uint32_t paths);
  * batch. */
 void orl_gonio_probe_tell(const struct orl_gonio_probe *probe, uint32_t paths,
                           struct orl_gonio_cells ret_cells);
-/* settle adds the sums to the totals, drop discards them. Both prepare the probe for another
- * cell. */
+/* orl_gonio_probe_settle adds the sums to the totals, _drop discards them. Both prepare the probe
+ * for another cell. */
 void orl_gonio_probe_settle(struct orl_gonio_probe *probe, uint32_t paths);
 void orl_gonio_probe_drop(struct orl_gonio_probe *probe);
 

@@ -32,7 +32,8 @@ static void join_four(struct orl_gonio_cells four, unsigned level,
     const bool one = orl_gonio_are_one(cull, (struct orl_gonio_cells){plain, four.hues}, FAN, level,
                                        (struct orl_gonio_cells){&mean, four.hues ? &hue : NULL});
     for (int i = 0; i < FAN && (!one || (double)mean.value < from); i++)
-        update_seen(seen, &children[i], from); /* even if joined: trees may keep it */
+        /* Children of a dark joined cell count as well: they may be cells of a tree. */
+        update_seen(seen, &children[i], from);
     if (one)
         mean.doubt = (float)variance;
     mean.branch = !one;

@@ -11,9 +11,11 @@
 #include "goniometer/cell.h"
 
 struct orl_gonio_sample {
-    const struct orl_bsdf *file; /* borrowed; NULL: a panel. Needs only source and depth */
-    const char *source;          /* description of the file; borrowed */
-    struct orl_world *world;     /* owned; without lights */
+    /* A BSDF's file, borrowed; NULL: the sample is a panel. With a file only source and depth are
+     * set. */
+    const struct orl_bsdf *file;
+    const char *source;      /* description of the file; borrowed */
+    struct orl_world *world; /* owned; without lights */
     struct orl_gonio_cell cell;
     double sides[4], depth[2]; /* extents of the cell without margins, in the files' coordinates */
 };

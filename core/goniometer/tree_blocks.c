@@ -261,7 +261,7 @@ static int run_all_blocks(const struct pass *pass)
 
 /* ---- Shared blocks -------------------------------------------------------------------------- */
 
-/* Blocks of a lot. */
+/* Blocks per lot (oriel/bsdf_shared.h). */
 enum { LOT = 4 };
 
 static size_t lot_size(const struct orl_gonio_trees *t, size_t lot)

@@ -79,8 +79,8 @@ static int join_all(struct orl_gonio_trees *t)
 
 /* ---- Results -------------------------------------------------------------------------------- */
 
-/* Returns the share of diffuse light from a side. Cells of A have equal weights in rank 4, rings
- * weights by their size in rank 3. */
+/* Returns the share of diffuse light from a side. Cells of A have equal weights in rank 4; rings
+ * have weights by their size in rank 3. */
 static struct orl_bsdf_share diffuse_of(const struct orl_gonio_trees *t, size_t side,
                                         bool transmitted)
 {
