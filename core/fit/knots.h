@@ -2,12 +2,13 @@
  * Interpolant of one scan.
  *
  * A quadtree over the hemisphere (square.h) groups rows. A cell is divided if at least three of its
- * quarters hold rows. The tree thus follows the density of rows in both directions, also if rows
- * are dense along lines that are far apart. Each leaf is a knot: mean direction and mean value of
- * its rows, and a radius, that of its cell. The value anywhere is the mean of the coefficients of
- * the nearest knots, weighted by a Gaussian of each knot's radius. Coefficients are corrected until
- * the interpolant has the knots' values (normalised radial functions; Shepard 1968, Moody and
- * Darken 1989). In gaps and towards grazing the nearest knots extrapolate.
+ * quarters hold rows; two are enough for a few rows of very different values. The tree thus follows
+ * the density of rows in both directions, also if rows are dense along lines that are far apart.
+ * Each leaf is a knot: mean direction and mean value of its rows, and a radius, that of its cell.
+ * The value anywhere is the mean of the coefficients of the nearest knots, weighted by a Gaussian
+ * of each knot's radius. Coefficients are corrected towards an interpolant that has the knots'
+ * values (normalised radial functions; Shepard 1968, Moody and Darken 1989). In gaps and towards
+ * grazing the nearest knots extrapolate.
  *
  * Outliers. A row is left out if it is alone in differing from its neighbours: by more than 12
  * times their spread, and by a factor of five from each of them. A single row could not say how
