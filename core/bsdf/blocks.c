@@ -3,7 +3,7 @@
 #include <oriel/crew.h>
 #include <stdio.h>
 
-enum { SLICE = 1 << 20 }; /* between looks at the cancel flag */
+enum { SLICE = 1 << 20 }; /* bytes read between two checks of the cancel flag */
 
 size_t orl_count_lines(const char *text, const char *end)
 {
@@ -27,8 +27,9 @@ void orl_block_name(int part, char *ret_name, size_t size)
     snprintf(ret_name, size, "WavelengthDataBlock %s", orl_part_names[part]);
 }
 
-/* Its text in slices, each told to the XML's holder when it has been read. */
-static int feed(const struct orl_bsdf_xml *xml, struct orl_block *block, struct orl_error *err)
+/* Parses a block's text in slices, and reports each slice to the XML's `passed` callback. */
+static int feed_block(const struct orl_bsdf_xml *xml, struct orl_block *block,
+                      struct orl_error *err)
 {
     int code = 0;
     for (size_t at = block->begin; at < block->end && code == 0;) {
@@ -48,9 +49,9 @@ int orl_block_read(struct orl_blocks *blocks, size_t index, struct orl_error *er
     const struct orl_bsdf_xml *xml = blocks->xml;
     struct orl_block *block = &blocks->blocks[index];
     const char *failed_at = xml->data + block->end;
-    int code = feed(xml, block, err);
+    int code = feed_block(xml, block, err);
     if (code == ORL_ERR_CANCELLED)
-        return code; /* no fault of the file's, and maybe nothing of the block was looked at */
+        return code; /* not an error of the file; perhaps no text of the block was read */
     if (code < 0)
         failed_at = block->text.scan.next;
     else if (block->ended)

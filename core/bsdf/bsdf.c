@@ -1,6 +1,6 @@
 /*
- * Loading: turns the file's sides into the surface's frame, fills a missing transmission by
- * reciprocity, drops a dummy one, makes colour and peaks, and says what there is.
+ * Loads a BSDF: turns the file's sides into the surface's frame and drops a dummy transmission. It
+ * fills a missing transmission by reciprocity, makes colour and peaks, and fills the description.
  */
 #include <oriel/bsdf.h>
 #include <oriel/crew.h>
@@ -16,7 +16,7 @@ void orl_bsdf_set_views(struct orl_bsdf *bsdf)
     const struct orl_component *parts = bsdf->document.parts;
     memset(bsdf->views, 0, sizeof bsdf->views);
     for (int front = 0; front < 2; front++) {
-        /* The file's Front is the exterior: our back. */
+        /* Front in the file is the exterior, which is the back here. */
         const struct orl_component *reflection =
             &parts[front ? ORL_PART_REFLECTION_BACK : ORL_PART_REFLECTION_FRONT];
         const struct orl_component *own =
@@ -53,21 +53,23 @@ static bool is_same(const struct orl_bsdf *bsdf, const struct orl_component *c,
     return orl_matrix_equal(&c->matrix, &d->matrix);
 }
 
-/* Exact copies whose reverse differs: the one called Back has nothing of its own to say. */
+/* Returns true if the transmissions are exact copies but not reciprocal: the one called Back then
+ * carries no data of its own. */
 static bool is_senseless_copy(const struct orl_bsdf *bsdf, const struct orl_component *front,
                               const struct orl_component *back)
 {
     return is_same(bsdf, front, back) && orl_bsdf_irreciprocal_transmission(bsdf) > 0.02;
 }
 
-/* See enum orl_bsdf_dummy. The views must be set, and are set anew. */
+/* Drops a dummy transmission (enum orl_bsdf_dummy). The views must be set before; they are set
+ * again. */
 static void drop_dummy(struct orl_bsdf *bsdf)
 {
     struct orl_component *front = &bsdf->document.parts[ORL_PART_TRANSMISSION_FRONT];
     struct orl_component *back = &bsdf->document.parts[ORL_PART_TRANSMISSION_BACK];
     struct orl_component *dropped;
     enum orl_bsdf_dummy kind = ORL_BSDF_DUMMY_ZERO;
-    /* Of rank 3, what is dropped would not be filled in. */
+    /* Rank 3: a dropped transmission would not be filled in by reciprocity. */
     if (!front->present || !back->present || bsdf->document.structure == ORL_STRUCTURE_TREE3)
         return;
     if (is_black(bsdf, front) != is_black(bsdf, back)) {
@@ -84,8 +86,8 @@ static void drop_dummy(struct orl_bsdf *bsdf)
 }
 
 /*
- * The largest R + T as filed, over all directions that the data tell apart. Where the largest R
- * and the largest T do not add up to more than 1, nothing can, and nobody need look again.
+ * Finds the largest R + T as filed, over all directions that the data distinguish. Also sets
+ * bsdf->bound, the largest R plus the largest T: if it is at most 1, R + T needs no check.
  */
 static void find_gain(void *arg, size_t front, uint32_t member)
 {
@@ -130,7 +132,7 @@ static void describe_component(struct orl_bsdf_info *info, enum orl_structure st
         (!component->chroma.present && (component->chroma.given[0] || component->chroma.given[1]));
 }
 
-static void describe(struct orl_bsdf *bsdf, struct orl_crew *crew)
+static void describe_bsdf(struct orl_bsdf *bsdf, struct orl_crew *crew)
 {
     struct orl_bsdf_info *info = &bsdf->info;
     memcpy(info->name, bsdf->document.name, sizeof info->name);
@@ -143,7 +145,7 @@ static void describe(struct orl_bsdf *bsdf, struct orl_crew *crew)
     orl_crew_for(crew, 2, find_gain, bsdf);
 }
 
-/* Colour of all components, and the peaks of those that transmit. */
+/* Makes the colour of all components and the peaks of the transmissions. */
 static int finish_components(struct orl_bsdf *bsdf, const char *name, struct orl_error *err)
 {
     const enum orl_structure structure = bsdf->document.structure;
@@ -181,7 +183,7 @@ int orl_bsdf_load(const struct orl_bsdf_xml *xml, struct orl_bsdf **ret_bsdf, st
         orl_bsdf_unref(bsdf);
         return code;
     }
-    describe(bsdf, xml->crew);
+    describe_bsdf(bsdf, xml->crew);
     *ret_bsdf = bsdf;
     return 0;
 }

@@ -1,8 +1,8 @@
-/* Every direction that the data tell apart, and the cells they are told apart by. */
+/* Directions that the data distinguish, and the cells that belong to them. */
 #include "bsdf/front.h"
 #include "bsdf/shirley.h"
 
-/* Colour may tell more directions apart than luminance does. */
+/* Colour may be finer than luminance. */
 static unsigned depth_of(const struct orl_component *c)
 {
     return c->tree.depth > c->chroma.depth ? c->tree.depth : c->chroma.depth;
@@ -34,7 +34,7 @@ static struct orl_vec3 tree_incident(unsigned depth, size_t cell, double *ret_om
                             ((double)(cell & (side - 1)) + 0.5) * width - 1});
 }
 
-/* All azimuths are one; this one is along x. */
+/* All azimuths are equivalent; the direction returned has azimuth 0 (x axis). */
 static struct orl_vec3 iso_incident(unsigned rings, size_t ring, double *ret_omega_sr)
 {
     const double sine = ((double)ring + 0.5) / rings;

@@ -1,8 +1,7 @@
 /*
- * The figures of a BSDF's check, of the file as it is: before the division that keeps R + T from
- * being above 1. What can be summed over the data's own cells is exact; shares of
- * light (reciprocity, redirection) are means over evenly spread draws, the same ones every time,
- * good to about half a per cent.
+ * Figures of a BSDF's check, for the data as filed: before values are divided where R + T is above
+ * 1. Sums over the data's own cells are exact. Shares of light (reciprocity, redirection) are means
+ * over a fixed set of evenly spread samples, accurate to about half a per cent.
  */
 #include "bsdf/check.h"
 
@@ -12,9 +11,9 @@
 #include "bsdf/shirley.h"
 
 enum {
-    REDIRECTION_DRAWS = 256, /* for each of the directions looked at */
+    REDIRECTION_DRAWS = 256, /* samples for each incident direction */
     PATCH_SIDE = 32,
-    PEAK_SIDE = 49, /* points across the surroundings of the straight direction */
+    PEAK_SIDE = 49, /* points across the neighbourhood of the straight direction */
 };
 
 static struct orl_vec3 light_from(double theta_deg, double phi_deg, bool front)
@@ -27,8 +26,8 @@ static struct orl_vec3 light_from(double theta_deg, double phi_deg, bool front)
 /* ---- Hemispherical values -------------------------------------------------------------------- */
 
 /*
- * Of a beam 0.1 degrees wide, by its four corners: round angles lie on the borders of cells, and
- * which side one falls on is for rounding to say.
+ * Adds the totals of a beam 0.1 degrees wide, sampled at its four corners. Round angles lie on
+ * borders of cells, where rounding would choose the cell of a single direction.
  */
 static void scatter_beam(const struct orl_bsdf *bsdf, bool front, struct orl_bsdf_hemispherical *h)
 {
@@ -56,7 +55,7 @@ static void fill_directions(const struct orl_bsdf *bsdf, struct orl_bsdf_check *
     }
 }
 
-static void widen(struct orl_bsdf_extremes *x, double value, struct orl_vec3 in)
+static void widen_extremes(struct orl_bsdf_extremes *x, double value, struct orl_vec3 in)
 {
     x->least = fmin(x->least, value);
     if (!(value > x->most))
@@ -68,14 +67,14 @@ static void widen(struct orl_bsdf_extremes *x, double value, struct orl_vec3 in)
         x->most_phi_deg += 360;
 }
 
-/* R + T as filed, and with the other side's reflection in place of this one's. */
+/* Updates R + T as filed, and T with the other side's reflection. */
 static void add_total(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c, bool front,
                       struct orl_vec3 in)
 {
     double own[2], other[2];
     orl_bsdf_filed_totals(bsdf, in, own);
     orl_bsdf_filed_totals(bsdf, orl_v3(in.x, in.y, -in.z), other);
-    widen(&c->total[front], own[0] + own[1], in);
+    widen_extremes(&c->total[front], own[0] + own[1], in);
     c->total_exchanged[front] = fmax(c->total_exchanged[front], own[1] + other[0]);
 }
 
@@ -103,7 +102,7 @@ static double largest_mean(const struct patches *patches)
     return largest;
 }
 
-/* One component; adds to the totals on the way. */
+/* Fills the extremes of one component, and updates those of R + T. */
 static void fill_extremes_of(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c, bool front,
                              bool transmitted)
 {
@@ -117,7 +116,7 @@ static void fill_extremes_of(const struct orl_bsdf *bsdf, struct orl_bsdf_check 
         const struct orl_vec3 in = orl_view_incident(bsdf, view, i, front, &omega);
         double total[2];
         orl_bsdf_filed_totals(bsdf, in, total);
-        widen(x, total[transmitted], in);
+        widen_extremes(x, total[transmitted], in);
         add_to_patch(&patches, in, total[transmitted]);
         sum += total[transmitted] * omega;
         add_total(bsdf, c, front, in);
@@ -153,8 +152,8 @@ static void fill_reciprocity(const struct orl_bsdf *bsdf, struct orl_bsdf_check 
 /* ---- Straight through ------------------------------------------------------------------------ */
 
 /*
- * Radii of the cell: the straight direction may lie in a corner of it, hence more than one; and the
- * ring beyond, against which a peak stands out.
+ * Radii in units of the cell's radius. The peak may cover several cells, because the straight
+ * direction may lie in a corner of its cell. The peak is compared with the ring beyond.
  */
 #define INNER 2.6
 #define RING 3.0
@@ -162,14 +161,14 @@ static void fill_reciprocity(const struct orl_bsdf *bsdf, struct orl_bsdf_check 
 
 /* Values around the straight direction, on a grid of the disk seen along the axis. */
 struct surroundings {
-    double value[PEAK_SIDE * PEAK_SIDE];  /* negative: outside the disk */
+    double value[PEAK_SIDE * PEAK_SIDE];  /* 1/sr; negative outside the disk */
     double radius[PEAK_SIDE * PEAK_SIDE]; /* from the middle, in radii of the cell */
-    double point_sr;                      /* projected solid angle that a point stands for */
+    double point_sr;                      /* projected solid angle of one point, sr */
     double peak;                          /* the largest value within INNER */
 };
 
-static void look_around(const struct orl_bsdf *bsdf, struct orl_vec3 in, double omega_sr,
-                        struct surroundings *s)
+static void sample_surroundings(const struct orl_bsdf *bsdf, struct orl_vec3 in, double omega_sr,
+                                struct surroundings *s)
 {
     const double cell = sqrt(omega_sr / ORL_PI), step = 2 * OUTER / PEAK_SIDE;
     s->peak = 0;
@@ -190,9 +189,9 @@ static void look_around(const struct orl_bsdf *bsdf, struct orl_vec3 in, double 
 }
 
 /*
- * What stands out: points near the middle within a factor of eight of the brightest are the peak,
- * and it counts by what it has above the mean of a ring further out. (Radiance's aBSDF looks for
- * its peak in much the same way.)
+ * Returns the peak's share of the transmitted light. Points near the middle within a factor of
+ * eight of the brightest form the peak. Only their light above the mean of the ring counts.
+ * Radiance's aBSDF finds its peak in much the same way.
  */
 static double peak_share(const struct surroundings *s, double transmitted)
 {
@@ -230,7 +229,7 @@ static struct orl_bsdf_peak peak_at(const struct orl_bsdf *bsdf,
     p.cell_sr = omega_sr / fabs(in.z);
     p.smear = fmax(1, p.cell_sr / sun_sr);
     p.straight = orl_luma(orl_bsdf_straight(bsdf, in));
-    look_around(bsdf, in, omega_sr, &around);
+    sample_surroundings(bsdf, in, omega_sr, &around);
     orl_bsdf_filed_totals(bsdf, in, total);
     p.share = peak_share(&around, h->transmitted / fmax(1, total[0] + total[1]));
     if (p.share > 0.01)
@@ -246,7 +245,7 @@ static void fill_peaks(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c)
     for (int i = 1; i < ORL_BSDF_CHECK_DIRECTIONS; i++) {
         const struct orl_bsdf_hemispherical *h = &c->directions[0][i];
         const struct orl_bsdf_peak peak = peak_at(bsdf, h);
-        /* By amount of light, for a large share of next to nothing dazzles nobody. */
+        /* Ranked by amount of light: a large share of very little light causes no glare. */
         if (peak.share * h->transmitted > 1.001 * most) {
             c->strongest = peak;
             most = peak.share * h->transmitted;
@@ -256,7 +255,8 @@ static void fill_peaks(const struct orl_bsdf *bsdf, struct orl_bsdf_check *c)
 
 /* ---- Which way is up ------------------------------------------------------------------------- */
 
-static struct orl_bsdf_redirection redirection(const struct orl_bsdf *bsdf, bool front, bool above)
+static struct orl_bsdf_redirection measure_redirection(const struct orl_bsdf *bsdf, bool front,
+                                                       bool above)
 {
     struct orl_bsdf_redirection result = {0, 0};
     double sum = 0, upward = 0;
@@ -300,6 +300,6 @@ void orl_bsdf_examine(const struct orl_bsdf *bsdf, struct orl_bsdf_check *ret_ch
     fill_peaks(bsdf, ret_check);
     for (int front = 0; front < 2; front++)
         for (int above = 0; above < 2; above++)
-            ret_check->redirection[front][above] = redirection(bsdf, front, above);
+            ret_check->redirection[front][above] = measure_redirection(bsdf, front, above);
     orl_bsdf_judge(ret_check);
 }

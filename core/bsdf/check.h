@@ -1,12 +1,10 @@
-/*
- * Inside core/bsdf: from figures (check.c) to sentences (verdict.c). Not for anyone else.
- */
+/* Turns figures (check.c) into sentences (verdict.c). For core/bsdf only. */
 #ifndef ORL_BSDF_CHECK_H
 #define ORL_BSDF_CHECK_H
 
 #include <oriel/bsdf.h>
 
-/* Fills check's verdicts and worst from everything else in it. */
+/* Fills verdicts and worst of a check from its other fields. */
 void orl_bsdf_judge(struct orl_bsdf_check *check);
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "bsdf/document.h"
 
-static int no_memory(struct orl_error *err)
+static int fail_no_memory(struct orl_error *err)
 {
     return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the BSDF's colour");
 }
@@ -15,7 +15,7 @@ static struct orl_tint tint_or_gray(struct orl_rgb sum)
     return orl_luma(sum) > 0 ? orl_tint_of_rgb(sum) : orl_tint_gray;
 }
 
-static void add_to(struct orl_rgb *sum, struct orl_tint tint, double luminance)
+static void add_tinted(struct orl_rgb *sum, struct orl_tint tint, double luminance)
 {
     *sum = orl_rgb_add(*sum, orl_tinted(tint, luminance));
 }
@@ -29,14 +29,14 @@ static int sum_up_matrix(struct orl_chroma *c, const struct orl_matrix *m, enum 
     const size_t columns = (size_t)m->basis[ORL_AXIS_B].n_cells;
     c->total[given] = malloc((size_t)own->n_cells * sizeof *c->total[given]);
     if (!c->total[given])
-        return no_memory(err);
+        return fail_no_memory(err);
     for (int i = 0; i < own->n_cells; i++) {
         struct orl_rgb sum = orl_gray(0);
         for (int k = 0; k < other->n_cells; k++) {
             const size_t a = (size_t)(given == ORL_AXIS_A ? i : k);
             const size_t b = (size_t)(given == ORL_AXIS_A ? k : i);
-            add_to(&sum, c->values[a * columns + b],
-                   (double)m->values[a * columns + b] * orl_basis_ring(other, k)->omega_sr);
+            add_tinted(&sum, c->values[a * columns + b],
+                       (double)m->values[a * columns + b] * orl_basis_ring(other, k)->omega_sr);
         }
         c->total[given][i] = tint_or_gray(sum);
     }
@@ -53,7 +53,7 @@ static int finish_matrix(struct orl_chroma *c, const struct orl_matrix *m, size_
         return 0;
     c->values = malloc(count * sizeof *c->values);
     if (!c->values)
-        return no_memory(err);
+        return fail_no_memory(err);
     for (size_t i = 0; i < count; i++)
         c->values[i] = m->values[i] > 0
                            ? orl_tint_of_xyz((double)c->matrix[0].values[i], (double)m->values[i],
@@ -72,14 +72,15 @@ static int finish_matrix(struct orl_chroma *c, const struct orl_matrix *m, size_
 
 /* ---- Trees of rank 4 ------------------------------------------------------------------------- */
 
-/* Luminance and both chromaticities in step, down to where none has branches. */
+/* Traverses the trees of luminance and of both chromaticities together, down to where all have
+ * leaves. */
 struct joint {
     const struct orl_tree *tree[3];
     struct orl_rgb *sums[2]; /* given A, given B: level after level, 4^level cells each */
     size_t outside;
 };
 
-/* A cube of cells at some level: where it is on either square, and the three subtrees. */
+/* A cube of cells at some level: its cell on either square, and the three subtrees. */
 struct cube {
     struct orl_tree_ref ref[3];
     unsigned level, x[2], y[2];
@@ -90,7 +91,7 @@ static size_t level_start(unsigned level)
     return (((size_t)1 << 2 * level) - 1) / 3;
 }
 
-static void join(struct joint *j, const struct cube *cube)
+static void join_trees(struct joint *j, const struct cube *cube)
 {
     bool leaves = true;
     for (int t = 0; t < 3; t++)
@@ -104,9 +105,9 @@ static void join(struct joint *j, const struct cube *cube)
             orl_tint_of_uv((double)orl_tree_leaf_value(cube->ref[1]),
                            (double)orl_tree_leaf_value(cube->ref[2]), &j->outside);
         for (int axis = 0; axis < 2; axis++)
-            add_to(&j->sums[axis][level_start(cube->level) +
-                                  ((size_t)cube->x[axis] << cube->level | cube->y[axis])],
-                   tint, share);
+            add_tinted(&j->sums[axis][level_start(cube->level) +
+                                      ((size_t)cube->x[axis] << cube->level | cube->y[axis])],
+                       tint, share);
         return;
     }
     if (orl_tree_is_leaf(cube->ref[0]) && !(orl_tree_leaf_value(cube->ref[0]) > 0))
@@ -119,11 +120,12 @@ static void join(struct joint *j, const struct cube *cube)
             part.ref[t] = orl_tree_is_leaf(cube->ref[t])
                               ? cube->ref[t]
                               : orl_tree_child(j->tree[t], cube->ref[t], i);
-        join(j, &part);
+        join_trees(j, &part);
     }
 }
 
-/* What a cell has, each of its quarters has as well: the integral is over the other direction. */
+/* Adds each cell's sum to its four quarters at the next level. Quarters are not weighted: the
+ * integral is over the other direction. */
 static void push_down(struct orl_rgb *sums, unsigned depth)
 {
     for (unsigned level = 0; level < depth; level++)
@@ -152,10 +154,10 @@ static int finish_tree(struct orl_chroma *c, const struct orl_tree *tree, size_t
         c->total[axis] = malloc(cells * sizeof *c->total[axis]);
     }
     if (!j.sums[0] || !j.sums[1] || !c->total[0] || !c->total[1]) {
-        code = no_memory(err);
+        code = fail_no_memory(err);
         goto done;
     }
-    join(&j, &whole);
+    join_trees(&j, &whole);
     for (int axis = 0; axis < 2; axis++) {
         push_down(j.sums[axis], c->depth);
         for (size_t i = 0; i < cells; i++)
@@ -172,8 +174,8 @@ done:
 
 /* ---- Trees of rank 3 ------------------------------------------------------------------------- */
 
-/* The value of a grid where a finer one of `half` rings has its cell (a, x, y). */
-static double at_cell(const struct orl_iso *iso, unsigned half, size_t a, size_t x, size_t y)
+/* Returns the value of a grid at cell (a, x, y) of a finer grid of `half` rings. */
+static double value_at_cell(const struct orl_iso *iso, unsigned half, size_t a, size_t x, size_t y)
 {
     const size_t step = half / iso->half, n = 2 * (size_t)iso->half;
     return (double)iso->values[(a / step * n + x / step) * n + y / step];
@@ -187,18 +189,18 @@ static int finish_iso(struct orl_chroma *c, const struct orl_iso *iso, size_t *o
         half = c->iso[k].half > half ? c->iso[k].half : half;
     c->total[ORL_AXIS_A] = malloc(half * sizeof *c->total[ORL_AXIS_A]);
     if (!c->total[ORL_AXIS_A])
-        return no_memory(err);
+        return fail_no_memory(err);
     const size_t side = 2 * (size_t)half;
     for (size_t a = 0; a < half; a++) {
         struct orl_rgb sum = orl_gray(0);
         for (size_t i = 0; i < side * side; i++) {
             const size_t x = i / side, y = i % side;
-            const double luminance = at_cell(iso, half, a, x, y);
+            const double luminance = value_at_cell(iso, half, a, x, y);
             if (luminance > 0)
-                add_to(&sum,
-                       orl_tint_of_uv(at_cell(&c->iso[0], half, a, x, y),
-                                      at_cell(&c->iso[1], half, a, x, y), outside),
-                       luminance);
+                add_tinted(&sum,
+                           orl_tint_of_uv(value_at_cell(&c->iso[0], half, a, x, y),
+                                          value_at_cell(&c->iso[1], half, a, x, y), outside),
+                           luminance);
         }
         c->total[ORL_AXIS_A][a] = tint_or_gray(sum);
     }

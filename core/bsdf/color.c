@@ -1,15 +1,16 @@
 #include "bsdf/color.h"
 
-/* Luminance by channel: what red, green and blue have of it. Their sum is 1. */
+/* Shares of red, green and blue in the luminance; their sum is 1. */
 struct shares {
     double r, g, b;
 };
 
 enum { STEPS = 65535 };
 
-/* Shares this near those of white are white: printed chromaticities have four digits and more. */
+/* Shares within this distance of white are white: chromaticities are printed with at least four
+ * digits. */
 static const double gray_tolerance = 2e-5;
-/* Beyond the triangle by more than what printing and rounding explain. */
+/* Colours further outside the triangle are counted; less can come from printing and rounding. */
 static const double outside_tolerance = 1e-3;
 
 /* X and Z of a primary of luminance 1. */
@@ -23,11 +24,11 @@ struct primary {
 static const struct primary red = PRIMARY(0.640, 0.330), green = PRIMARY(0.290, 0.600),
                             blue = PRIMARY(0.150, 0.060);
 
-static struct orl_tint encode(struct shares s)
+static struct orl_tint encode_tint(struct shares s)
 {
     const double sum = s.r + s.g + s.b;
     double r = nearbyint(s.r / sum * STEPS), b = nearbyint(s.b / sum * STEPS);
-    /* The rest is green's: none of it where there is none. */
+    /* Green has the rest: exactly none if its share is 0. */
     if (!(s.g > 0))
         b = STEPS - r;
     return (struct orl_tint){(uint32_t)r << 16 | (uint32_t)fmin(b, STEPS - r)};
@@ -39,16 +40,17 @@ static struct orl_tint tint_of_shares(struct shares s, size_t *outside)
         fabs(s.b - ORL_LUMA_B) < gray_tolerance)
         return orl_tint_gray;
     *outside += fmin(s.r, fmin(s.g, s.b)) < -outside_tolerance;
-    return encode((struct shares){fmax(s.r, 0), fmax(s.g, 0), fmax(s.b, 0)});
+    return encode_tint((struct shares){fmax(s.r, 0), fmax(s.g, 0), fmax(s.b, 0)});
 }
 
 /*
- * The shares of white that the equations below give for X = Y = Z. ORL_LUMA_R and so on, by which
- * luma is taken everywhere, are 1e-4 off; white is to be white by those.
+ * Shares of white that the equations below give for X = Y = Z. They differ by 1e-4 from ORL_LUMA_R,
+ * _G and _B, which define luma everywhere else. Shares are rescaled so that white is white by
+ * those.
  */
 static const struct shares white = {0.26510582010582012, 0.67010582010582009, 0.064788359788359784};
 
-/* Two equations for red and blue, green's share being 1 less theirs. */
+/* Solves two equations for red and blue; green's share is 1 minus theirs. */
 struct orl_tint orl_tint_of_xyz(double x, double y, double z, size_t *outside)
 {
     const double dx = x / y - green.x, dz = z / y - green.z;

@@ -1,14 +1,14 @@
 /*
  * Colour of BSDF values. A file gives luminance (Visible) and beside it CIE X and Z (matrices) or
- * the chromaticity u', v' (CIE 1976, tensor trees). What is kept of the latter is a tint: RGB of
- * luma 1, in four bytes, by which a luminance is multiplied. Luminance alone decides where draws
- * go, so the luma of every value is exactly what the Visible channel says.
+ * the chromaticity u', v' (CIE 1976, tensor trees). Colour is stored as a tint: RGB of luma 1 in
+ * four bytes, by which the luminance is multiplied. Sampling uses luminance only. The luma of every
+ * value is exactly that of the Visible channel.
  *
  * RGB is Radiance's: primaries (x, y) = (.640, .330), (.290, .600), (.150, .060), equal-energy
  * white. Colours outside that triangle are moved to its edge at equal luminance.
  *
- * Tints are two 16-bit shares of the luminance, red's and blue's; green has the rest. So a channel
- * that is dark is exactly 0. Grey has a code of its own: it is exactly grey.
+ * A tint holds two 16-bit shares of the luminance, for red and blue; green has the rest. A channel
+ * that is dark is therefore exactly 0. Grey has its own code and is exactly grey.
  */
 #ifndef ORL_BSDF_COLOR_H
 #define ORL_BSDF_COLOR_H
@@ -23,18 +23,19 @@ struct orl_tint {
 };
 static const struct orl_tint orl_tint_gray = {UINT32_MAX};
 
-/* The tint of a tristimulus value; Y is positive. Counts one outside the triangle in *outside. */
+/* Returns the tint of a tristimulus value; y must be positive. Increments *outside if the colour is
+ * outside the triangle. */
 struct orl_tint orl_tint_of_xyz(double x, double y, double z, size_t *outside);
-/* Of a chromaticity. One that is none (v' not positive) is grey. */
+/* Returns the tint of a chromaticity u', v'. An invalid one (v' not positive) gives grey. */
 struct orl_tint orl_tint_of_uv(double u, double v, size_t *outside);
-/* Of RGB of any luma above 0. */
+/* Returns the tint of an RGB colour of positive luma. */
 struct orl_tint orl_tint_of_rgb(struct orl_rgb color);
 
 struct orl_rgb orl_tint_rgb(struct orl_tint tint);
 
-/* X and Z of a colour, Y being its luma, from which orl_tint_of_xyz has its tint again. */
+/* Returns X and Z of a colour whose Y is its luma; the inverse of orl_tint_of_xyz. */
 void orl_color_xz(struct orl_rgb color, double *ret_x, double *ret_z);
-/* Its chromaticity, from which orl_tint_of_uv has its tint again; black is grey. */
+/* Returns the chromaticity of a colour, the inverse of orl_tint_of_uv; that of grey for black. */
 void orl_color_uv(struct orl_rgb color, double *ret_u, double *ret_v);
 
 static inline struct orl_rgb orl_tinted(struct orl_tint tint, double luminance)

@@ -20,7 +20,7 @@ static const struct orl_sealed_kind kind = {
 
 /* ---- The arrays ------------------------------------------------------------------------------ */
 
-/* Where a pointer to an array is, and how long that is. */
+/* Address of a pointer to an array, and the array's size. */
 struct array {
     void *slot;
     size_t bytes;
@@ -40,7 +40,7 @@ static void *pointer_in(const void *slot)
     return pointer;
 }
 
-static void add(struct arrays *arrays, void *slot, size_t bytes)
+static void add_array(struct arrays *arrays, void *slot, size_t bytes)
 {
     if (pointer_in(slot))
         arrays->items[arrays->count++] = (struct array){slot, bytes};
@@ -48,25 +48,25 @@ static void add(struct arrays *arrays, void *slot, size_t bytes)
 
 static void add_tree(struct arrays *arrays, struct orl_tree *tree)
 {
-    add(arrays, &tree->lines, tree->n_lines * sizeof *tree->lines);
+    add_array(arrays, &tree->lines, tree->n_lines * sizeof *tree->lines);
 }
 
 static void add_iso(struct arrays *arrays, struct orl_iso *iso)
 {
     const size_t half = iso->half, n = 2 * half;
-    add(arrays, &iso->values, half * n * n * sizeof *iso->values);
-    add(arrays, &iso->rows, half * n * sizeof *iso->rows);
-    add(arrays, &iso->edges, half * half * sizeof *iso->edges);
-    add(arrays, &iso->corners, half * half * sizeof *iso->corners);
+    add_array(arrays, &iso->values, half * n * n * sizeof *iso->values);
+    add_array(arrays, &iso->rows, half * n * sizeof *iso->rows);
+    add_array(arrays, &iso->edges, half * half * sizeof *iso->edges);
+    add_array(arrays, &iso->corners, half * half * sizeof *iso->corners);
 }
 
 static void add_matrix(struct arrays *arrays, struct orl_matrix *m)
 {
     const size_t cells[2] = {(size_t)m->basis[0].n_cells, (size_t)m->basis[1].n_cells};
-    add(arrays, &m->values, cells[0] * cells[1] * sizeof *m->values);
+    add_array(arrays, &m->values, cells[0] * cells[1] * sizeof *m->values);
     for (int axis = 0; axis < 2; axis++) {
-        add(arrays, &m->cumulative[axis], cells[0] * cells[1] * sizeof **m->cumulative);
-        add(arrays, &m->total[axis], cells[axis] * sizeof **m->total);
+        add_array(arrays, &m->cumulative[axis], cells[0] * cells[1] * sizeof **m->cumulative);
+        add_array(arrays, &m->total[axis], cells[axis] * sizeof **m->total);
     }
 }
 
@@ -77,20 +77,20 @@ static void add_chroma(struct arrays *arrays, const struct orl_matrix *matrix, s
         add_iso(arrays, &c->iso[k]);
         add_matrix(arrays, &c->matrix[k]);
     }
-    add(arrays, &c->values, c->n_values * sizeof *c->values);
+    add_array(arrays, &c->values, c->n_values * sizeof *c->values);
     for (int axis = 0; axis < 2; axis++) {
         const size_t cells = matrix->values ? (size_t)matrix->basis[axis].n_cells : c->cells;
-        add(arrays, &c->total[axis], cells * sizeof **c->total);
+        add_array(arrays, &c->total[axis], cells * sizeof **c->total);
     }
 }
 
 static void add_peak(struct arrays *arrays, struct orl_peak *p)
 {
-    add(arrays, &p->members, p->cells * sizeof *p->members);
-    add(arrays, &p->surround, p->cells * sizeof *p->surround);
+    add_array(arrays, &p->members, p->cells * sizeof *p->members);
+    add_array(arrays, &p->surround, p->cells * sizeof *p->surround);
     for (int axis = 0; axis < 2; axis++) {
-        add(arrays, &p->share[axis], p->cells * sizeof **p->share);
-        add(arrays, &p->tint[axis], p->cells * sizeof **p->tint);
+        add_array(arrays, &p->share[axis], p->cells * sizeof **p->share);
+        add_array(arrays, &p->tint[axis], p->cells * sizeof **p->tint);
     }
 }
 
@@ -111,7 +111,7 @@ static void find_arrays(struct orl_bsdf *bsdf, struct arrays *ret)
 
 /* ---- Writing --------------------------------------------------------------------------------- */
 
-static void put(struct orl_sealed_writer *out, const void *data, size_t bytes)
+static void write_aligned(struct orl_sealed_writer *out, const void *data, size_t bytes)
 {
     orl_sealed_put(out, data, bytes);
     orl_sealed_align(out, ORL_SEALED_BOUNDARY);
@@ -128,9 +128,9 @@ static void write_body(struct orl_sealed_writer *out, struct orl_bsdf *image,
         memcpy(arrays->items[i].slot, &offset, sizeof offset);
         size += orl_sealed_aligned(arrays->items[i].bytes);
     }
-    put(out, image, sizeof *image);
+    write_aligned(out, image, sizeof *image);
     for (size_t i = 0; i < arrays->count; i++)
-        put(out, data[i], arrays->items[i].bytes);
+        write_aligned(out, data[i], arrays->items[i].bytes);
 }
 
 int orl_bsdf_write(const struct orl_bsdf *bsdf, const unsigned char content[ORL_COMPILED_DIGEST],
@@ -159,8 +159,8 @@ int orl_bsdf_write(const struct orl_bsdf *bsdf, const unsigned char content[ORL_
 
 /* ---- Opening --------------------------------------------------------------------------------- */
 
-/* From offsets to pointers. */
-static int take_apart(struct orl_bsdf *bsdf, struct arrays *arrays, char *file, size_t size)
+/* Replaces offsets by pointers into the file. Returns 0 or ORL_ERR_CORRUPT. */
+static int restore_pointers(struct orl_bsdf *bsdf, struct arrays *arrays, char *file, size_t size)
 {
     find_arrays(bsdf, arrays);
     for (size_t i = 0; i < arrays->count; i++) {
@@ -191,7 +191,7 @@ int orl_bsdf_open(const char *path, const unsigned char content[ORL_COMPILED_DIG
         code = ORL_ERR_CORRUPT;
     if (code == 0) {
         memcpy(bsdf, file.data + ORL_SEALED_HEADER, sizeof *bsdf);
-        code = take_apart(bsdf, arrays, file.data, file.size);
+        code = restore_pointers(bsdf, arrays, file.data, file.size);
     }
     free(arrays);
     if (code < 0) {

@@ -1,4 +1,4 @@
-/* One component, whichever kind of data it has. */
+/* One component: dispatches to its kind of data. */
 #include "bsdf/document.h"
 
 const char *const orl_part_names[ORL_PART_COUNT] = {"Transmission Front", "Transmission Back",

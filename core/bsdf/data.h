@@ -1,4 +1,4 @@
-/* The kinds of data a file may hold, and a direction in the coordinates of each. */
+/* Kinds of data in a file, and the coordinates of a direction for each kind. */
 #ifndef ORL_BSDF_DATA_H
 #define ORL_BSDF_DATA_H
 
@@ -13,7 +13,7 @@ enum orl_structure {
     ORL_STRUCTURE_MATRIX
 };
 
-/* Found once for a direction, however many components are asked. */
+/* Computed once for a direction and used for all components. */
 struct orl_coords {
     union {
         struct orl_square square; /* TREE4 */

@@ -1,4 +1,4 @@
-/* What two BSDFs differ by: see oriel/bsdf_convert.h. */
+/* Differences between two BSDFs: see oriel/bsdf_convert.h. */
 #include <oriel/bsdf_convert.h>
 
 #include <math.h>
@@ -9,22 +9,23 @@
 
 #include "bsdf/shirley.h"
 
-/* Cells a side of the square of directions out; cells that a cone's radius may span, and the cells
- * of the square that has this radius. */
+/* SIDE: cells a side of the square of directions out. REACH: cells that a cone's radius may span.
+ * NEAR: cells of the square of that radius. */
 enum { SIDE = 192, CELLS = SIDE * SIDE, REACH = 4, SPAN = 2 * REACH + 1, NEAR = SPAN * SPAN };
 static const double cone_deg = 1;
 
-/* Luma; of what is coloured red, green and blue, too. */
+/* Luma; if coloured also red, green and blue. */
 enum { CHANNELS = 4 };
 
-/* What one direction in tells of a part. */
+/* Differences of one component for one direction in: the albedo's, the largest of a cone, and the
+ * share of light that moved. */
 struct told {
     struct orl_bsdf_place from, cone_to[CHANNELS];
     double albedo[CHANNELS], cone[CHANNELS], moved;
 };
 
-/* Directions out on the front, and for each of them which cells around it are in its cone, by bits
- * in the order of rows. On the back z is negative, and angles are the same. */
+/* Directions out on the front. `near` has, for each, a bit for each cell around it, in row order:
+ * set if the cell is in its cone. On the back z is negated and angles are equal. */
 struct cells {
     struct orl_vec3 towards[CELLS];
     uint64_t near[CELLS][(NEAR + 63) / 64];
@@ -44,7 +45,8 @@ static double of_channel(struct orl_rgb color, int channel)
     return values[channel];
 }
 
-/* Straight, and five rings of eight, on no border of any basis. */
+/* Returns test direction i: one near the normal, then five rings of eight. None lies on a border of
+ * a basis. */
 static struct orl_bsdf_place place_of(int i)
 {
     if (i == 0)
@@ -90,7 +92,7 @@ static struct cells *cells_new(void)
     return cells;
 }
 
-/* The sum over a cone about a cell, of what differs by cells. */
+/* Returns the sum of the cells' differences over the cone about cell k. */
 static double in_cone(const float *off, const struct cells *cells, int k)
 {
     double sum = 0;
@@ -110,9 +112,9 @@ static struct orl_vec3 cell_towards(const struct cells *cells, int k, bool front
     return d;
 }
 
-/* The cone with the largest difference, and what is in other places. */
-static void find(const float *off, const struct cells *cells, bool front, int channel,
-                 struct told *told)
+/* Updates the cone with the largest difference, and the amount of light in other places. */
+static void find_worst_cone(const float *off, const struct cells *cells, bool front, int channel,
+                            struct told *told)
 {
     for (int k = 0; k < CELLS; k++) {
         if (off[k] == 0)
@@ -127,8 +129,8 @@ static void find(const float *off, const struct cells *cells, bool front, int ch
     }
 }
 
-/* Of light that comes from in, by a channel; what values differ by is for every cell out of a side.
- */
+/* Compares one side for light from in, by channel. off: scratch for the differences of all
+ * cells. */
 static void compare_side(const struct work *w, struct orl_vec3 in, bool transmitted, float *off,
                          struct told *told)
 {
@@ -145,7 +147,7 @@ static void compare_side(const struct work *w, struct orl_vec3 in, bool transmit
     }
     for (int c = 0; c < w->channels; c++) {
         told->albedo[c] = of_channel(b, c) - of_channel(a, c);
-        find(off + (ptrdiff_t)c * CELLS, w->cells, front_out, c, told);
+        find_worst_cone(off + (ptrdiff_t)c * CELLS, w->cells, front_out, c, told);
     }
 }
 
@@ -167,8 +169,8 @@ static void compare_from(void *arg, size_t index, uint32_t member)
     free(off);
 }
 
-/* Raises what is there, and says where it is. */
-static bool raise(double *worst, double value)
+/* Replaces *worst by value if value is larger in magnitude; returns true then. */
+static bool update_worst(double *worst, double value)
 {
     const bool more = fabs(value) > fabs(*worst);
     if (more)
@@ -179,28 +181,28 @@ static bool raise(double *worst, double value)
 static void sum_up_color(const struct told *told, int channel,
                          struct orl_bsdf_color_difference *worst)
 {
-    if (raise(&worst->albedo_worst, told->albedo[channel]))
+    if (update_worst(&worst->albedo_worst, told->albedo[channel]))
         worst->albedo_from = told->from;
-    if (raise(&worst->cone_worst, told->cone[channel])) {
+    if (update_worst(&worst->cone_worst, told->cone[channel])) {
         worst->cone_from = told->from;
         worst->cone_to = told->cone_to[channel];
     }
 }
 
-static void sum_up(const struct work *w, int front, int t, struct orl_bsdf_difference *ret)
+static void sum_up_part(const struct work *w, int front, int t, struct orl_bsdf_difference *ret)
 {
     struct orl_bsdf_difference d = {.albedo_worst = 0};
     for (int i = 0; i < ORL_BSDF_COMPARED; i++) {
         const struct told *told = &w->of[front][i][t];
         d.albedo_rms += told->albedo[0] * told->albedo[0] / ORL_BSDF_COMPARED;
         d.moved_mean += told->moved / ORL_BSDF_COMPARED;
-        if (raise(&d.albedo_worst, told->albedo[0]))
+        if (update_worst(&d.albedo_worst, told->albedo[0]))
             d.albedo_from = told->from;
-        if (raise(&d.cone_worst, told->cone[0])) {
+        if (update_worst(&d.cone_worst, told->cone[0])) {
             d.cone_from = told->from;
             d.cone_to = told->cone_to[0];
         }
-        if (raise(&d.moved_worst, told->moved))
+        if (update_worst(&d.moved_worst, told->moved))
             d.moved_from = told->from;
         for (int c = w->channels > 1; c < w->channels; c++)
             sum_up_color(told, c, &d.color);
@@ -235,7 +237,7 @@ int orl_bsdf_compare(const struct orl_bsdf *a, const struct orl_bsdf *b, struct 
     for (int i = 0; i < 2 && code == 0; i++)
         ret_comparison->colored[i] = infos[i].colored;
     for (int part = 0; part < 4 && code == 0; part++)
-        sum_up(work, part / 2, part % 2, &ret_comparison->of[part / 2][part % 2]);
+        sum_up_part(work, part / 2, part % 2, &ret_comparison->of[part / 2][part % 2]);
     free(cells);
     free(work);
     return code < 0

@@ -1,9 +1,9 @@
 /*
- * Inside core/bsdf: what an orl_bsdf is made of, for bsdf.c, which makes it, values.c, which
- * answers for it, and check.c, which looks it over. Not for anyone else.
+ * Contents of an orl_bsdf, shared by bsdf.c (builds it), values.c (evaluates it) and check.c. For
+ * core/bsdf only.
  *
- * A view is one component as the surface sees it: the file's sides turned into the surface's, and
- * a transmission that the file lacks seen through the one that it has. Immutable once loaded.
+ * A view is one component in the surface's frame. A transmission missing in the file is a
+ * transposed view of the one that is there. Views are immutable once loaded.
  */
 #ifndef ORL_BSDF_FRONT_H
 #define ORL_BSDF_FRONT_H
@@ -17,57 +17,60 @@
 
 struct orl_component_view {
     const struct orl_component *component; /* NULL: black */
-    bool transposed;                       /* in is the component's B, out its A */
+    bool transposed;                       /* true if in is the component's B and out its A */
 };
 
 struct orl_bsdf {
     atomic_uint references;
     struct orl_document document;
-    struct orl_component_view views[2][2]; /* [light comes from the front?][transmitted?] */
-    double bound[2]; /* on R + T as filed, of light from the back, the front, in any channel */
+    struct orl_component_view views[2][2]; /* [light comes from the front][transmitted] */
+    double bound[2]; /* upper bounds of R + T as filed, any channel: light from back, front */
     struct orl_bsdf_info info;
-    struct orl_sealed_file file; /* a compiled one (compiled.h), which holds all arrays; or none */
+    struct orl_sealed_file file; /* mapped file with all arrays (compiled.h), if any */
 };
 
-/* Sets the views, by what parts are present. */
+/* Sets the views according to the components present. */
 void orl_bsdf_set_views(struct orl_bsdf *bsdf);
 
 enum orl_role { ORL_ROLE_IN, ORL_ROLE_OUT };
 
-/* Which of the component's directions plays the role. */
+/* Returns the component's axis that has the role. */
 static inline enum orl_tree_axis orl_view_axis(const struct orl_component_view *view,
                                                enum orl_role role)
 {
     return (role == ORL_ROLE_OUT) != view->transposed ? ORL_AXIS_B : ORL_AXIS_A;
 }
 
-/* How many incident directions the view's data tell apart at most; 0 when it is black. */
+/* Returns the number of incident directions that the view's data distinguish at most; 0 if
+ * black. */
 size_t orl_view_cells(const struct orl_bsdf *bsdf, const struct orl_component_view *view);
 
-/* The middle of one of them, for light from that side, and its projected solid angle. */
+/* Returns the middle of an incident cell, for light from the given side, and its projected solid
+ * angle in sr. */
 struct orl_vec3 orl_view_incident(const struct orl_bsdf *bsdf,
                                   const struct orl_component_view *view, size_t cell, bool front,
                                   double *ret_omega_sr);
 
-/* The projected solid angle over which out may roam with f(in, out) being one number. */
+/* Returns the projected solid angle (sr) around out in which f(in, out) is constant; 0 if black. */
 double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_component_view *view,
                       struct orl_vec3 in, struct orl_vec3 out);
 
-/* Directional R and T as the file has them, whatever their sum is. */
+/* Returns directional R and T as filed, even if their sum is above 1. */
 void orl_bsdf_filed_totals(const struct orl_bsdf *bsdf, struct orl_vec3 in, double ret_total[2]);
-/* The same in colour, summed over the sides asked for. */
+/* Returns the coloured total as filed, summed over the given sides. */
 struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3 in,
                                     enum orl_bsdf_side sides);
 
 /*
- * Point i of an additive recurrence in up to four dimensions, with the inverse powers of the
- * positive root of x^5 = x + 1 for steps: evenly spread, and in step with no grid of the data.
+ * Returns point i of an additive recurrence in up to four dimensions. The steps are the inverse
+ * powers of the positive root of x^5 = x + 1. Points are evenly spread and not aligned with any
+ * grid of the data.
  */
 void orl_even_point(unsigned i, double ret_u[4]);
 
 /*
- * The share of the light that would have to move for f(in, out) = f(out, in): 0 to 1, negative
- * where there is no light. Transmission compares the two ways through.
+ * Returns the share of light that would have to move to make f(in, out) = f(out, in): 0 to 1,
+ * negative if there is no light. Transmission compares the two directions through the surface.
  */
 double orl_bsdf_irreciprocal_reflection(const struct orl_bsdf *bsdf, bool front);
 double orl_bsdf_irreciprocal_transmission(const struct orl_bsdf *bsdf);

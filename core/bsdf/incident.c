@@ -7,19 +7,20 @@
 
 enum { MOST_CELLS = 16, RINGS = 4, SPOKES = 32 };
 
-/* A leaf, and the one that takes what is left of its slot: all slots are equally likely. */
+/* A slot of the alias table: a leaf, and the leaf that has the rest. All slots are equally
+ * likely. */
 struct slot {
-    float own; /* the leaf's share of its slot */
+    float own; /* the leaf's share of the slot */
     uint32_t other;
-    uint16_t x, y; /* among the cells of the square halved level times */
+    uint16_t x, y; /* the leaf's cell on the square halved `level` times */
     uint32_t level;
 };
 
 struct cell {
-    size_t place; /* orl_square_cell of the light */
+    size_t place; /* orl_square_cell of the direction in */
     double weight;
     struct slot *slots;
-    uint32_t count; /* 0: nothing gets through */
+    uint32_t count; /* 0: nothing is transmitted */
 };
 
 struct orl_incident {
@@ -27,19 +28,19 @@ struct orl_incident {
     const struct orl_tree *tree;
     enum orl_tree_axis given;
     bool front;
-    struct orl_vec3 axis; /* of the cone */
-    double sole_cosine;   /* within this of the axis all is in the first cell; 2: not so */
+    struct orl_vec3 axis; /* axis of the cone */
+    double sole_cosine;   /* least cosine to the axis that implies cells[0]; 2: none */
     size_t n_cells;
     struct cell cells[MOST_CELLS];
 };
 
 /* ---- Making ---------------------------------------------------------------------------------- */
 
-/* Leaves as they are found, and value times size of each. */
+/* Leaves found so far, and value times size of each. */
 struct list {
     const struct orl_tree *tree;
     enum orl_tree_axis given;
-    unsigned x, y; /* of the light, in the finest cells */
+    unsigned x, y; /* cell of the direction in, in the finest cells */
     struct slot *slots;
     double *weights;
     uint32_t count;
@@ -66,11 +67,12 @@ static void list_leaves(struct list *list, struct orl_tree_ref ref, unsigned lev
                     x << 1 | (k & 1), y << 1 | k >> 1);
 }
 
-/* Fills slots of leaves below the mean from those above it; order: room for as many numbers. */
+/* Fills the slots of leaves below the mean from leaves above it. order: scratch for one number per
+ * leaf. */
 static void share_slots(struct list *list, uint32_t *order)
 {
     double *weights = list->weights, sum = 0;
-    uint32_t small = 0, large = list->count; /* small ones end, large ones begin */
+    uint32_t small = 0, large = list->count; /* end of the small ones; begin of the large ones */
     for (uint32_t i = 0; i < list->count; i++)
         sum += weights[i];
     for (uint32_t i = 0; i < list->count; i++) {
@@ -94,7 +96,7 @@ static int make_cell(const struct orl_incident *incident, size_t place, struct c
 {
     const struct orl_tree *tree = incident->tree;
     const size_t most = (size_t)1 << 2 * tree->depth, side = (size_t)1 << tree->depth;
-    const double sign = incident->given == ORL_AXIS_A ? -1 : 1; /* as the light travels */
+    const double sign = incident->given == ORL_AXIS_A ? -1 : 1; /* A: direction of travel */
     struct list list = {.tree = tree,
                         .given = incident->given,
                         .x = (unsigned)(place >> tree->depth),
@@ -136,8 +138,8 @@ static size_t place_of(const struct orl_incident *incident, struct orl_vec3 in)
 }
 
 /*
- * Finds the cells by looking at directions all over the cone, and around it: where its rim and a
- * little more is in one cell, so is what lies within.
+ * Makes a table for each cell met by directions all over the cone and slightly beyond it. If these
+ * are all in one cell, so is the whole cone.
  */
 static int make_cells(struct orl_incident *incident, struct orl_vec3 in, double half_angle_rad)
 {
@@ -174,7 +176,7 @@ int orl_incident_new(const struct orl_bsdf *bsdf, struct orl_vec3 in, double hal
     if (bsdf->document.structure != ORL_STRUCTURE_TREE4 || !view->component ||
         view->component->chroma.present)
         return 0;
-    /* The weight of a cell is one number: what is reflected must have no finer cells. */
+    /* A cell has one weight, so reflection must have no finer cells. */
     if (other->component && (other->component->chroma.present ||
                              other->component->tree.depth > view->component->tree.depth))
         return 0;

@@ -5,18 +5,17 @@
 
 #include <oriel/limits.h>
 
-/* Below this radius B has no azimuth to speak of, and is given one. */
+/* Smallest radius of B: below it the azimuth is undefined, so the radius is raised to it. */
 static const double radius_min = 1e-9;
 
 struct orl_round orl_round_of(struct orl_vec3 d)
 {
     const double radius = sqrt(d.x * d.x + d.y * d.y), azimuth = atan2(d.y, d.x);
-    return (struct orl_round){radius > radius_min ? fmin(radius, 1) : radius_min, /* NaN too */
+    return (struct orl_round){radius > radius_min ? fmin(radius, 1) : radius_min, /* also for NaN */
                               isfinite(azimuth) ? azimuth : 0};
 }
 
-/* ---- Building ----------------------------------------------------------------------------------
- */
+/* ---- Building ------------------------------------------------------------------------------- */
 
 enum { CANVAS_SIDE = 1 << ORL_LIMIT_TREE_DEPTH, CANVAS_HALF = CANVAS_SIDE / 2 };
 
@@ -29,7 +28,7 @@ int orl_iso_init(struct orl_iso *iso, struct orl_error *err)
     return 0;
 }
 
-/* One value over a cube of the canvas; the half that no direction maps to is left out. */
+/* Sets a cube of the canvas to one value; skips the half to which no direction maps. */
 static void fill_cube(struct orl_iso *iso, const unsigned low[3], unsigned side, float value)
 {
     if (value == 0)
@@ -59,9 +58,9 @@ void orl_iso_fill(struct orl_iso *iso, const unsigned place[3], unsigned level, 
         iso->depth = depth;
 }
 
-/* The cells of ring k of the square, side by side and counter-clockwise. */
+/* Cells of ring k of the square, by side, counter-clockwise. */
 struct ring {
-    size_t corner[4]; /* where sides 0 and 1 meet, and so on */
+    size_t corner[4]; /* cell where sides 0 and 1 meet, and so on */
     unsigned half, k;
 };
 
@@ -71,7 +70,8 @@ static struct ring ring_of(unsigned half, unsigned k)
     return (struct ring){{far * n + far, near * n + far, near * n + near, far * n + near}, half, k};
 }
 
-/* Cell m of 2k on a side, corners left out: side 0 is that of +x, and m runs with +y. */
+/* Returns cell m of the 2k cells of a side without its corners. Side 0 is at +x, where m increases
+ * with +y. */
 static size_t edge_cell(const struct ring *ring, unsigned side, unsigned m)
 {
     const size_t n = 2 * (size_t)ring->half, far = ring->half + ring->k, near = n - 1 - far;
@@ -80,8 +80,8 @@ static size_t edge_cell(const struct ring *ring, unsigned side, unsigned m)
     return cells[side];
 }
 
-/* Sums for ring a of A. */
-static void add_up(struct orl_iso *iso, unsigned a)
+/* Computes the sums for ring a of A. */
+static void add_up_ring(struct orl_iso *iso, unsigned a)
 {
     const size_t n = 2 * (size_t)iso->half;
     const float *values = iso->values + a * n * n;
@@ -127,7 +127,7 @@ int orl_iso_finish(struct orl_iso *iso, struct orl_error *err)
     iso->canvas = NULL;
     iso->minimum = iso->values[0];
     for (unsigned a = 0; a < half && !iso->plain; a++)
-        add_up(iso, a);
+        add_up_ring(iso, a);
     return 0;
 }
 
@@ -151,8 +151,7 @@ size_t orl_iso_bytes(const struct orl_iso *iso)
                        : 4 * half * half * sizeof *iso->rows); /* edges and corners: half^2 each */
 }
 
-/* ---- Reading -----------------------------------------------------------------------------------
- */
+/* ---- Reading -------------------------------------------------------------------------------- */
 
 static unsigned ring_at(const struct orl_iso *iso, double radius)
 {
@@ -160,7 +159,8 @@ static unsigned ring_at(const struct orl_iso *iso, double radius)
     return ring < iso->half ? (unsigned)ring : iso->half - 1;
 }
 
-/* The cell of B, of the given radius and at an angle from where A's light travels to. */
+/* Returns the cell of B, given its radius and its angle from the direction in which A's light
+ * travels. */
 static size_t cell_at(const struct orl_iso *iso, double radius, double angle)
 {
     const unsigned k = ring_at(iso, radius);
@@ -199,7 +199,7 @@ double orl_iso_eval(const struct orl_iso *iso, struct orl_round a, struct orl_ro
     return value_at(iso, ring, cell);
 }
 
-/* The shares, in eighths of the circle, of an edge cell and of half a corner, for B's radius. */
+/* Shares of B's circle in an edge cell and in half a corner, in eighths of the circle. */
 struct shares {
     double edge, corner;
 };
@@ -210,13 +210,14 @@ static struct shares shares_of(const struct orl_iso *iso, double radius, unsigne
     return (struct shares){1 / in_cells, k > 0 ? fmax(0, in_cells - k) / in_cells : 1};
 }
 
-/* Half the difference of squared sines over ring a: what an angle is worth in projected sr. */
+/* Half the difference of squared sines over ring a: projected solid angle per unit of azimuth. */
 static double ring_weight(const struct orl_iso *iso, unsigned a)
 {
     return (a + 0.5) / ((double)iso->half * iso->half);
 }
 
-/* For a given B: the integral over ring a of A, up to the factor of an eighth of a circle. */
+/* Returns the integral over ring a of A for a given B, without the factor of an eighth of a
+ * circle. */
 static double ring_integral(const struct orl_iso *iso, unsigned a, unsigned k, struct shares shares)
 {
     const size_t i = (size_t)a * iso->half + k;
@@ -237,20 +238,20 @@ double orl_iso_total(const struct orl_iso *iso, enum orl_tree_axis given, struct
     return ORL_PI / 4 * sum;
 }
 
-static const double margin = 0x1p-30; /* keeps draws clear of borders, as in tree.c */
+static const double margin = 0x1p-30; /* distance of samples from borders, as in tree.c */
 
-static double inside(double u)
+static double keep_inside(double u)
 {
     return margin + fmin(1, fmax(0, u)) * (1 - 2 * margin);
 }
 
-static struct orl_vec3 turned(struct orl_vec3 d, double angle)
+static struct orl_vec3 rotate_azimuth(struct orl_vec3 d, double angle)
 {
     const double c = cos(angle), s = sin(angle);
     return orl_v3(d.x * c - d.y * s, d.x * s + d.y * c, d.z);
 }
 
-/* B for a given A: a row by its running sum, a cell of it by walking. */
+/* Samples B for a given A: a row by its running sum, then a cell of it by linear search. */
 static double draw_b(const struct orl_iso *iso, struct orl_round a, const double u[2],
                      struct orl_vec3 *ret_b)
 {
@@ -262,31 +263,31 @@ static double draw_b(const struct orl_iso *iso, struct orl_round a, const double
     while (x + 1 < n && !(t < rows[x]))
         x++;
     t -= x > 0 ? rows[x - 1] : 0;
-    for (size_t y = 0; y < n; y++) { /* rounding may leave t at the end: the last lit cell has it */
+    for (size_t y = 0; y < n; y++) { /* if rounding leaves t at the end: the last lit cell */
         const double v = value_at(iso, ring, x * n + y);
         if (!(v > 0))
             continue;
-        t -= value; /* of the cell before */
+        t -= value; /* value of the previous cell */
         value = v;
         last = y;
         if (t < v)
             break;
     }
-    *ret_b = turned(orl_square_to_hemisphere(
-                        (struct orl_square){2 * ((double)x + inside(t / value)) / (double)n - 1,
-                                            2 * ((double)last + inside(u[1])) / (double)n - 1}),
-                    a.azimuth + ORL_PI);
+    *ret_b = rotate_azimuth(orl_square_to_hemisphere((struct orl_square){
+                                2 * ((double)x + keep_inside(t / value)) / (double)n - 1,
+                                2 * ((double)last + keep_inside(u[1])) / (double)n - 1}),
+                            a.azimuth + ORL_PI);
     return value;
 }
 
-/* A piece of the ring that B runs round: a cell, or what a side has of a corner. */
+/* Part of the ring of B: an edge cell, or one side's part of a corner cell. */
 struct piece {
-    double value, start, length; /* along its side from the middle of it; the side has -1 to 1 */
+    double value, start, length; /* start and length along the side, which runs from -1 to 1 */
     unsigned side;
     size_t cell;
 };
 
-/* Piece i of 4 (2k + 2), counter-clockwise. */
+/* Returns piece i of 4 (2k + 2), counter-clockwise. */
 static struct piece piece_at(const struct orl_iso *iso, unsigned a, const struct ring *ring,
                              struct shares shares, unsigned i)
 {
@@ -325,7 +326,7 @@ double orl_iso_integral_near(const struct orl_iso *iso, struct orl_round b, unsi
     return ORL_PI / 4 * sum;
 }
 
-/* A for a given B: its ring, then the piece that B lies on, which says how A is turned. */
+/* Samples A for a given B: its ring, then the piece that contains B, which gives A's azimuth. */
 static double draw_a(const struct orl_iso *iso, struct orl_round b, const double u[2],
                      struct orl_vec3 *ret_a)
 {
@@ -338,7 +339,7 @@ static double draw_a(const struct orl_iso *iso, struct orl_round b, const double
         const double integral = ring_integral(iso, a, ring.k, shares);
         if (!(integral > 0))
             continue;
-        t -= whole; /* of the ring before */
+        t -= whole; /* integral of the previous ring */
         whole = integral;
         chosen = a;
         if (t < whole)
@@ -354,9 +355,9 @@ static double draw_a(const struct orl_iso *iso, struct orl_round b, const double
         if (t < next.value * next.length)
             break;
     }
-    s = piece.start + piece.length * inside(t / (piece.value * piece.length));
+    s = piece.start + piece.length * keep_inside(t / (piece.value * piece.length));
     angle = b.azimuth - (ORL_PI / 2 * piece.side + ORL_PI / 4 * s) - ORL_PI;
-    sine2 = ((double)chosen * chosen + inside(u[1]) * (2.0 * chosen + 1)) /
+    sine2 = ((double)chosen * chosen + keep_inside(u[1]) * (2.0 * chosen + 1)) /
             ((double)iso->half * iso->half);
     *ret_a = orl_v3(sqrt(sine2) * cos(angle), sqrt(sine2) * sin(angle), sqrt(1 - sine2));
     return piece.value;

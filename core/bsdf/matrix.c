@@ -24,7 +24,8 @@ static float value_at(const struct orl_matrix *m, enum orl_tree_axis given, int 
     return m->values[a * columns + b];
 }
 
-/* Running sums over the other axis for one given cell, scaled to end in exactly 1. */
+/* Computes the running sums over the other axis for one given cell, scaled to end in exactly 1.
+ * Returns their unscaled total. */
 static double accumulate(const struct orl_matrix *m, enum orl_tree_axis given, int cell,
                          double *row)
 {

@@ -1,4 +1,4 @@
-/* Reads the numbers of a BSDF matrix into their places. */
+/* Parses the numbers of a BSDF matrix into their places. */
 #include "bsdf/text.h"
 
 #include <string.h>
@@ -11,12 +11,13 @@ void orl_matrix_text_init(struct orl_matrix_text *text, struct orl_matrix *matri
     text->by_rows = by_rows;
 }
 
-static size_t wanted(const struct orl_matrix *m)
+static size_t count_values(const struct orl_matrix *m)
 {
     return (size_t)m->basis[ORL_AXIS_A].n_cells * (size_t)m->basis[ORL_AXIS_B].n_cells;
 }
 
-/* Columns: the incident direction runs fastest. Rows: the exitant one. */
+/* Returns the index of the next value. Columns: the incident direction varies fastest. Rows: the
+ * exitant one. */
 static size_t place_of(const struct orl_matrix_text *text)
 {
     const size_t n_a = (size_t)text->matrix->basis[ORL_AXIS_A].n_cells;
@@ -26,7 +27,7 @@ static size_t place_of(const struct orl_matrix_text *text)
     return text->count % n_a * n_b + text->count / n_a;
 }
 
-static int drain(struct orl_matrix_text *text, struct orl_error *err)
+static int parse_values(struct orl_matrix_text *text, struct orl_error *err)
 {
     for (;;) {
         double number = 0;
@@ -35,7 +36,7 @@ static int drain(struct orl_matrix_text *text, struct orl_error *err)
             return code;
         if (code != ORL_TOKEN_NUMBER)
             return orl_error_set(err, ORL_ERR_SYNTAX, "a brace in the data of a matrix");
-        if (text->count == wanted(text->matrix)) {
+        if (text->count == count_values(text->matrix)) {
             orl_error_set(err, ORL_ERR_SYNTAX, "more than the %zu values of the matrix",
                           text->count);
             orl_error_hint(err, "decimal commas would do that: write 0.5, not 0,5");
@@ -50,18 +51,18 @@ int orl_matrix_text_feed(struct orl_matrix_text *text, const char *piece, size_t
                          struct orl_error *err)
 {
     orl_scan_feed(&text->scan, piece, size);
-    return drain(text, err);
+    return parse_values(text, err);
 }
 
 int orl_matrix_text_finish(struct orl_matrix_text *text, struct orl_error *err)
 {
     int code;
     orl_scan_finish(&text->scan);
-    code = drain(text, err);
+    code = parse_values(text, err);
     if (code < 0)
         return code;
-    if (text->count != wanted(text->matrix))
+    if (text->count != count_values(text->matrix))
         return orl_error_set(err, ORL_ERR_SYNTAX, "%zu values where the matrix has %zu",
-                             text->count, wanted(text->matrix));
+                             text->count, count_values(text->matrix));
     return orl_matrix_finish(text->matrix, err);
 }

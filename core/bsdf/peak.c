@@ -7,20 +7,20 @@
 
 enum { REACH = 2, SPAN = 2 * REACH + 1, ISO_SPAN = 2 * REACH + 2, NEIGHBOURS_MAX = 32 };
 
-static const double contrast = 8;         /* of the peak's mean over what is not of it */
-static const double least_surround = 0.2; /* of the peak's solid angle */
-static const double least_share = 5e-4;   /* of the light */
+static const double contrast = 8; /* largest ratio of the peak's mean to the value of a member */
+static const double least_surround = 0.2; /* least surround, as a share of the peak's solid angle */
+static const double least_share = 5e-4;   /* smallest peak, as a share of the light */
 
-/* A straight cell and its neighbours, of equal solid angle. */
+/* The straight cell and its neighbours, all of equal solid angle. */
 struct group {
-    double value[NEIGHBOURS_MAX]; /* negative: no such cell */
-    bool fine[NEIGHBOURS_MAX];    /* a leaf of the finest size */
+    double value[NEIGHBOURS_MAX]; /* 1/sr; negative: no such cell */
+    bool fine[NEIGHBOURS_MAX];    /* true for a leaf of the finest size */
     unsigned count;
-    uint32_t middle; /* bits of the straight cell; two in data of rank 3 */
+    uint32_t middle; /* bit of the straight cell; two bits in rank 3 */
     double cell_sr;
 };
 
-/* The cells there are by value, the brightest first, equal ones by number. Returns their count. */
+/* Sorts the existing cells by value, brightest first, equal ones by number. Returns their count. */
 static unsigned sort_by_value(const struct group *g, unsigned char ret_order[NEIGHBOURS_MAX])
 {
     unsigned count = 0;
@@ -36,7 +36,7 @@ static unsigned sort_by_value(const struct group *g, unsigned char ret_order[NEI
     return count;
 }
 
-/* See the header. Returns the members, 0 when there is no peak. */
+/* Finds the members of the peak (peak.h). Returns their bits, 0 if there is no peak. */
 static uint32_t find_members(const struct group *g, double *ret_surround, double *ret_share)
 {
     unsigned char order[NEIGHBOURS_MAX];
@@ -56,7 +56,7 @@ static uint32_t find_members(const struct group *g, double *ret_surround, double
             if (g->middle >> i & 1)
                 return 0;
         }
-        if (n_peak == 0) /* the brightest is not of the finest size */
+        if (n_peak == 0) /* the brightest cell is not of the finest size */
             return 0;
     }
     if ((members & g->middle) != g->middle || n_surround < least_surround * n_peak)
@@ -66,17 +66,17 @@ static uint32_t find_members(const struct group *g, double *ret_surround, double
     return *ret_share >= least_share ? members : 0;
 }
 
-static double above(double value, double surround)
+static double excess_over(double value, double surround)
 {
     return value > surround ? value - surround : 0;
 }
 
-/* What is being made, besides the peak itself: sums in double, with their colour. */
+/* Temporary sums of the peak's light in double, with colour. */
 struct sums {
     struct orl_rgb *color[2]; /* NULL for B of rank 3 */
 };
 
-static int begin(struct orl_peak *p, struct sums *sums, size_t cells, bool both)
+static int begin_peak(struct orl_peak *p, struct sums *sums, size_t cells, bool both)
 {
     p->members = calloc(cells, sizeof *p->members);
     p->surround = calloc(cells, sizeof *p->surround);
@@ -90,8 +90,8 @@ static int begin(struct orl_peak *p, struct sums *sums, size_t cells, bool both)
     return ok ? 0 : ORL_ERR_NOMEM;
 }
 
-/* From sums to what is kept; a peak that is nowhere is dropped. */
-static int finish(struct orl_peak *p, struct sums *sums, bool colored, int code)
+/* Converts sums to shares and tints; frees the peak if it is empty everywhere. */
+static int finish_peak(struct orl_peak *p, struct sums *sums, bool colored, int code)
 {
     for (int axis = 0; axis < 2 && code == 0; axis++) {
         if (!sums->color[axis])
@@ -117,14 +117,15 @@ static int finish(struct orl_peak *p, struct sums *sums, bool colored, int code)
 
 /* ---- Trees of rank 4 ------------------------------------------------------------------------- */
 
-/* The middle of a cell; A's is seen from where the light comes. */
+/* Returns the middle of a cell. sign is -1 for A, whose direction points to where the light comes
+ * from. */
 static struct orl_square middle_of(unsigned x, unsigned y, unsigned depth, double sign)
 {
     const double width = 2.0 / (1U << depth);
     return (struct orl_square){sign * ((x + 0.5) * width - 1), sign * ((y + 0.5) * width - 1)};
 }
 
-/* Neighbour k of a cell; false beyond the border of the square. */
+/* Finds neighbour k of a cell. Returns false beyond the border of the square. */
 static bool neighbour(unsigned x, unsigned y, unsigned k, unsigned depth, unsigned *ret_x,
                       unsigned *ret_y)
 {
@@ -135,7 +136,7 @@ static bool neighbour(unsigned x, unsigned y, unsigned k, unsigned depth, unsign
     return nx >= 0 && ny >= 0 && nx < side && ny < side;
 }
 
-static void look_about(const struct orl_tree *tree, unsigned x, unsigned y, struct group *g)
+static void read_neighbours(const struct orl_tree *tree, unsigned x, unsigned y, struct group *g)
 {
     *g = (struct group){.count = SPAN * SPAN,
                         .middle = 1U << (REACH * SPAN + REACH),
@@ -159,13 +160,13 @@ static void add_tree_cell(struct orl_component *c, struct sums *sums, unsigned x
     struct orl_peak *p = &c->peak;
     struct group g;
     double surround, share;
-    /* Most straight cells are large or dark: one look tells. */
+    /* Most straight cells are coarse or black; one look-up excludes them. */
     const struct orl_coords a = {.square = middle_of(x, y, depth, -1)};
     unsigned level;
     if (!(orl_tree_look(&c->tree, a.square, middle_of(x, y, depth, 1), &level) > 0) ||
         level < depth)
         return;
-    look_about(&c->tree, x, y, &g);
+    read_neighbours(&c->tree, x, y, &g);
     p->members[cell] = find_members(&g, &surround, &share);
     if (!p->members[cell])
         return;
@@ -177,7 +178,7 @@ static void add_tree_cell(struct orl_component *c, struct sums *sums, unsigned x
         const struct orl_coords b = {.square = middle_of(nx, ny, depth, 1)};
         const struct orl_rgb part =
             orl_tinted(orl_chroma_tint(ORL_STRUCTURE_TREE4, c, &a, &b),
-                       above(g.value[k], (double)p->surround[cell]) * g.cell_sr);
+                       excess_over(g.value[k], (double)p->surround[cell]) * g.cell_sr);
         sums->color[ORL_AXIS_A][cell] = orl_rgb_add(sums->color[ORL_AXIS_A][cell], part);
         struct orl_rgb *other = &sums->color[ORL_AXIS_B][(size_t)nx << depth | ny];
         *other = orl_rgb_add(*other, part);
@@ -188,18 +189,19 @@ static int make_tree(struct orl_component *c)
 {
     const unsigned side = 1U << c->tree.depth;
     struct sums sums = {{NULL, NULL}};
-    const int code = begin(&c->peak, &sums, (size_t)side * side, true);
+    const int code = begin_peak(&c->peak, &sums, (size_t)side * side, true);
     for (unsigned x = 0; x < side && code == 0; x++)
         for (unsigned y = 0; y < side; y++)
             add_tree_cell(c, &sums, x, y);
-    return finish(&c->peak, &sums, c->chroma.present, code);
+    return finish_peak(&c->peak, &sums, c->chroma.present, code);
 }
 
 /* ---- Trees of rank 3 ------------------------------------------------------------------------- */
 
 /*
- * The straight direction for ring a of A is that ring's place on the +x axis of the square, between
- * two cells. Bit dy * SPAN + dx: column half + a - REACH + dx, row half - 1 - REACH + dy.
+ * Returns the bit of a cell of B for ring a of A, or -1. The straight direction lies on the +x axis
+ * of the square, between two cells. Bit dy * SPAN + dx is column half + a - REACH + dx, row half -
+ * 1 - REACH + dy.
  */
 static int iso_bit(const struct orl_iso *iso, unsigned a, size_t cell)
 {
@@ -216,7 +218,7 @@ static bool iso_cell(const struct orl_iso *iso, unsigned a, unsigned bit, size_t
     return x >= 0 && y >= 0 && x < n && y < n;
 }
 
-/* B at the middle of a cell, with A as it is looked up when light travels along +x. */
+/* Coordinates of B in the middle of a cell, for A's light travelling along +x. */
 static struct orl_coords iso_coords(const struct orl_iso *iso, size_t cell)
 {
     const size_t n = 2 * (size_t)iso->half, x = cell / n, y = cell % n;
@@ -251,22 +253,23 @@ static void add_ring(struct orl_component *c, struct sums *sums, unsigned a)
         sums->color[ORL_AXIS_A][a] =
             orl_rgb_add(sums->color[ORL_AXIS_A][a],
                         orl_tinted(orl_chroma_tint(ORL_STRUCTURE_TREE3, c, &from, &b),
-                                   above(g.value[k], (double)p->surround[a]) * g.cell_sr));
+                                   excess_over(g.value[k], (double)p->surround[a]) * g.cell_sr));
     }
 }
 
 static int make_iso(struct orl_component *c)
 {
     struct sums sums = {{NULL, NULL}};
-    const int code = begin(&c->peak, &sums, c->iso.half, false);
+    const int code = begin_peak(&c->peak, &sums, c->iso.half, false);
     for (unsigned a = 0; a < c->iso.half && code == 0; a++)
         add_ring(c, &sums, a);
-    return finish(&c->peak, &sums, c->chroma.present, code);
+    return finish_peak(&c->peak, &sums, c->chroma.present, code);
 }
 
 /* ---- Matrices -------------------------------------------------------------------------------- */
 
-/* The mean over cells near the straight one, by solid angle; negative when there are none. */
+/* Returns the mean over cells near the straight one, weighted by solid angle; negative if there are
+ * too few. */
 static double mean_about(const struct orl_matrix *m, int cell, double reach)
 {
     const struct orl_basis *basis = &m->basis[ORL_AXIS_B];
@@ -291,7 +294,7 @@ static int make_matrix(struct orl_component *c)
     struct sums sums = {{NULL, NULL}};
     if (!orl_matrix_is_square(m))
         return 0;
-    const int code = begin(p, &sums, (size_t)cells, true);
+    const int code = begin_peak(p, &sums, (size_t)cells, true);
     for (int i = 0; i < cells && code == 0; i++) {
         const double omega = orl_basis_ring(&m->basis[ORL_AXIS_B], i)->omega_sr;
         const ptrdiff_t index = (ptrdiff_t)i * cells + i;
@@ -304,9 +307,9 @@ static int make_matrix(struct orl_component *c)
         p->surround[i] = (float)surround;
         const struct orl_tint tint = c->chroma.present ? c->chroma.values[index] : orl_tint_gray;
         sums.color[ORL_AXIS_A][i] = sums.color[ORL_AXIS_B][i] =
-            orl_tinted(tint, above(value, (double)p->surround[i]) * omega);
+            orl_tinted(tint, excess_over(value, (double)p->surround[i]) * omega);
     }
-    return finish(p, &sums, c->chroma.present, code);
+    return finish_peak(p, &sums, c->chroma.present, code);
 }
 
 /* ---- The whole ------------------------------------------------------------------------------- */
@@ -342,7 +345,7 @@ size_t orl_peak_bytes(const struct orl_peak *peak)
     return peak->cells * each;
 }
 
-/* The cell of A, and the bit that stands for B's; -1 when it is far from straight. */
+/* Returns the bit of B's cell and sets the cell of A; -1 if the pair is not near straight. */
 static int bit_of(enum orl_structure structure, const struct orl_component *c,
                   const struct orl_coords *a, const struct orl_coords *b, size_t *ret_cell)
 {
@@ -377,20 +380,20 @@ double orl_peak_part(enum orl_structure structure, const struct orl_component *c
     const int bit = bit_of(structure, component, a, b, &cell);
     if (bit < 0 || !(p->members[cell] >> bit & 1))
         return 0;
-    return above(value, (double)p->surround[cell]);
+    return excess_over(value, (double)p->surround[cell]);
 }
 
-/* The part of a value of rank 3 that is of the peak, for the integral given B. */
+/* Returns the peak's part of a value of rank 3, for the integral given B. */
 static double iso_part(const void *ctx, unsigned ring, size_t cell, double value)
 {
     const struct orl_component *c = ctx;
     const int bit = iso_bit(&c->iso, ring, cell);
     if (bit < 0 || !(c->peak.members[ring] >> bit & 1))
         return 0;
-    return above(value, (double)c->peak.surround[ring]);
+    return excess_over(value, (double)c->peak.surround[ring]);
 }
 
-/* Where a given direction has its share; negative: nowhere. */
+/* Returns the index of a given direction in share; negative if it has none. */
 static ptrdiff_t share_index(enum orl_structure structure, const struct orl_component *c,
                              enum orl_tree_axis given, const struct orl_coords *coords)
 {

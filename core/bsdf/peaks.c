@@ -1,4 +1,4 @@
-/* Peaks of a polar map, and what is about them: see oriel/bsdf_peaks.h. */
+/* Peaks of a polar map and their neighbourhoods: see oriel/bsdf_peaks.h. */
 #include <oriel/bsdf_peaks.h>
 
 #include <math.h>
@@ -15,13 +15,15 @@ static struct orl_vec3 direction(double theta_deg, double phi_deg, bool front)
     return orl_v3(sin(t) * cos(p), sin(t) * sin(p), front ? cos(t) : -cos(t));
 }
 
-/* Of the light about a direction: its middle, its share, its largest value. */
+/* Light around a direction: its centre, its share of the incident light, its largest value
+ * (1/sr). */
 struct about {
     struct orl_vec3 middle;
     double share, most;
 };
 
-static struct about look(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 at)
+static struct about integrate_about(const struct orl_bsdf *bsdf, struct orl_vec3 in,
+                                    struct orl_vec3 at)
 {
     const struct orl_frame frame = orl_frame_about(at);
     const double reach = reach_deg * ORL_DEG_TO_RAD, step = 2 * reach / GRID;
@@ -42,7 +44,7 @@ static struct about look(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct
     return about;
 }
 
-/* No brighter neighbour, in a map whose azimuth goes round. */
+/* Returns true if no neighbour is brighter; the map's azimuth is periodic. */
 static bool is_top(const double values[ORL_POLAR_THETAS][ORL_POLAR_PHIS], int theta, int phi)
 {
     for (int j = -1; j <= 1; j++)
@@ -54,7 +56,8 @@ static bool is_top(const double values[ORL_POLAR_THETAS][ORL_POLAR_PHIS], int th
     return true;
 }
 
-/* The middle of a plateau, as cells of the data leave it: of what is as bright and near. */
+/* Returns the centre of a plateau: the mean direction of nearby cells that are as bright. Cells of
+ * the data cause plateaus. */
 static struct orl_vec3 start_of(const double values[ORL_POLAR_THETAS][ORL_POLAR_PHIS], int theta,
                                 int phi, bool front)
 {
@@ -71,9 +74,9 @@ static struct orl_vec3 start_of(const double values[ORL_POLAR_THETAS][ORL_POLAR_
     return orl_normalize(sum);
 }
 
-/* Into its place among those found, unless a brighter one is near. */
-static size_t enter(const struct orl_bsdf_lobe *lobe, struct orl_vec3 at, struct orl_vec3 *places,
-                    struct orl_bsdf_lobe *peaks, size_t n)
+/* Inserts a peak in order of brightness, unless a brighter one is near. Returns the new count. */
+static size_t insert_peak(const struct orl_bsdf_lobe *lobe, struct orl_vec3 at,
+                          struct orl_vec3 *places, struct orl_bsdf_lobe *peaks, size_t n)
 {
     size_t k = 0;
     for (size_t i = 0; i < n; i++) {
@@ -97,8 +100,9 @@ static size_t enter(const struct orl_bsdf_lobe *lobe, struct orl_vec3 at, struct
     return last + 1;
 }
 
-/* Those that came before a brighter one near them. */
-static size_t thin(struct orl_vec3 *places, struct orl_bsdf_lobe *peaks, size_t n)
+/* Removes faint peaks, and those that were inserted before a brighter one near them. Returns the
+ * new count. */
+static size_t thin_peaks(struct orl_vec3 *places, struct orl_bsdf_lobe *peaks, size_t n)
 {
     size_t kept = 0;
     for (size_t i = 0; i < n; i++) {
@@ -128,13 +132,13 @@ size_t orl_bsdf_find_peaks(const struct orl_bsdf *bsdf, bool front, double theta
                 continue;
             const struct orl_vec3 at =
                 start_of(polar->values[transmitted], t, p, front != transmitted);
-            struct about about = look(bsdf, in, at);
+            struct about about = integrate_about(bsdf, in, at);
             for (int k = 1; k < STEPS; k++)
-                about = look(bsdf, in, about.middle);
+                about = integrate_about(bsdf, in, about.middle);
             const double phi = atan2(about.middle.y, about.middle.x) / ORL_DEG_TO_RAD;
             const struct orl_bsdf_lobe lobe = {acos(fmin(1, fabs(about.middle.z))) / ORL_DEG_TO_RAD,
                                                phi < 0 ? phi + 360 : phi, about.most, about.share};
-            n = enter(&lobe, about.middle, places, ret_peaks, n);
+            n = insert_peak(&lobe, about.middle, places, ret_peaks, n);
         }
-    return thin(places, ret_peaks, n);
+    return thin_peaks(places, ret_peaks, n);
 }

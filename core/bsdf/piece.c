@@ -9,7 +9,7 @@
 
 enum { DEPTH_MAX = 8, TEXT_MAX = 256, SLICE = 1 << 20 };
 
-/* Where the reader is; what lies deeper than the path is of no matter. */
+/* Parser state. Elements deeper than the path are ignored. */
 struct reading {
     XML_Parser parser;
     struct orl_bsdf_piece *piece;
@@ -23,14 +23,14 @@ struct reading {
     size_t length, geometry_room;
 };
 
-static void fail(struct reading *r, int code)
+static void fail_at_line(struct reading *r, int code)
 {
     orl_error_at(r->err, r->file, (int)XML_GetCurrentLineNumber(r->parser), NULL);
     r->code = code;
     XML_StopParser(r->parser, XML_FALSE);
 }
 
-/* Is it an element of the first layer, of that name, within another of that name? */
+/* Returns true at an element of the first layer with this name, inside the named outer element. */
 static bool is_at(const struct reading *r, const char *outer, const char *name)
 {
     return r->depth == 5 && r->layers == 1 && strcmp(r->path[2], "Layer") == 0 &&
@@ -55,9 +55,9 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
         return;
     for (; attributes[0]; attributes += 2)
         if (strcmp(attributes[0], "format") == 0 && strcasecmp(attributes[1], "MGF") != 0)
-            fail(r, orl_error_set(r->err, ORL_ERR_UNSUPPORTED,
-                                  "geometry of the format '%.40s' is not read, but MGF",
-                                  attributes[1]));
+            fail_at_line(r, orl_error_set(r->err, ORL_ERR_UNSUPPORTED,
+                                          "geometry of the format '%.40s' is not read, but MGF",
+                                          attributes[1]));
 }
 
 static void add_geometry(struct reading *r, const char *text, size_t length)
@@ -67,7 +67,7 @@ static void add_geometry(struct reading *r, const char *text, size_t length)
         const size_t room = 2 * (piece->geometry_size + length + 1);
         char *grown = realloc(piece->geometry, room);
         if (!grown) {
-            fail(r, orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory"));
+            fail_at_line(r, orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory"));
             return;
         }
         piece->geometry = grown;
@@ -91,7 +91,7 @@ static void on_text(void *ctx, const XML_Char *text, int length)
     r->length += count;
 }
 
-/* What the text says, without blanks around it, and ended. */
+/* Returns the element's text without white space around it, terminated by NUL. */
 static const char *trimmed(struct reading *r)
 {
     size_t start = 0;
@@ -108,8 +108,8 @@ static void read_size(struct reading *r, const char *text, double *ret_m)
     if (*text == '\0')
         return;
     if (orl_number_read(text, strlen(text), &value) != ORL_NUMBER_OK || value < 0)
-        fail(r,
-             orl_error_set(r->err, ORL_ERR_RANGE, "%s is '%.40s', not a size", r->path[4], text));
+        fail_at_line(
+            r, orl_error_set(r->err, ORL_ERR_RANGE, "%s is '%.40s', not a size", r->path[4], text));
     else
         *ret_m = value * r->unit;
 }
@@ -142,22 +142,22 @@ static void on_doctype(void *ctx, const XML_Char *name, const XML_Char *system,
     (void)system;
     (void)public;
     (void)internal;
-    fail(r, orl_error_set(r->err, ORL_ERR_UNSUPPORTED,
-                          "a document type declaration; entities are not accepted"));
+    fail_at_line(r, orl_error_set(r->err, ORL_ERR_UNSUPPORTED,
+                                  "a document type declaration; entities are not accepted"));
 }
 
-static void parse(struct reading *r, const char *xml, size_t size)
+static void parse_xml(struct reading *r, const char *xml, size_t size)
 {
     for (size_t at = 0; r->code == 0 && at < size; at += SLICE) {
         const size_t length = size - at < SLICE ? size - at : SLICE;
         const bool last = at + length == size;
         if (XML_Parse(r->parser, xml + at, (int)length, last) == XML_STATUS_ERROR && r->code == 0)
-            fail(r, orl_error_set(r->err, ORL_ERR_SYNTAX, "XML: %s",
-                                  XML_ErrorString(XML_GetErrorCode(r->parser))));
+            fail_at_line(r, orl_error_set(r->err, ORL_ERR_SYNTAX, "XML: %s",
+                                          XML_ErrorString(XML_GetErrorCode(r->parser))));
     }
 }
 
-/* Geometry of blanks alone is none. */
+/* Terminates the geometry; drops it if it is only white space. */
 static void end_geometry(struct orl_bsdf_piece *piece)
 {
     if (!piece->geometry)
@@ -182,7 +182,7 @@ int orl_bsdf_piece_read(const char *name, const char *xml, size_t size,
     XML_SetElementHandler(r.parser, on_start, on_end);
     XML_SetCharacterDataHandler(r.parser, on_text);
     XML_SetStartDoctypeDeclHandler(r.parser, on_doctype);
-    parse(&r, xml, size);
+    parse_xml(&r, xml, size);
     XML_ParserFree(r.parser);
     end_geometry(ret_piece);
     return r.code;

@@ -5,7 +5,7 @@
 #include <oriel/units.h>
 
 enum {
-    SIDE = 4, /* points along either side of a cell */
+    SIDE = 4, /* sample points along either side of a cell */
     BEAM = 4,
 };
 
@@ -21,10 +21,10 @@ static double square(double value)
 }
 
 /*
- * The corners of a beam 0.1 degrees wide: round angles lie on the borders of the data's cells, and
- * which side one falls on is for rounding to say.
+ * Computes the corners of a beam 0.1 degrees wide. Round angles lie on borders of the data's cells,
+ * where rounding would choose the cell of a single direction.
  */
-static void spread(struct orl_vec3 in, struct orl_vec3 ret_beam[BEAM])
+static void spread_beam(struct orl_vec3 in, struct orl_vec3 ret_beam[BEAM])
 {
     const struct orl_frame frame = orl_frame_about(in);
     const double half = 0.05 * ORL_DEG_TO_RAD;
@@ -33,7 +33,8 @@ static void spread(struct orl_vec3 in, struct orl_vec3 ret_beam[BEAM])
             orl_to_world(&frame, orl_v3(k & 1 ? half : -half, k & 2 ? half : -half, 1)));
 }
 
-/* Points are even in the squared sine of theta, which is to say in projected solid angle. */
+/* Returns the mean over a cell of the map. Points are uniform in the squared sine of theta, that is
+ * in projected solid angle. */
 static double cell_mean(const struct orl_bsdf *bsdf, const struct orl_vec3 beam[BEAM], bool front,
                         int theta, int phi)
 {
@@ -54,8 +55,8 @@ void orl_bsdf_polar(const struct orl_bsdf *bsdf, bool front, double theta_deg, d
                     struct orl_bsdf_polar *ret_polar)
 {
     struct orl_vec3 beam[BEAM];
-    spread(direction(square(sin(theta_deg * ORL_DEG_TO_RAD)), phi_deg * ORL_DEG_TO_RAD, front),
-           beam);
+    spread_beam(direction(square(sin(theta_deg * ORL_DEG_TO_RAD)), phi_deg * ORL_DEG_TO_RAD, front),
+                beam);
     *ret_polar = (struct orl_bsdf_polar){.reflected = 0};
     for (int k = 0; k < BEAM; k++) {
         ret_polar->reflected += orl_luma(orl_bsdf_albedo(bsdf, beam[k], ORL_BSDF_REFLECT)) / BEAM;

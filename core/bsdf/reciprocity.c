@@ -1,6 +1,6 @@
 /*
- * How far f(in, out) is from f(out, in), as a share of the light. Means over evenly spread draws,
- * the same ones every time, good to about half a per cent.
+ * Deviation of f(in, out) from f(out, in), as a share of the light. Means over a fixed set of
+ * evenly spread samples, accurate to about half a per cent.
  */
 #include "bsdf/front.h"
 
@@ -17,9 +17,9 @@ void orl_even_point(unsigned i, double ret_u[4])
 }
 
 /*
- * The mean over the light scattered one way of max(0, 1 - f(out, in) / f(in, out)), and that
- * light's amount: what the reverse paths lack. Pairs that only the reverse has light on are seen
- * from the other side, where the roles are exchanged.
+ * Returns the mean, over the light scattered one way, of max(0, 1 - f(out, in) / f(in, out)): the
+ * light that reverse paths lack. Sets *ret_amount to the light's amount. Pairs that are dark only
+ * this way are found from the other side, where the roles are exchanged.
  */
 static double missing_in_reverse(const struct orl_bsdf *bsdf, bool front, enum orl_bsdf_side side,
                                  double *ret_amount)

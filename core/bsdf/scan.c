@@ -43,8 +43,8 @@ static bool is_digit(char c)
 }
 
 /*
- * value * 10^exponent. Exact where both fit a double exactly, which covers what programs print;
- * otherwise within a few units in the last place, far below the float that is kept.
+ * Returns digits * 10^exponent. Exact if both fit a double exactly, as numbers printed by programs
+ * do. Otherwise accurate to a few units in the last place, far better than the stored float.
  */
 static inline double scale_by_ten(uint64_t digits, int exponent)
 {
@@ -61,7 +61,7 @@ static inline double scale_by_ten(uint64_t digits, int exponent)
     return exponent >= 0 ? value * exact[exponent] : value / exact[-exponent];
 }
 
-/* The digits of a number, with the power of ten that the point and surplus digits stand for. */
+/* Digits of a number, and the power of ten from the decimal point and surplus digits. */
 struct digits {
     uint64_t value;
     int exponent;
@@ -81,13 +81,14 @@ static const char *read_digits(const char *p, const char *end, struct digits *d)
             d->value = d->value * 10 + (uint64_t)(*p - '0');
             d->exponent -= point;
         } else {
-            d->exponent += !point; /* beyond 18 digits: only the magnitude counts */
+            d->exponent += !point; /* beyond 18 digits only the magnitude counts */
         }
     }
     return p;
 }
 
-/* An optional exponent, held within +-9999 however many digits it has. NULL when malformed. */
+/* Reads an optional exponent and clamps it to +-9999, whatever its number of digits. Returns NULL
+ * if it is malformed. */
 static const char *read_exponent(const char *p, const char *end, int *exponent)
 {
     bool negative = false;
@@ -107,8 +108,8 @@ static const char *read_exponent(const char *p, const char *end, int *exponent)
     return p;
 }
 
-/* Says what is wrong with text, which is no plain number. */
-static int refuse(const char *text, size_t length, struct orl_error *err)
+/* Sets the error for text that is not a plain number, and returns its code. */
+static int refuse_number(const char *text, size_t length, struct orl_error *err)
 {
     const size_t skip = length > 0 && (*text == '-' || *text == '+');
     const int shown = (int)(length < 40 ? length : 40);
@@ -133,7 +134,7 @@ int orl_number_parse(const char *text, size_t length, double *ret_value, struct 
     if (d.any)
         p = read_exponent(p, end, &d.exponent);
     if (!d.any || p != end)
-        return refuse(text, length, err);
+        return refuse_number(text, length, err);
     value = scale_by_ten(d.value, d.exponent);
     if (!(value <= ORL_BSDF_VALUE_MAX))
         return orl_error_set(err, ORL_ERR_RANGE, "'%.*s' is too large: at most %g is accepted",
@@ -142,13 +143,13 @@ int orl_number_parse(const char *text, size_t length, double *ret_value, struct 
     return 0;
 }
 
-/* ---- The quick way --------------------------------------------------------------------------- */
+/* ---- Fast path ------------------------------------------------------------------------------ */
 
 enum { WORD_DIGITS = 8 };
 
 /*
- * How many of the eight characters at p, from the first on, are digits; their value. The characters
- * are summed in place: neighbouring digits to pairs, pairs to fours, fours to eight.
+ * Returns the number of leading digits among the eight characters at p, and sets their value. The
+ * digits are added in place: to pairs, then fours, then eight.
  */
 static inline unsigned read_word(const char *p, uint64_t *ret_value)
 {
@@ -162,7 +163,7 @@ static inline unsigned read_word(const char *p, uint64_t *ret_value)
     *ret_value = 0;
     if (count == 0)
         return 0;
-    x <<= 8 * (WORD_DIGITS - count); /* zeros in front */
+    x <<= 8 * (WORD_DIGITS - count); /* puts zeros in front */
     x = (x & UINT64_C(0x00ff00ff00ff00ff)) * 10 + (x >> 8 & UINT64_C(0x00ff00ff00ff00ff));
     x = (x & UINT64_C(0x0000ffff0000ffff)) * 100 + (x >> 16 & UINT64_C(0x0000ffff0000ffff));
     *ret_value = (x & UINT64_C(0xffffffff)) * 10000 + (x >> 32);
@@ -170,9 +171,9 @@ static inline unsigned read_word(const char *p, uint64_t *ret_value)
 }
 
 /*
- * A number as programs print it: up to eight digits, a point and up to eight more, an exponent of
- * up to two. Returns where it ends, with the value that orl_number_parse finds, or NULL for one
- * that is not like that, or may go on after end.
+ * Reads a number in a common printed form: up to eight digits, a point, up to eight more, an
+ * exponent of up to two digits. Returns its end and the same value as orl_number_parse. Returns
+ * NULL for other forms, and for a number that may continue after end.
  */
 static inline const char *read_quickly(const char *p, const char *end, double *ret_value)
 {
@@ -212,7 +213,7 @@ static inline const char *read_quickly(const char *p, const char *end, double *r
 
 /* ---- Tokens ---------------------------------------------------------------------------------- */
 
-/* Appends to the cut number what the present piece has of it. */
+/* Appends the part of a cut number that is in the current piece. */
 static int extend_partial(struct orl_scan *scan, struct orl_error *err)
 {
     const char *p = scan->next;
@@ -223,14 +224,15 @@ static int extend_partial(struct orl_scan *scan, struct orl_error *err)
     if (length > sizeof scan->partial - scan->partial_length)
         return orl_error_set(err, ORL_ERR_SYNTAX, "a number is longer than %d characters",
                              ORL_SCAN_TOKEN_MAX);
-    if (length > 0) /* at the end there is no piece to copy from */
+    if (length > 0) /* after orl_scan_finish there is no piece to copy from */
         memcpy(scan->partial + scan->partial_length, scan->next, length);
     scan->partial_length += length;
     scan->next = p;
     return 0;
 }
 
-/* Completes a number that began in an earlier piece, if the present one or the end completes it. */
+/* Completes a number that began in an earlier piece, if the current piece or the end of input
+ * completes it. */
 static int next_from_partial(struct orl_scan *scan, double *ret_value, struct orl_error *err)
 {
     int code = extend_partial(scan, err);

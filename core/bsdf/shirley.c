@@ -1,13 +1,13 @@
 #include "bsdf/shirley.h"
 
 /*
- * The four pie slices of the square pair up: with a signed radius, right and left obey one
- * formula, top and bottom another, and the angle stays within 45 degrees of the slice's axis.
+ * Opposite slices of the square share a formula if the radius is signed: one for right and left,
+ * one for top and bottom. The angle then stays within 45 degrees of the slice's axis.
  */
 struct orl_square orl_disk_to_square(double x, double y)
 {
     const double r = sqrt(x * x + y * y);
-    if (!(r > 0)) /* NaN too */
+    if (!(r > 0)) /* also for NaN */
         return (struct orl_square){0, 0};
     if (fabs(x) >= fabs(y)) {
         const double a = copysign(r, x);

@@ -1,11 +1,11 @@
 /*
- * The equal-area map between the square and the unit disk of Shirley and Chiu ("A low distortion
- * map between disk and square", Journal of Graphics Tools 2(3), 1997), as tensor trees use it: the
- * disk is the hemisphere seen along its axis, so that equal areas of the square are equal
- * projected solid angles, pi steradians for the whole square.
+ * Equal-area map between the square and the unit disk, as used by tensor trees: Shirley and Chiu,
+ * "A low distortion map between disk and square", Journal of Graphics Tools 2(3), 1997. The disk is
+ * the hemisphere projected along its axis, so equal areas of the square are equal projected solid
+ * angles. The whole square is pi steradians.
  *
- * Square coordinates here run from -1 to 1, with the pole at 0: turning a direction by half a turn
- * about the axis negates both, exactly. Both functions are total.
+ * Square coordinates run from -1 to 1, with the pole at 0. Turning a direction by half a turn about
+ * the axis negates both exactly. Both functions accept any input.
  */
 #ifndef ORL_BSDF_SHIRLEY_H
 #define ORL_BSDF_SHIRLEY_H
@@ -20,7 +20,7 @@ struct orl_square {
 
 struct orl_square orl_disk_to_square(double x, double y);
 
-/* The unit vector with z >= 0 above the disk point. z is computed without cancellation. */
+/* Returns the unit vector with z >= 0 above the disk point. z is computed without cancellation. */
 static inline struct orl_vec3 orl_square_to_hemisphere(struct orl_square s)
 {
     const int sideways = fabs(s.x) >= fabs(s.y);

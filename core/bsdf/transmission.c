@@ -1,10 +1,11 @@
-/* Transmission of a matrix BSDF as the three-phase method multiplies by it. */
+/* Transmission matrix of a matrix BSDF, as used by the three-phase method. */
 #include <stdlib.h>
 
 #include "bsdf/front.h"
 
-/* The middle of a cell, as the file numbers them: incident ones are seen as the light travels. */
-static struct orl_vec3 middle(const struct orl_basis *basis, size_t cell, bool incident)
+/* Returns the middle of a cell in the file's numbering. Incident directions are negated, because
+ * cells hold them as the light travels. */
+static struct orl_vec3 middle_of(const struct orl_basis *basis, size_t cell, bool incident)
 {
     const struct orl_vec3 d = orl_basis_direction(basis, (int)cell, 0.5, 0.5);
     return incident ? orl_neg(d) : d;
@@ -24,10 +25,10 @@ int orl_bsdf_transmission(const struct orl_bsdf *bsdf, size_t *ret_rows, size_t 
     if (!values)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a BSDF's matrix");
     for (size_t c = 0; c < columns; c++) {
-        const struct orl_vec3 from = middle(in, c, true);
+        const struct orl_vec3 from = middle_of(in, c, true);
         const double omega = orl_basis_ring(in, (int)c)->omega_sr;
         for (size_t r = 0; r < rows; r++) {
-            const struct orl_rgb f = orl_bsdf_eval(bsdf, from, middle(out, r, false));
+            const struct orl_rgb f = orl_bsdf_eval(bsdf, from, middle_of(out, r, false));
             float *at = values + 3 * (r * columns + c);
             at[0] = (float)(f.r * omega);
             at[1] = (float)(f.g * omega);

@@ -1,9 +1,9 @@
-/* Reads tensor trees: values, integrals over one direction, draws of one given the other. */
+/* Reading of tensor trees: values, integrals over one direction, samples of one given the other. */
 #include "bsdf/tree.h"
 
 #include <string.h>
 
-enum { ABREAST = 16 }; /* draws */
+enum { ABREAST = 16 }; /* draws whose descents are interleaved */
 
 /* A place on the square in units of the finest cell, 2^depth a side. */
 struct cell {
@@ -13,12 +13,13 @@ struct cell {
 static unsigned coordinate(double s, unsigned side)
 {
     const double c = (0.5 + 0.5 * s) * side;
-    if (!(c > 0)) /* NaN too */
+    if (!(c > 0)) /* also for NaN */
         return 0;
     return c < side ? (unsigned)c : side - 1;
 }
 
-/* A is mapped as the light travels, half a turn from where the direction points. */
+/* Returns the cell of a place. A is mapped as the light travels, half a turn from where its
+ * direction points. */
 static struct cell cell_of(struct orl_square place, enum orl_tree_axis axis, unsigned depth)
 {
     const double sign = axis == ORL_AXIS_A ? -1 : 1;
@@ -33,7 +34,7 @@ static float float_of(uint32_t bits)
     return value;
 }
 
-/* A branch's word that is its mean over the other direction; of a lowest one its line. */
+/* Returns the word with a branch's mean over the other direction; for a lowest branch its line. */
 static inline const uint32_t *mean_at(const struct orl_tree *tree, struct orl_tree_ref ref,
                                       enum orl_tree_axis given, struct cell c, unsigned level)
 {
@@ -45,7 +46,7 @@ static inline const uint32_t *mean_at(const struct orl_tree *tree, struct orl_tr
                       : words + ORL_TREE_FANOUT + ((size_t)given << 2 * depth) + (x << depth | y);
 }
 
-/* See orl_tree_mean. The four leaves of a lowest branch are summed on the spot. */
+/* Like orl_tree_mean. The four leaves of a lowest branch are summed here. */
 static inline float mean_of(const struct orl_tree *tree, struct orl_tree_ref ref,
                             enum orl_tree_axis given, struct cell c, unsigned level)
 {
@@ -65,7 +66,7 @@ float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum o
     return mean_of(tree, ref, given, (struct cell){x, y}, level);
 }
 
-/* Trees are built in one order, children first: equal ones have equal lines. */
+/* Trees are built in a fixed order, children first, so equal trees have equal lines. */
 bool orl_tree_equal(const struct orl_tree *tree, const struct orl_tree *other)
 {
     return tree->root.bits == other->root.bits && tree->n_lines == other->n_lines &&
@@ -73,7 +74,7 @@ bool orl_tree_equal(const struct orl_tree *tree, const struct orl_tree *other)
             !memcmp(tree->lines, other->lines, tree->n_lines * sizeof *tree->lines));
 }
 
-/* The leaf that holds the pair, and how far down it is. */
+/* Returns the leaf of the pair, and sets its level. */
 static inline struct orl_tree_ref leaf_of(const struct orl_tree *tree, struct orl_square a,
                                           struct orl_square b, unsigned *ret_level)
 {
@@ -109,15 +110,15 @@ double orl_tree_look(const struct orl_tree *tree, struct orl_square a, struct or
     return (double)float_of(leaf_of(tree, a, b, ret_level).bits);
 }
 
-/* A node of the other direction's cell (x, y), 2^level finest ones a side. */
+/* A node, and its cell (x, y) of the other direction, 2^level finest cells a side. */
 struct node {
     struct orl_tree_ref ref;
     int level, x, y;
 };
 
-/* What of the window lies in a node's cell, along one axis. */
-static bool meets(int low, int side, const struct node *node, int cell, int *ret_begin,
-                  int *ret_end)
+/* Intersects the window with a node's cell along one axis; returns false if they are disjoint. */
+static bool intersect_window(int low, int side, const struct node *node, int cell, int *ret_begin,
+                             int *ret_end)
 {
     const int begin = cell << node->level, end = begin + (1 << node->level);
     *ret_begin = begin > low ? begin : low;
@@ -125,13 +126,13 @@ static bool meets(int low, int side, const struct node *node, int cell, int *ret
     return *ret_begin < *ret_end;
 }
 
-/* As deep as the tree is. */
-static void look_about(const struct orl_tree *tree, const struct orl_tree_window *w,
-                       const struct node *node)
+/* Recursion is as deep as the tree. */
+static void read_window(const struct orl_tree *tree, const struct orl_tree_window *w,
+                        const struct node *node)
 {
     int left, right, low, high;
-    if (!meets(w->low_x, w->side, node, node->x, &left, &right) ||
-        !meets(w->low_y, w->side, node, node->y, &low, &high))
+    if (!intersect_window(w->low_x, w->side, node, node->x, &left, &right) ||
+        !intersect_window(w->low_y, w->side, node, node->y, &low, &high))
         return;
     if (orl_tree_is_leaf(node->ref)) {
         for (int y = low; y < high; y++)
@@ -147,13 +148,13 @@ static void look_about(const struct orl_tree *tree, const struct orl_tree_window
     for (int k = 0; k < 4; k++) {
         const struct node part = {orl_tree_child(tree, node->ref, mine | (unsigned)k << 2), level,
                                   2 * node->x + (k & 1), 2 * node->y + (k >> 1)};
-        look_about(tree, w, &part);
+        read_window(tree, w, &part);
     }
 }
 
 void orl_tree_look_about(const struct orl_tree *tree, const struct orl_tree_window *window)
 {
-    look_about(tree, window, &(struct node){tree->root, (int)tree->depth, 0, 0});
+    read_window(tree, window, &(struct node){tree->root, (int)tree->depth, 0, 0});
 }
 
 double orl_tree_total(const struct orl_tree *tree, enum orl_tree_axis given,
@@ -172,8 +173,8 @@ void orl_tree_ask_for_total(const struct orl_tree *tree, enum orl_tree_axis give
 }
 
 /*
- * A place within a cell, kept clear of its border by 1e-9 of its width: the direction made from it
- * then falls into the same cell when it is mapped back.
+ * Returns a place within a cell, at least 1e-9 of the cell's width from its border. Its direction
+ * thus maps back into the same cell.
  */
 static double inside_cell(unsigned cell, double u, unsigned levels)
 {
@@ -193,9 +194,9 @@ struct orl_vec3 orl_square_cell_direction(enum orl_tree_axis axis, unsigned x, u
 }
 
 /*
- * Chooses one of four with probability in proportion to its mean. *t is uniform below their sum
- * and comes out uniform below the chosen mean. The sum is only as good as floats are: t may reach
- * it, in which case the last one of positive mean is taken. Not all four are zero.
+ * Chooses one of four with probability in proportion to its mean. *t is uniform below their sum; on
+ * return it is uniform below the chosen mean. Rounding of floats may let *t reach the sum; then the
+ * last one of positive mean is chosen. The means must not all be zero.
  */
 static inline unsigned choose_quarter(const float mean[4], double *t)
 {
@@ -212,24 +213,24 @@ static inline unsigned choose_quarter(const float mean[4], double *t)
     return i;
 }
 
-/* Where a child's mean over the other direction is read; of a lowest branch it is a sum of four
- * leaves, `step` words apart. */
+/* Address of a child's mean over the other direction. In a lowest branch the mean is the sum of
+ * four leaves, `step` words apart. */
 struct mean {
     const uint32_t *at;
-    uint32_t step; /* 0: it stands there */
+    uint32_t step; /* 0: the word at `at` is the mean */
 };
 
 /*
- * A descent: at each level the quarters of the other direction's cell are weighed by their means
- * over it. The first uniform picks the leaf, as a place along a curve through the square, and its
- * remainder with the second one the place within the leaf.
+ * State of a descent. At each level the quarters of the other direction's cell are weighted by
+ * their means. The first uniform chooses the leaf, as a place along a curve through the square. Its
+ * remainder and the second uniform give the place within the leaf.
  */
 struct descent {
     const struct orl_tree *tree;
     enum orl_tree_axis given;
     struct cell c;
-    struct orl_tree_ref ref, child[4]; /* where it is; where it may go */
-    struct mean mean[4];               /* of the children */
+    struct orl_tree_ref ref, child[4]; /* current node; its four candidate children */
+    struct mean mean[4];               /* means of the children */
     unsigned level, x, y;
     double t;
 };
@@ -246,17 +247,17 @@ static inline struct descent descent_of(const struct orl_tree_draw *draw)
     return d;
 }
 
-/* Asks for a branch's own line: one that is gone down to is read next. */
-static inline void ask_for(const struct descent *d, struct orl_tree_ref ref)
+/* Prefetches a branch's own line, which is read next if the descent goes there. */
+static inline void prefetch_branch(const struct descent *d, struct orl_tree_ref ref)
 {
     if (!orl_tree_is_leaf(ref))
         __builtin_prefetch(d->tree->lines[orl_tree_index(ref)].words);
 }
 
 /*
- * Where the mean of a child is. What a child is, is chance, so that it decides no branch: a leaf's
- * mean is its word in the branch above, a branch's a word of a table of its own, the first of four
- * leaves where it is a lowest one.
+ * Finds the address of a child's mean without branches, because the child's type is random. A
+ * leaf's mean is its word in the branch above. A branch's mean is a word of its own table, or for a
+ * lowest branch the first of four leaves.
  */
 static inline struct mean find_mean(const struct descent *d, const uint32_t *word)
 {
@@ -282,8 +283,8 @@ static inline float read_mean(struct mean mean)
     return mean.step ? sum : leaf[0];
 }
 
-/* Reads the branch, and asks for the means of the quarters to choose from. */
-static inline void look_down(struct descent *d)
+/* Reads a branch, and prefetches the means of the quarters to choose from. */
+static inline void read_children(struct descent *d)
 {
     const unsigned own = d->given == ORL_AXIS_A ? 0 : 2, others = 2 - own;
     const uint32_t *words = d->tree->lines[orl_tree_index(d->ref)].words;
@@ -297,7 +298,7 @@ static inline void look_down(struct descent *d)
     }
 }
 
-static inline void go_down(struct descent *d)
+static inline void choose_child(struct descent *d)
 {
     float mean[4];
     for (unsigned k = 0; k < 4; k++)
@@ -309,7 +310,7 @@ static inline void go_down(struct descent *d)
     d->ref = d->child[i];
 }
 
-static inline void arrive(const struct descent *d, struct orl_tree_draw *draw)
+static inline void finish_descent(const struct descent *d, struct orl_tree_draw *draw)
 {
     const double value = (double)float_of(d->ref.bits);
     const double t = orl_smaller(d->t / value, 0x1.fffffffffffffp-1);
@@ -325,22 +326,22 @@ double orl_tree_draw(const struct orl_tree *tree, enum orl_tree_axis given, stru
     struct orl_tree_draw draw = {.tree = tree, .given = given, .place = place, .u = {u[0], u[1]}};
     struct descent d = descent_of(&draw);
     while (!orl_tree_is_leaf(d.ref)) {
-        look_down(&d);
-        go_down(&d);
+        read_children(&d);
+        choose_child(&d);
     }
-    arrive(&d, &draw);
+    finish_descent(&d, &draw);
     *ret_direction = draw.direction;
     return draw.value;
 }
 
-/* What one descent waits for, from memory far away, is fetched while the others go on. */
+/* Interleaves up to ABREAST descents, so that waits for memory overlap. */
 static void draw_abreast(struct orl_tree_draw *draws, size_t n)
 {
     struct descent descents[ABREAST];
     unsigned under_way[ABREAST], left = 0;
     for (unsigned i = 0; i < n; i++) {
         descents[i] = descent_of(&draws[i]);
-        ask_for(&descents[i], descents[i].ref);
+        prefetch_branch(&descents[i], descents[i].ref);
         under_way[left++] = i;
     }
     while (left > 0) {
@@ -348,17 +349,17 @@ static void draw_abreast(struct orl_tree_draw *draws, size_t n)
         for (unsigned i = 0; i < left; i++) {
             struct descent *d = &descents[under_way[i]];
             if (orl_tree_is_leaf(d->ref)) {
-                arrive(d, &draws[under_way[i]]);
+                finish_descent(d, &draws[under_way[i]]);
                 continue;
             }
-            look_down(d);
+            read_children(d);
             under_way[kept++] = under_way[i];
         }
         left = kept;
         for (unsigned i = 0; i < left; i++) {
             struct descent *d = &descents[under_way[i]];
-            go_down(d);
-            ask_for(d, d->ref);
+            choose_child(d);
+            prefetch_branch(d, d->ref);
         }
     }
 }

@@ -9,7 +9,7 @@
 
 enum { LINE_BYTES = 64, HUGE_BYTES = 2 << 20 };
 
-/* A bounded multiple of the values, whatever the shape of the tree. */
+/* Limit on lines: a fixed multiple of the values, for any shape of tree. */
 #define LINES_MAX (2 * ORL_LIMIT_BSDF_VALUES / ORL_TREE_FANOUT)
 _Static_assert(LINES_MAX <= 1UL << ORL_TREE_INDEX_BITS, "an index must fit");
 _Static_assert(ORL_LIMIT_TREE_DEPTH <= 8, "a child's depth has 3 bits");
@@ -27,7 +27,7 @@ struct orl_tree_ref orl_tree_leaf(float value)
     return (struct orl_tree_ref){float_bits(value)};
 }
 
-/* From here on lines have pages of their own. */
+/* Number of lines from which the array has pages of its own. */
 static const size_t many_lines = 2 * HUGE_BYTES / LINE_BYTES;
 
 static size_t whole_pages(size_t lines)
@@ -36,8 +36,9 @@ static size_t whole_pages(size_t lines)
 }
 
 /*
- * Pages of their own for that many lines, which ask to be huge: a draw jumps all over them, and
- * would otherwise wait for the page tables as often as for the data. NULL: out of memory.
+ * Maps pages for that many lines and advises the kernel to make them huge. Samples access lines at
+ * random and would otherwise wait for page tables as often as for data. Returns NULL if out of
+ * memory.
  */
 static struct orl_tree_line *map_pages(size_t lines)
 {
@@ -51,12 +52,12 @@ static struct orl_tree_line *map_pages(size_t lines)
         munmap(all, before);
     munmap(all + before + bytes, HUGE_BYTES - before);
 #ifdef MADV_HUGEPAGE
-    madvise(all + before, bytes, MADV_HUGEPAGE); /* a wish: nothing depends on it */
+    madvise(all + before, bytes, MADV_HUGEPAGE); /* advice only; failure is ignored */
 #endif
     return (void *)(all + before);
 }
 
-/* Gives back the lines from the first-th on. */
+/* Frees the lines from index `first` on. */
 static void free_lines(struct orl_tree *tree, size_t first)
 {
     if (tree->capacity < many_lines && first == 0)
@@ -66,8 +67,8 @@ static void free_lines(struct orl_tree *tree, size_t first)
                whole_pages(tree->capacity) - whole_pages(first));
 }
 
-/* Moves the lines to an array of a greater capacity. From pages to pages nothing is copied. */
-static int resize(struct orl_tree *tree, size_t capacity, struct orl_error *err)
+/* Moves the lines to an array of a greater capacity. Between arrays of pages nothing is copied. */
+static int resize_lines(struct orl_tree *tree, size_t capacity, struct orl_error *err)
 {
     struct orl_tree_line *lines = capacity < many_lines
                                       ? aligned_alloc(LINE_BYTES, capacity * LINE_BYTES)
@@ -90,8 +91,8 @@ static int resize(struct orl_tree *tree, size_t capacity, struct orl_error *err)
     return 0;
 }
 
-/* Makes room for count more lines. */
-static int reserve(struct orl_tree *tree, size_t count, struct orl_error *err)
+/* Ensures room for count more lines. Returns 0, ORL_ERR_LIMIT or ORL_ERR_NOMEM. */
+static int reserve_lines(struct orl_tree *tree, size_t count, struct orl_error *err)
 {
     size_t capacity = tree->capacity ? tree->capacity : 256;
     if (count > LINES_MAX - tree->n_lines)
@@ -101,12 +102,12 @@ static int reserve(struct orl_tree *tree, size_t count, struct orl_error *err)
         return 0;
     while (capacity < tree->n_lines + count)
         capacity += capacity / 2 + 1;
-    return resize(tree, capacity, err);
+    return resize_lines(tree, capacity, err);
 }
 
 /*
- * How deep a branch over these children is: 0 when they are equal leaves, and so one leaf. A word's
- * leading bits say first whether it is a branch, then how deep: the greatest is the deepest.
+ * Returns the depth of a branch over these children; 0 if they are equal leaves and so one leaf. A
+ * word's leading bits are its kind, then its depth, so the greatest word is the deepest child.
  */
 static unsigned depth_over(const struct orl_tree_ref child[ORL_TREE_FANOUT])
 {
@@ -119,11 +120,11 @@ static unsigned depth_over(const struct orl_tree_ref child[ORL_TREE_FANOUT])
     return depth == 0 && least == most ? 0 : depth + 1;
 }
 
-/* The means of a child, 2^depth a side, where 2^(depth + shift) a side are wanted. */
+/* The means of a child, 2^depth a side, read at a resolution of 2^(depth + shift) a side. */
 struct means {
     const uint32_t *words;
     unsigned depth, shift;
-    uint32_t own[4]; /* of a leaf or a lowest branch, which has none */
+    uint32_t own[4]; /* means of a leaf or a lowest branch, which stores none */
 };
 
 static void find_means(const struct orl_tree *tree, struct orl_tree_ref child,
@@ -141,7 +142,7 @@ static void find_means(const struct orl_tree *tree, struct orl_tree_ref child,
         ret->words = words + ORL_TREE_FANOUT + ((size_t)given << 2 * ret->depth);
         return;
     }
-    for (unsigned i = 0; i < 4; i++) /* x << 1 | y */
+    for (unsigned i = 0; i < 4; i++) /* order of i: x << 1 | y */
         ret->own[i] = float_bits(orl_tree_mean_of_leaves(words, given, i >> 1 | (i & 1) << 1));
 }
 
@@ -152,7 +153,7 @@ static inline double mean_at(const struct means *m, unsigned x, unsigned y)
     return (double)value;
 }
 
-/* Fills the means for one given direction, 4^depth of them, from those of the children. */
+/* Fills the 4^depth means for one given direction from those of the children. */
 static void fill_means(const struct orl_tree *tree, const struct orl_tree_ref *child,
                        enum orl_tree_axis given, unsigned depth, uint32_t *means)
 {
@@ -177,7 +178,7 @@ int orl_tree_branch(struct orl_tree *tree, const struct orl_tree_ref child[ORL_T
                     struct orl_tree_ref *ret_ref, struct orl_error *err)
 {
     const unsigned depth = depth_over(child);
-    size_t means = 0; /* words for one given direction */
+    size_t means = 0; /* words of means for one given direction */
     uint32_t *words;
     int code;
     if (depth == 0) {
@@ -189,7 +190,7 @@ int orl_tree_branch(struct orl_tree *tree, const struct orl_tree_ref child[ORL_T
                              ORL_LIMIT_TREE_DEPTH);
     if (depth > 1 && !tree->plain)
         means = (size_t)1 << 2 * depth;
-    code = reserve(tree, 1 + 2 * means / ORL_TREE_FANOUT, err);
+    code = reserve_lines(tree, 1 + 2 * means / ORL_TREE_FANOUT, err);
     if (code < 0)
         return code;
     words = tree->lines[tree->n_lines].words;
@@ -206,7 +207,7 @@ int orl_tree_branch(struct orl_tree *tree, const struct orl_tree_ref child[ORL_T
 /* A cube of cells within a grid of values. */
 struct cube {
     const float *values;
-    unsigned log2_grid; /* of the whole grid */
+    unsigned log2_grid; /* log2 of the cells per axis of the whole grid */
     unsigned low[4];    /* the cube's first cell, per axis */
 };
 
@@ -215,7 +216,7 @@ static int build_cube(struct orl_tree *tree, const struct cube *cube, unsigned l
 {
     struct orl_tree_ref child[ORL_TREE_FANOUT];
     if (log2_side == 1 && cube->log2_grid == 1) {
-        /* Most of a file: the whole grid is the children, in another order. */
+        /* Common case in files: the whole grid is the children, in another order. */
         for (unsigned i = 0; i < ORL_TREE_FANOUT; i++)
             child[i] = orl_tree_leaf(
                 cube->values[(i & 1) << 3 | (i & 2) << 1 | (i & 4) >> 1 | (i & 8) >> 3]);
@@ -247,8 +248,8 @@ int orl_tree_grid(struct orl_tree *tree, const float *values, unsigned log2_side
     return build_cube(tree, &whole, log2_side, ret_ref, err);
 }
 
-/* Of an array that is not of pages. A courtesy: where it fails, the larger one stays. */
-static void shrink(struct orl_tree *tree)
+/* Reallocates an array without pages to its exact size. If that fails, the larger array stays. */
+static void shrink_lines(struct orl_tree *tree)
 {
     struct orl_tree_line *lines = aligned_alloc(LINE_BYTES, tree->n_lines * LINE_BYTES);
     if (!lines)
@@ -265,7 +266,7 @@ void orl_tree_finish(struct orl_tree *tree, struct orl_tree_ref root)
     tree->depth = orl_tree_depth(root);
     if (tree->n_lines < many_lines) {
         if (tree->n_lines > 0)
-            shrink(tree);
+            shrink_lines(tree);
     } else {
         free_lines(tree, tree->n_lines);
         tree->capacity = tree->n_lines;

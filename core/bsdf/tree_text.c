@@ -1,7 +1,7 @@
 /*
- * "{ v }" is a leaf, "{ v v ... }" a grid of 16^n values, "{ {..} {..} ... }" a branch of 16
- * children; of rank 3, 8^n and 8. Depth is bounded by ORL_LIMIT_TREE_DEPTH, values by
- * ORL_LIMIT_BSDF_VALUES.
+ * Syntax of trees of rank 4: "{ v }" is a leaf, "{ v v ... }" a grid of 16^n values. "{ {..} {..}
+ * ... }" is a branch of 16 children. In rank 3 a grid has 8^n values and a branch 8 children.
+ * ORL_LIMIT_TREE_DEPTH limits the depth, ORL_LIMIT_BSDF_VALUES the values.
  */
 #include "bsdf/text.h"
 
@@ -86,8 +86,8 @@ static int on_number(struct orl_tree_text *text, double number, struct orl_error
     return 0;
 }
 
-/* Where the innermost brace is, in cells of its own size: by its number among its siblings, and
- * that of each brace around it. */
+/* Computes the place of the innermost brace in cells of its own size, from its number among its
+ * siblings and those of the enclosing braces. */
 static void find_place(const struct orl_tree_text *text, unsigned ret_place[3])
 {
     ret_place[0] = ret_place[1] = ret_place[2] = 0;
@@ -154,8 +154,8 @@ static int on_close(struct orl_tree_text *text, struct orl_error *err)
     return code;
 }
 
-/* Works off the tokens at hand. */
-static int drain(struct orl_tree_text *text, struct orl_error *err)
+/* Processes all tokens that are available. */
+static int parse_tokens(struct orl_tree_text *text, struct orl_error *err)
 {
     for (;;) {
         double number = 0;
@@ -184,14 +184,14 @@ int orl_tree_text_feed(struct orl_tree_text *text, const char *piece, size_t siz
                        struct orl_error *err)
 {
     orl_scan_feed(&text->scan, piece, size);
-    return drain(text, err);
+    return parse_tokens(text, err);
 }
 
 int orl_tree_text_finish(struct orl_tree_text *text, struct orl_error *err)
 {
     int code;
     orl_scan_finish(&text->scan);
-    code = drain(text, err);
+    code = parse_tokens(text, err);
     if (code < 0)
         return code;
     if (text->n_open == 0 && !text->complete)

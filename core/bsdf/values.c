@@ -1,29 +1,29 @@
 /*
- * Values, integrals and draws of a BSDF, over its views.
+ * Values, integrals and sampling of a BSDF through its views.
  *
- * The pdf of a draw is f |cos| over its integral, by luminance, computed from the very leaf that
- * eval reads; a sample's weight is therefore the albedo, times the tint of that leaf. (f is the
- * file's there: where R + T is above 1, values are divided by it when they are read, which leaves
- * the pdf of a draw given the incident direction as it is, and puts the quotient into the weight of
- * a draw given the other one.) The descent that makes the draw follows float means, so it realises
- * that pdf to about 1e-6 relative, with no region of positive f left out.
+ * The pdf of a sample is f |cos| over its integral, by luminance, computed from the same leaf as
+ * eval. A sample's weight is therefore the albedo times the tint of that leaf. f is here the value
+ * as filed. If R + T is above 1, values are divided by it when read. Given the incident direction,
+ * that leaves the pdf unchanged. Given the exitant direction, the quotient goes into the weight.
+ * Sampling descends by float means, so it realises the pdf to about 1e-6 relative and leaves out no
+ * region of positive f.
  */
 #include <oriel/bsdf.h>
 
 #include "bsdf/front.h"
 #include "bsdf/placed.h"
 
-enum { ABREAST = 16 }; /* draws */
+enum { ABREAST = 16 }; /* samples whose tree descents are interleaved */
 
 /* ---- One pair of directions ------------------------------------------------------------------ */
 
 struct pair {
     const struct orl_component *component; /* NULL: black */
     struct orl_coords a, b;
-    double value; /* as filed */
+    double value; /* 1/sr, as filed */
 };
 
-/* A direction in the surface itself counts as the back. */
+/* Returns the view of a pair of directions. A direction in the surface counts as the back. */
 static const struct orl_component_view *view_between(const struct orl_bsdf *bsdf,
                                                      struct orl_vec3 in, struct orl_vec3 out)
 {
@@ -45,7 +45,7 @@ static inline struct pair pair_of(const struct orl_bsdf *bsdf, struct orl_vec3 i
     return p;
 }
 
-/* The colour of that luminance, which is part of the pair's value. */
+/* Returns the coloured value of a luminance that is part of the pair's value. */
 static inline struct orl_rgb color_of(const struct orl_bsdf *bsdf, const struct pair *p,
                                       double luminance)
 {
@@ -55,7 +55,7 @@ static inline struct orl_rgb color_of(const struct orl_bsdf *bsdf, const struct 
                       luminance);
 }
 
-/* How much of the pair's value goes straight: 0 to 1. */
+/* Returns the straight part of the pair's value: 0 to 1. */
 static double straight_share(const struct orl_bsdf *bsdf, const struct pair *p)
 {
     if (!(p->value > 0))
@@ -74,25 +74,26 @@ double orl_bsdf_straight_part(const struct orl_bsdf *bsdf, struct orl_vec3 in, s
 
 /* ---- Integrals ------------------------------------------------------------------------------- */
 
-/* The view that a direction in its role takes part in, by reflection or by transmission. */
+/* Returns the view of a direction in a role, for reflection or transmission. */
 static const struct orl_component_view *view_for(const struct orl_bsdf *bsdf, enum orl_role role,
                                                  bool front, bool transmitted)
 {
     return &bsdf->views[role == ORL_ROLE_IN ? front : front != transmitted][transmitted];
 }
 
-static bool wants(enum orl_bsdf_side sides, bool transmitted)
+static bool includes_side(enum orl_bsdf_side sides, bool transmitted)
 {
     return sides & (transmitted ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT);
 }
 
-/* Reflected and transmitted totals for a direction, zero for a side that is not asked for. */
-static void totals(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
-                   const struct orl_coords *coords, enum orl_bsdf_side sides, double ret_total[2])
+/* Computes reflected and transmitted totals of a direction; zero for a side not in `sides`. */
+static void compute_totals(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
+                           const struct orl_coords *coords, enum orl_bsdf_side sides,
+                           double ret_total[2])
 {
     for (int t = 0; t < 2; t++) {
         const struct orl_component_view *view = view_for(bsdf, role, front, t);
-        ret_total[t] = wants(sides, t) && view->component
+        ret_total[t] = includes_side(sides, t) && view->component
                            ? orl_component_total(bsdf->document.structure, view->component,
                                                  orl_view_axis(view, role), coords)
                            : 0;
@@ -102,7 +103,7 @@ static void totals(const struct orl_bsdf *bsdf, enum orl_role role, bool front,
 void orl_bsdf_filed_totals(const struct orl_bsdf *bsdf, struct orl_vec3 in, double ret_total[2])
 {
     const struct orl_coords coords = orl_coords_of(bsdf->document.structure, in);
-    totals(bsdf, ORL_ROLE_IN, in.z > 0, &coords, ORL_BSDF_BOTH, ret_total);
+    compute_totals(bsdf, ORL_ROLE_IN, in.z > 0, &coords, ORL_BSDF_BOTH, ret_total);
 }
 
 struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3 in,
@@ -112,7 +113,7 @@ struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3
     const struct orl_coords coords = orl_coords_of(structure, in);
     struct orl_rgb sum = orl_gray(0);
     double total[2];
-    totals(bsdf, ORL_ROLE_IN, in.z > 0, &coords, sides, total);
+    compute_totals(bsdf, ORL_ROLE_IN, in.z > 0, &coords, sides, total);
     for (int t = 0; t < 2; t++) {
         const struct orl_component_view *view = view_for(bsdf, ORL_ROLE_IN, in.z > 0, t);
         if (total[t] > 0)
@@ -125,9 +126,9 @@ struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3
 }
 
 /*
- * What every value for light from there is divided by, lest more light leaves than came: R + T
- * where the file has more than 1 for it, in any channel. Both reflection and transmission shrink
- * alike, and draws given the incident direction keep their pdf.
+ * Returns the divisor of all values for light from in: R + T as filed, in the largest channel, if
+ * above 1. No more light then leaves than arrives. Reflection and transmission shrink alike, and
+ * samples given the incident direction keep their pdf.
  */
 static inline double gain_of(const struct orl_bsdf *bsdf, struct orl_vec3 in)
 {
@@ -148,7 +149,7 @@ struct orl_rgb orl_bsdf_diffuse(const struct orl_bsdf *bsdf, bool in_front, bool
 {
     const struct orl_component *component = bsdf->views[in_front][transmitted].component;
     const double gain = orl_larger(1, bsdf->info.max_albedo[in_front]);
-    /* What of a colour is everywhere is for no single tint to say. */
+    /* Coloured data have no single tint of their constant part. */
     if (!component || component->chroma.present)
         return orl_gray(0);
     if (bsdf->document.structure == ORL_STRUCTURE_TREE4)
@@ -186,20 +187,20 @@ double orl_bsdf_total(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool a
 {
     const struct orl_coords coords = orl_coords_of(bsdf->document.structure, given);
     double total[2];
-    totals(bsdf, adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN, given.z > 0, &coords, sides, total);
+    compute_totals(bsdf, adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN, given.z > 0, &coords, sides, total);
     return total[0] + total[1];
 }
 
-/* ---- Draws ----------------------------------------------------------------------------------- */
+/* ---- Sampling ------------------------------------------------------------------------------- */
 
 /*
- * A draw that fell into the peak goes straight instead. Given the incident direction its weight is
- * what it was. Given the other one, the peak that is left out is an integral over incident
- * directions, and the share that goes straight one over those it leaves by: for data that are not
- * reciprocal they differ, and the weight makes up for it.
+ * Makes a sample that fell into the peak go straight. Given the incident direction, its weight is
+ * unchanged. Given the exitant one, the peak is integrated over incident directions, but the
+ * straight share over exitant ones. They differ for data that are not reciprocal; the weight
+ * corrects for that.
  */
-static void straighten(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
-                       double sum, struct orl_bsdf_draw *draw)
+static void straighten_draw(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
+                            double sum, struct orl_bsdf_draw *draw)
 {
     const enum orl_structure structure = bsdf->document.structure;
     draw->straight = true;
@@ -215,7 +216,7 @@ static void straighten(const struct orl_bsdf *bsdf, enum orl_role role, struct o
     }
 }
 
-/* A draw under way: of the direction in the other role, given that in one. */
+/* State of sampling the direction in the other role, given one in `role`. */
 struct drawing {
     enum orl_role role;
     struct orl_coords coords;
@@ -224,7 +225,7 @@ struct drawing {
     bool front, transmitted;
 };
 
-/* Places the given direction. */
+/* Sets the given direction. */
 static inline void place_draw(const struct orl_bsdf *bsdf, enum orl_role role,
                               struct orl_vec3 given, struct drawing *d)
 {
@@ -233,30 +234,30 @@ static inline void place_draw(const struct orl_bsdf *bsdf, enum orl_role role,
     d->front = given.z > 0;
 }
 
-/* Then chooses the side; false: no light goes to any. */
+/* Chooses the side; returns false if no light goes to any. */
 static inline bool begin_draw(const struct orl_bsdf *bsdf, enum orl_bsdf_side sides, double u,
                               struct drawing *d)
 {
-    totals(bsdf, d->role, d->front, &d->coords, sides, d->total);
+    compute_totals(bsdf, d->role, d->front, &d->coords, sides, d->total);
     d->sum = d->total[0] + d->total[1];
     d->transmitted = d->total[1] > 0 && u * d->sum >= d->total[0];
     d->view = view_for(bsdf, d->role, d->front, d->transmitted);
     return d->sum > 0;
 }
 
-/* Asks for what begin_draw will read, where that is in memory far away. */
-static inline void ask_for_totals(const struct orl_bsdf *bsdf, enum orl_bsdf_side sides,
-                                  const struct drawing *d)
+/* Prefetches the memory that begin_draw will read. */
+static inline void prefetch_totals(const struct orl_bsdf *bsdf, enum orl_bsdf_side sides,
+                                   const struct drawing *d)
 {
     for (int t = 0; t < 2 && bsdf->document.structure == ORL_STRUCTURE_TREE4; t++) {
         const struct orl_component_view *view = view_for(bsdf, d->role, d->front, t);
-        if (wants(sides, t) && view->component)
+        if (includes_side(sides, t) && view->component)
             orl_tree_ask_for_total(&view->component->tree, orl_view_axis(view, d->role),
                                    d->coords.square);
     }
 }
 
-/* What was drawn is of that value, as filed, and in the half z > 0 as yet. */
+/* Completes a sample from its value as filed and its direction with z > 0. */
 static inline void end_draw(const struct orl_bsdf *bsdf, const struct drawing *d,
                             struct orl_vec3 given, double value, struct orl_vec3 direction,
                             struct orl_bsdf_draw *ret)
@@ -269,7 +270,7 @@ static inline void end_draw(const struct orl_bsdf *bsdf, const struct drawing *d
     ret->weight = orl_gray(d->sum / gain_of(bsdf, d->role == ORL_ROLE_IN ? given : ret->direction));
 }
 
-/* Given a direction in its role, draws the one in the other role; with peaks, those go straight. */
+/* Samples the direction in the other role. With peaks, samples within a peak go straight. */
 static bool draw_other(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
                        enum orl_bsdf_side sides, const double u[3], bool peaks,
                        struct orl_bsdf_draw *ret)
@@ -293,14 +294,14 @@ static bool draw_other(const struct orl_bsdf *bsdf, enum orl_role role, struct o
         p.b = is_a ? other : d.coords;
         ret->weight = color_of(bsdf, &p, ret->weight.g);
     }
-    /* What is left of the number that chose the side chooses again. */
+    /* The remainder of the number that chose the side is used again. */
     if (peaks && d.transmitted && p.component &&
         (u[2] * d.sum - d.total[0]) / d.total[1] < straight_share(bsdf, &p))
-        straighten(bsdf, role, given, d.sum, ret);
+        straighten_draw(bsdf, role, given, d.sum, ret);
     return true;
 }
 
-/* Asked for together, from grey trees of rank 4: their descents are what takes long. */
+/* Completes samples of grey trees of rank 4 together; their descents take most of the time. */
 static void draw_from_trees(const struct orl_bsdf_ask *asks, const struct drawing *drawings,
                             const size_t *which, size_t n, struct orl_bsdf_draw *ret)
 {
@@ -322,7 +323,7 @@ static void draw_from_trees(const struct orl_bsdf_ask *asks, const struct drawin
     }
 }
 
-/* Up to ABREAST of them. */
+/* Processes up to ABREAST requests. */
 static void draw_abreast(const struct orl_bsdf_ask *asks, size_t n, struct orl_bsdf_draw *ret,
                          bool *ret_found)
 {
@@ -331,7 +332,7 @@ static void draw_abreast(const struct orl_bsdf_ask *asks, size_t n, struct orl_b
     for (size_t i = 0; i < n; i++) {
         const enum orl_role role = asks[i].adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN;
         place_draw(asks[i].bsdf, role, asks[i].given, &drawings[i]);
-        ask_for_totals(asks[i].bsdf, asks[i].sides, &drawings[i]);
+        prefetch_totals(asks[i].bsdf, asks[i].sides, &drawings[i]);
     }
     for (size_t i = 0; i < n; i++) {
         const struct orl_bsdf_ask *ask = &asks[i];
@@ -348,14 +349,14 @@ static void draw_abreast(const struct orl_bsdf_ask *asks, size_t n, struct orl_b
     draw_from_trees(asks, drawings, which, trees, ret);
 }
 
-static double pdf(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
-                  enum orl_bsdf_side sides, struct orl_vec3 other)
+static double pdf_of(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
+                     enum orl_bsdf_side sides, struct orl_vec3 other)
 {
     const bool transmitted = (given.z > 0) != (other.z > 0);
     const struct orl_vec3 in = role == ORL_ROLE_IN ? given : other;
     const struct orl_vec3 out = role == ORL_ROLE_IN ? other : given;
     struct pair p;
-    if (!wants(sides, transmitted))
+    if (!includes_side(sides, transmitted))
         return 0;
     p = pair_of(bsdf, in, out);
     if (!(p.value > 0))
@@ -407,16 +408,16 @@ bool orl_bsdf_sample_split(const struct orl_bsdf *bsdf, struct orl_vec3 given, b
 double orl_bsdf_pdf(const struct orl_bsdf *bsdf, struct orl_vec3 in, enum orl_bsdf_side sides,
                     struct orl_vec3 out)
 {
-    return pdf(bsdf, ORL_ROLE_IN, in, sides, out);
+    return pdf_of(bsdf, ORL_ROLE_IN, in, sides, out);
 }
 
 double orl_bsdf_pdf_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
                             enum orl_bsdf_side sides, struct orl_vec3 in)
 {
-    return pdf(bsdf, ORL_ROLE_OUT, out, sides, in);
+    return pdf_of(bsdf, ORL_ROLE_OUT, out, sides, in);
 }
 
-/* ---- Directions that are placed once --------------------------------------------------------- */
+/* ---- Precomputed directions ----------------------------------------------------------------- */
 
 struct orl_bsdf_direction orl_bsdf_place(const struct orl_bsdf *bsdf, struct orl_vec3 direction)
 {
@@ -429,7 +430,7 @@ struct orl_bsdf_incidence orl_bsdf_place_incident(const struct orl_bsdf *bsdf, s
     struct orl_bsdf_incidence incidence = {.from = orl_bsdf_place(bsdf, in),
                                            .gain = gain_of(bsdf, in)};
     double total[2];
-    totals(bsdf, ORL_ROLE_IN, in.z > 0, &incidence.from.coords, ORL_BSDF_TRANSMIT, total);
+    compute_totals(bsdf, ORL_ROLE_IN, in.z > 0, &incidence.from.coords, ORL_BSDF_TRANSMIT, total);
     incidence.transmitted = total[1];
     return incidence;
 }

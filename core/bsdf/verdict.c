@@ -1,7 +1,7 @@
 /*
- * The verdicts of a BSDF's check: what the figures mean to someone who is about to simulate with
- * the file. A fault contradicts physics or this program's reading of the file; a warning may be
- * meant, but is worth a look; a note is worth knowing.
+ * Verdicts of a BSDF's check, for users who are about to simulate with the file. A fault
+ * contradicts physics or this program's interpretation of the file. A warning may be intended but
+ * should be examined. A note is information.
  */
 #include "bsdf/check.h"
 
@@ -98,8 +98,8 @@ static void judge_values(struct orl_bsdf_check *c)
 }
 
 /*
- * Measured and computed data are noisy: a few per cent too much in some direction is common, and
- * harmless where the mean is not. Reflections filed on the wrong sides show up here as well.
+ * Measured and computed data are noisy: a few per cent above 1 in some direction is common, and
+ * harmless if the mean is below. Reflections filed on the wrong sides are found here as well.
  */
 static void judge_energy(struct orl_bsdf_check *c)
 {
@@ -151,9 +151,8 @@ static void judge_reciprocity(struct orl_bsdf_check *c)
             out, in);
 }
 
-/* A shading device keeps out the high sun, a redirecting one sends it up; both may be mounted
- * wrong.
- */
+/* A shading device blocks the high sun, a redirecting one sends it up; both may be mounted
+ * wrongly. */
 static void judge_shading(struct orl_bsdf_check *c)
 {
     const double above = c->redirection[0][1].transmitted, below = c->redirection[0][0].transmitted;
@@ -193,7 +192,7 @@ static void judge_redirection(struct orl_bsdf_check *c)
             100 * down, 100 * up);
 }
 
-/* That three digits of a factor take. */
+/* Returns the decimals for three significant digits of a factor. */
 static int decimals_of(double factor)
 {
     return factor < 10 ? 2 : factor < 100 ? 1 : 0;

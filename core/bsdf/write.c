@@ -1,16 +1,17 @@
-/* The file around the data: labels, structure, and a block for each part and channel. */
+/* Writes the file around the data: labels, structure, and a block for each part and channel. */
 #include "bsdf/write.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
-/* Bytes of the character that text begins with; 0: it is none of UTF-8 that XML has (a control
- * character, bytes that are no character, U+FFFE and U+FFFF). */
+/* Returns the bytes of the character at text; 0 if it is not valid UTF-8 or not allowed in XML
+ * (control characters, U+FFFE, U+FFFF). */
 static int character_bytes(const char *text)
 {
     const unsigned char *at = (const unsigned char *)text;
-    static const unsigned char leads[] = {0, 0xc2, 0xe0, 0xf0, 0xf5}; /* of 2, 3 and 4 bytes */
+    /* leads[n]: least lead byte of characters longer than n bytes; leads[4]: of none. */
+    static const unsigned char leads[] = {0, 0xc2, 0xe0, 0xf0, 0xf5};
     uint32_t code = at[0];
     int n = 1;
     if (code < 0x80)
@@ -26,11 +27,11 @@ static int character_bytes(const char *text)
         code = code << 6 | (at[i] & 0x3fU);
     }
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
-    const bool half = code >= 0xd800 && code < 0xe000; /* of a pair of UTF-16 */
+    const bool half = code >= 0xd800 && code < 0xe000; /* half of a surrogate pair of UTF-16 */
     return code < least[n] || code > 0x10ffff || half || (code | 1) == 0xffff ? 0 : n;
 }
 
-/* A character, or '?' for what is none; returns how many bytes of the text that was. */
+/* Writes a character, or '?' for an invalid one; returns the bytes of text consumed. */
 static int write_character(FILE *out, const char *text)
 {
     const int n = character_bytes(text);
@@ -41,7 +42,7 @@ static int write_character(FILE *out, const char *text)
     return n > 0 ? n : 1;
 }
 
-/* Characters that mean something to XML by their names. */
+/* Writes text with XML's special characters as entities. */
 static void write_text(FILE *out, const char *text)
 {
     while (*text) {
@@ -55,7 +56,7 @@ static void write_text(FILE *out, const char *text)
     }
 }
 
-/* Two dashes would end a comment: between them comes a space. */
+/* Writes a comment. Two dashes would end it, so a space is put between them. */
 static void write_comment(FILE *out, const char *text)
 {
     char before = '\n';
@@ -141,7 +142,7 @@ static void write_head(FILE *out, const struct orl_document *d,
     write_definition(out, d);
 }
 
-/* What the schema calls the channels, and the detectors that see them: a chromaticity has none. */
+/* Writes a channel's name in the schema, and its detector; a chromaticity has none. */
 static void write_channel(FILE *out, bool matrix, enum orl_bsdf_channel channel)
 {
     static const char *const names[2][ORL_CHANNEL_COUNT] = {{"Visible", "CIE-u", "CIE-v"},

@@ -1,6 +1,5 @@
-/* Numbers in a file; those of a matrix: a line a row, one direction out; directions in run along
- * it.
- */
+/* Writes numbers in a file. A matrix has a line per direction out; directions in run along the
+ * line. */
 #include "bsdf/write.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /*
  * Streams a BSDF file through expat. Elements are recognised by their place in the document (a
- * table of parent and name), so that what is not known is passed over with all it holds. A DTD,
- * and with it any entity of the file's own, is refused before it is read.
+ * table of parent and name); unknown ones are skipped with their contents. A DTD, and with it any
+ * entity defined in the file, is refused before it is read.
  */
 #include "bsdf/xml.h"
 
@@ -21,7 +21,7 @@ static enum orl_xml_element element_at(struct orl_xml_reader *r, const char *nam
 {
     const enum orl_xml_element parent = r->depth > 0 ? r->path[r->depth - 1] : EL_DOCUMENT;
     const enum orl_xml_element element = orl_xml_element_in(parent, name);
-    /* Radiance reads the first layer of a file; so do we. */
+    /* Only the first layer of a file is read, as in Radiance. */
     return element == EL_LAYER && r->layers++ > 0 ? EL_OTHER : element;
 }
 
@@ -62,13 +62,13 @@ static void on_text(void *ctx, const XML_Char *text, int length)
         r->plain = text + count == r->fed_to;
         return;
     }
-    if (count > room) /* longer than any name we know: it will match none */
+    if (count > room) /* longer than any known name, so it matches none */
         count = room;
     memcpy(r->text + r->text_length, text, count);
     r->text_length += count;
 }
 
-/* Cuts white space off both ends of the text and closes it. */
+/* Trims white space from both ends of the text and terminates it. */
 static void trim_text(struct orl_xml_reader *r)
 {
     size_t start = 0;
@@ -106,7 +106,7 @@ static void on_doctype(void *ctx, const XML_Char *name, const XML_Char *system,
 
 /* ---- The whole ------------------------------------------------------------------------------- */
 
-/* Where plain text from text on, of at most that length, comes to markup. */
+/* Returns the length of plain text before the next markup, at most length. */
 static size_t plain_length(const char *text, size_t length)
 {
     const char *markup = memchr(text, '<', length);
@@ -117,9 +117,10 @@ static size_t plain_length(const char *text, size_t length)
 }
 
 /*
- * Data are nearly all of a file, and plain text: when expat has come to the end of a piece amid
- * them, what follows up to the next markup is read past it, which halves the time; or, where it
- * can, put off. Returns how much that is; expat goes on behind it, and counts no lines there.
+ * Reads data past expat. Most of a file is data in plain text. If a piece ends inside data, the
+ * text up to the next markup is deferred to a block if possible. Otherwise it is parsed directly,
+ * which halves the time. Returns its length. Expat continues behind it and does not count its
+ * lines.
  */
 static size_t read_plain(struct orl_xml_reader *r, size_t at)
 {
@@ -154,8 +155,9 @@ static void refuse_xml(struct orl_xml_reader *r, bool last)
 }
 
 /*
- * Where the XML begins: what programs say of themselves before it, as genBSDF does, is passed over.
- * A byte order mark is expat's. Nothing is passed over in UTF-16 whose mark lacks, which has zeros.
+ * Returns the offset of the XML, after any messages that programs such as genBSDF write before it.
+ * expat handles a byte order mark. Nothing is skipped in UTF-16 without a mark, which contains
+ * zeros.
  */
 static size_t find_xml(const struct orl_bsdf_xml *xml)
 {
@@ -166,7 +168,7 @@ static size_t find_xml(const struct orl_bsdf_xml *xml)
     return first ? (size_t)(first - data) : 0;
 }
 
-/* Old programs mark the end by Ctrl-Z. */
+/* Returns the size without a trailing Ctrl-Z, with which old programs mark the end. */
 static size_t find_end(const struct orl_bsdf_xml *xml)
 {
     size_t end = xml->size;
@@ -176,7 +178,7 @@ static size_t find_end(const struct orl_bsdf_xml *xml)
     return end < xml->size && memchr(xml->data + end, 0x1a, xml->size - end) ? end : xml->size;
 }
 
-/* Hands a slice of the file to expat; its own errors get their line here. */
+/* Passes a slice of the file to expat, and sets the line of expat's own errors. */
 static void parse_slice(struct orl_xml_reader *r, const char *slice, size_t size, bool last)
 {
     char *piece = XML_GetBuffer(r->parser, (int)(size > 0 ? size : 1));
@@ -189,8 +191,8 @@ static void parse_slice(struct orl_xml_reader *r, const char *slice, size_t size
         refuse_xml(r, last);
 }
 
-/* Tells the holder of the XML how far it has been read, a good deal at a time. */
-static void tell_passed(const struct orl_bsdf_xml *xml, size_t at, size_t *told)
+/* Reports progress to the XML's `passed` callback, in steps of at least SLICE_MOST bytes. */
+static void report_passed(const struct orl_bsdf_xml *xml, size_t at, size_t *told)
 {
     if (!xml->passed || (at - *told < SLICE_MOST && at < xml->size))
         return;
@@ -198,17 +200,17 @@ static void tell_passed(const struct orl_bsdf_xml *xml, size_t at, size_t *told)
     *told = at;
 }
 
-static void heed_cancel(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
+static void check_cancel(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
 {
     if (r->code == 0 && orl_is_cancelled(xml->cancel))
         r->code = orl_error_set(r->err, ORL_ERR_CANCELLED, "cancelled while reading the BSDF");
 }
 
 /*
- * The whole file. Slices grow, as expat reads a token that is not over again with each: without end
- * where it came no further by the last one, as within a comment of many megabytes.
+ * Parses the whole file. Expat reads an incomplete token again with each slice, so slices grow.
+ * They grow further while expat does not advance, as in a comment of many megabytes.
  */
-static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
+static void parse_file(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
 {
     size_t at = find_xml(xml), slice = SLICE_LEAST, told = 0;
     XML_Index reached = -1;
@@ -220,8 +222,8 @@ static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
         last = length == xml->size - at;
         parse_slice(r, xml->data + at, length, last);
         at += length;
-        tell_passed(xml, at, &told);
-        heed_cancel(r, xml);
+        report_passed(xml, at, &told);
+        check_cancel(r, xml);
         const XML_Index before = reached;
         reached = XML_GetCurrentByteIndex(r->parser);
         if (slice < SLICE_MOST || (reached == before && slice < SLICE_OF_TOKEN))
@@ -230,10 +232,10 @@ static void parse(struct orl_xml_reader *r, const struct orl_bsdf_xml *xml)
             slice = SLICE_MOST;
         while (r->code == 0 && r->plain && !last) {
             at += read_plain(r, at);
-            if (r->putting_off) /* whoever reads it tells */
+            if (r->putting_off) /* the block's reader reports its progress */
                 told = at;
-            tell_passed(xml, at, &told);
-            heed_cancel(r, xml);
+            report_passed(xml, at, &told);
+            check_cancel(r, xml);
             slice = SLICE_LEAST;
         }
     }
@@ -279,8 +281,8 @@ int orl_document_read(const struct orl_bsdf_xml *xml, struct orl_document *ret_d
     XML_SetStartDoctypeDeclHandler(r->parser, on_doctype);
     whole.size = find_end(xml);
     r->blocks.xml = &whole;
-    parse(r, &whole);
-    /* What was put off comes before whatever parsing has failed at. */
+    parse_file(r, &whole);
+    /* An error in a deferred block comes before the error at which parsing stopped. */
     code = r->code == ORL_ERR_CANCELLED ? r->code : orl_blocks_read(&r->blocks, err);
     if (code == 0)
         code = r->code;

@@ -1,4 +1,4 @@
-/* What the single elements of a BSDF file mean. */
+/* Readers of the single elements of a BSDF file. */
 #include "bsdf/xml.h"
 
 #include <stdio.h>
@@ -7,7 +7,7 @@
 
 #define FAIL(r, code, ...) orl_xml_fail(r, orl_error_set((r)->err, code, __VA_ARGS__))
 
-/* Where the reader is, for a message: the block with its direction, or the element. */
+/* Writes the place of the reader for a message: the block with its direction, or the element. */
 static void name_place(const struct orl_xml_reader *r, char *ret_name, size_t size)
 {
     const enum orl_xml_element here = r->depth > 0 ? r->path[r->depth - 1] : EL_DOCUMENT;
@@ -17,7 +17,7 @@ static void name_place(const struct orl_xml_reader *r, char *ret_name, size_t si
         snprintf(ret_name, size, "%s", orl_xml_element_name(here));
 }
 
-/* The line that the reader is at, but for those in blocks. */
+/* Returns the current line, without the lines in blocks. */
 static size_t line_of(const struct orl_xml_reader *r)
 {
     return XML_GetCurrentLineNumber(r->parser) + r->passed_lines;
@@ -91,14 +91,15 @@ static void read_number(struct orl_xml_reader *r, double *ret_value)
         orl_xml_fail(r, code);
 }
 
-/* Whether the part has that channel already; its flag. */
+/* Returns the flag that is set once the part has that channel. */
 static bool *given_flag(struct orl_component *component, int channel)
 {
     return channel == 0 ? &component->present : &component->chroma.given[channel - 1];
 }
 
-/* A part has one block of data a channel. Asked where its direction is named, and again before the
- * data: the channel may be said in between, and a block may hold data twice. */
+/* Fails and returns true if the part already has data of the channel. Called where the direction is
+ * named, and again before the data: the channel may be named in between, and a block may hold data
+ * twice. */
 static bool is_given(struct orl_xml_reader *r)
 {
     if (r->channel < 0 || !*given_flag(&r->document->parts[r->part], r->channel))
@@ -144,7 +145,7 @@ static void add_ring(struct orl_xml_reader *r)
 
 /* ---- Scattering data ------------------------------------------------------------------------- */
 
-/* Colour is only ever evaluated: it needs no sums. */
+/* Colour is only evaluated, so its trees need no sums. */
 static int begin_tree(struct orl_xml_reader *r, struct orl_component *component)
 {
     const int k = r->channel - 1;
@@ -216,7 +217,7 @@ void orl_xml_put_off(struct orl_xml_reader *r, size_t begin, size_t end)
 {
     r->blocks.blocks[r->blocks.count++] = (struct orl_block){
         .text = r->tree_text, .begin = begin, .end = end, .line = line_of(r), .part = r->part};
-    r->tree_text.grid = NULL; /* the block's now */
+    r->tree_text.grid = NULL; /* now owned by the block */
     r->putting_off = true;
 }
 

@@ -1,4 +1,4 @@
-/* The elements of a BSDF file that mean something: what each is called, and in which it stands. */
+/* Names of the elements of a BSDF file that are read, and their parents. */
 #include <string.h>
 
 #include "bsdf/xml.h"

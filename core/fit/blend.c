@@ -5,29 +5,29 @@
 
 #include "base/grow.h"
 
-/* Of all light: a corner that has less of a say is left out, a ray that carries less is none. */
+/* Shares of all light: corners of less weight are skipped, and lobes of less mass are dropped. */
 static const double least_weight = 1e-6, least_ray = 1e-9;
 
 /* ---- One corner's lobes ---------------------------------------------------------------------- */
 
-/* What lobes of a corner are moved by: its own place among the corners, and the others'. */
+/* Parameters for moving the lobes of one corner: its own first, then those of the other corners. */
 struct mover {
     const struct orl_fit_part *own;
-    const struct orl_fit_slope *slopes; /* by own cluster; or NULL */
+    const struct orl_fit_slope *slopes; /* by own cluster; may be NULL */
     unsigned others;
     const struct orl_fit_moves *moves[2];
-    double lean[3], weight[3];   /* own, others' */
-    struct orl_fit_turn turn[3]; /* from there to the place */
-    double scale;                /* of the masses of lobes */
+    double lean[3], weight[3];   /* own value, then the others' */
+    struct orl_fit_turn turn[3]; /* turn from each corner to the place */
+    double scale;                /* factor of the lobes' masses */
     bool turns;
-    double axis[3][3]; /* the turn, by rows */
+    double axis[3][3]; /* rotation matrix, by rows */
     struct orl_fit_light *light;
 };
 
-/* A cluster's way to the place between: the mean of where it is at each corner that it gets to, and
- * of where it would be by its slopes there. */
+/* Sums for the place of a cluster: the mean of its places at the corners that it moves to, and of
+ * the places that its slopes there predict. */
 struct step {
-    struct orl_vec3 middle, ahead; /* sums; of ahead by corners whose slope is known */
+    struct orl_vec3 middle, ahead; /* sums; ahead: over corners with a known slope */
     double lean, sigma, weight;
     double ahead_weight, ahead_sigma;
 };
@@ -52,8 +52,8 @@ static struct step add_step(struct step s, const struct mover *m, unsigned corne
     return s;
 }
 
-/* Where the cluster is: half of the way from what corners have to what their slopes say is what a
- * parabola has. */
+/* Returns the cluster's place: halfway from the mean of places to the mean of predicted places,
+ * which is exact for a parabola. */
 static struct orl_vec3 end_step(const struct step *s, double own_sigma, double *ret_stretch)
 {
     const struct orl_vec3 middle = orl_normalize(s->middle);
@@ -90,7 +90,7 @@ static bool add_ray(const struct mover *m, const struct orl_fit_lobe *lobe,
     return true;
 }
 
-/* Where a cluster does not move in a plan, one step that says so. */
+/* The only move of a cluster that a plan does not move. */
 static const struct orl_fit_move stays = {.share = 1, .fades = true};
 
 static size_t moves_from(const struct orl_fit_moves *moves, uint32_t cluster,
@@ -104,7 +104,7 @@ static size_t moves_from(const struct orl_fit_moves *moves, uint32_t cluster,
     return 1;
 }
 
-/* All lobes of one cluster, from first to end. */
+/* Adds the lobes of one cluster, from begin to end. */
 static bool move_cluster(const struct mover *m, size_t begin, size_t end)
 {
     const uint32_t number = m->own->lobes[begin].cluster;
@@ -147,7 +147,7 @@ static bool move_all(const struct mover *m)
 
 /* ---- All ------------------------------------------------------------------------------------- */
 
-/* The turn that takes one unit vector to another (Moeller and Hughes 1999). */
+/* Sets the rotation from one unit vector to another (Moeller and Hughes 1999). */
 static void set_turn(struct mover *m, struct orl_vec3 from, struct orl_vec3 to)
 {
     const struct orl_vec3 v = orl_cross(from, to);
@@ -164,7 +164,7 @@ static void set_turn(struct mover *m, struct orl_vec3 from, struct orl_vec3 to)
     m->axis[2][2] = c + h * v.z * v.z;
 }
 
-static struct orl_vec3 straight(struct orl_vec3 in)
+static struct orl_vec3 straight_of(struct orl_vec3 in)
 {
     return orl_v3(-in.x, -in.y, in.z);
 }
@@ -193,12 +193,13 @@ static bool blend_part(const struct orl_fit_mesh *mesh, const struct orl_fit_pla
     }
     m.scale = place->weight[corner] * place->mass[kind] / part->mass;
     if (kind == ORL_FIT_NARROW)
-        set_turn(&m, straight(place->at), straight(place->in));
+        set_turn(&m, straight_of(place->at), straight_of(place->in));
     return move_all(&m);
 }
 
-/* Corners without any of a part leave it to the others. */
-static double held(const struct orl_fit_mesh *mesh, const struct orl_fit_place *place, int kind)
+/* Returns the weight of the corners that have lobes of this kind; the others have no part in it. */
+static double weight_with_lobes(const struct orl_fit_mesh *mesh, const struct orl_fit_place *place,
+                                int kind)
 {
     double sum = 0;
     for (unsigned i = 0; i < place->count; i++)
@@ -214,7 +215,7 @@ bool orl_fit_blend(const struct orl_fit_mesh *mesh, const struct orl_fit_plans *
     light->n = 0;
     light->floor = place->mass[ORL_FIT_KINDS] / ORL_PI;
     for (int kind = 0; kind < ORL_FIT_KINDS; kind++) {
-        const double share = held(mesh, place, kind);
+        const double share = weight_with_lobes(mesh, place, kind);
         struct orl_fit_place here = *place;
         here.mass[kind] = share > 0 ? place->mass[kind] / share : 0;
         for (unsigned corner = 0; corner < place->count && fine; corner++)

@@ -1,31 +1,32 @@
 /*
- * The light that leaves a place between incident directions: lobes of each corner, moved as the
- * plans to the others say, and weighted.
+ * Interpolation between incident directions: the lobes of each corner, moved as the plans to the
+ * other corners say, and weighted.
  *
- * A lobe moves with its cluster, its offset from there and its width scaled as the clusters' widths
- * are; clusters by the mean of where corners have them and where slopes at the corners say that
- * they would be. So at a corner the result is that corner's own shape, and it changes continuously
- * between. Beyond the border what stands out is turned with the straight direction; the rest stays.
+ * A lobe moves with its cluster. Its offset from the cluster and its width are scaled like the
+ * cluster's width. A cluster moves to a mean of its places at the corners and of the places that
+ * the slopes at the corners predict. At a corner the result is therefore that corner's shape, and
+ * it varies continuously between corners. Beyond the border of the mesh the narrow part is turned
+ * with the straight direction; the rest stays.
  *
- * Ownership: of lobes the caller's, by _done.
+ * Ownership: lobes are owned by the caller, who frees them with _done.
  */
 #ifndef ORL_FIT_BLEND_H
 #define ORL_FIT_BLEND_H
 
 #include "fit/plans.h"
 
-/* A Gaussian of light. */
+/* A Gaussian of light around the direction (x, y, z). */
 struct orl_fit_ray {
     float x, y, z, mass, sigma_rad;
 };
 
 struct orl_fit_light {
-    struct orl_fit_ray *rays; /* owned */
+    struct orl_fit_ray *rays; /* lobes; owned */
     size_t n, room;
-    double floor; /* 1/sr, beside them */
+    double floor; /* constant value beside the lobes, 1/sr */
 };
 
-/* Replaces what *light holds. False: no memory. */
+/* Replaces the contents of *light. Returns false if out of memory. */
 bool orl_fit_blend(const struct orl_fit_mesh *mesh, const struct orl_fit_plans *plans,
                    const struct orl_fit_place *place, struct orl_fit_light *light);
 void orl_fit_light_done(struct orl_fit_light *light);

@@ -1,4 +1,4 @@
-/* Measurements looked at before anything is made of them. */
+/* Checks of measurements before a fit. */
 #include <oriel/bsdf_fit.h>
 #include <stdio.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "base/number.h"
 #include "fit/rows.h"
 
-/* The first line that is no remark; of length 0: there is none. */
+/* Returns the first line that is not a comment or empty; length 0 if there is none. */
 static struct orl_slice first_line(struct orl_scanner scanner)
 {
     struct orl_slice line = {"", 0};
@@ -19,7 +19,7 @@ static struct orl_slice first_line(struct orl_scanner scanner)
     return (struct orl_slice){"", 0};
 }
 
-static bool has(struct orl_slice line, const char *name)
+static bool contains_name(struct orl_slice line, const char *name)
 {
     const size_t length = strlen(name);
     for (size_t i = 0; i + length <= line.length; i++)
@@ -28,7 +28,7 @@ static bool has(struct orl_slice line, const char *name)
     return false;
 }
 
-/* How much of its beginning is made of these. */
+/* Returns the number of leading characters that are in `of`. */
 static size_t length_of(struct orl_slice word, const char *of)
 {
     size_t n = 0;
@@ -37,7 +37,7 @@ static size_t length_of(struct orl_slice word, const char *of)
     return n;
 }
 
-/* A number, possibly misspelt or not finite ("nan", "inf"). */
+/* Returns true for a number, also if misspelt or not finite ("nan", "inf"). */
 static bool is_number(struct orl_slice word)
 {
     double value;
@@ -46,8 +46,8 @@ static bool is_number(struct orl_slice word)
     return of_digits || orl_number_read(word.text, word.length, &value) != ORL_NUMBER_NOT_ONE;
 }
 
-/* Two numbers and a third word, which may be a mark for a missing value. The second word of a
- * scene's primitive is its type, and no number. */
+/* Returns true for two numbers and a third word, which may mark a missing value. In a scene file
+ * the second word is a primitive's type, not a number. */
 static bool is_row(struct orl_slice line)
 {
     for (int i = 0; i < 2; i++)
@@ -56,7 +56,8 @@ static bool is_row(struct orl_slice line)
     return orl_slice_take_word(&line).length > 0;
 }
 
-/* A header of pab-opto's text, which tells a file without rows: "#format: theta phi DSF". */
+/* Returns true for a header of pab-opto's text, which identifies a file without rows: "#format:
+ * theta phi DSF". */
 static bool has_format(struct orl_scanner scanner)
 {
     struct orl_slice line;
@@ -81,7 +82,8 @@ bool orl_bsdf_is_measured(const char *text, size_t size)
     if (orl_scanner_init(&scanner, NULL, text, size, 0, NULL) < 0)
         return false;
     const struct orl_slice line = first_line(scanner);
-    return is_row(line) || (has(line, "theta_in") && has(line, "theta_out")) || has_format(scanner);
+    return is_row(line) || (contains_name(line, "theta_in") && contains_name(line, "theta_out")) ||
+           has_format(scanner);
 }
 
 int orl_bsdf_measurements_check(const char *const *files, size_t count,

@@ -1,4 +1,4 @@
-/* The way from a request to a BSDF: files, scans, shapes, models, XML. */
+/* Runs a fit: from files through scans, shapes and models to XML. */
 #include <oriel/bsdf_fit.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-static void tell_progress(const struct orl_bsdf_make_env *env, double fraction)
+static void report_progress(const struct orl_bsdf_make_env *env, double fraction)
 {
     if (env->progress)
         env->progress(env->ctx, 1, fraction);
@@ -35,15 +35,15 @@ struct shaping {
     const struct orl_bsdf_fit_request *request;
     const struct orl_bsdf_make_env *env;
     struct orl_fit_data *data;
-    unsigned levels[2];                /* of lobes, the largest and the smallest */
-    struct orl_fit_shape *shapes;      /* by scan */
-    struct orl_bsdf_fitted_scan *told; /* by scan */
-    struct orl_bsdf_outlier *outliers; /* by scan, ORL_BSDF_FIT_OUTLIERS_TOLD each */
-    struct orl_error *errors;          /* by scan */
+    unsigned levels[2];                /* levels of lobes, the largest lobes and the smallest */
+    struct orl_fit_shape *shapes;      /* one per scan */
+    struct orl_bsdf_fitted_scan *told; /* one per scan */
+    struct orl_bsdf_outlier *outliers; /* ORL_BSDF_FIT_OUTLIERS_TOLD per scan */
+    struct orl_error *errors;          /* one per scan */
     int *codes;
 };
 
-static void tell(const struct shaping *s, size_t i, const struct orl_fit_knots *knots)
+static void report_scan(const struct shaping *s, size_t i, const struct orl_fit_knots *knots)
 {
     const struct orl_fit_scan *scan = &s->data->scans[i];
     const struct orl_fit_shape *shape = &s->shapes[i];
@@ -82,7 +82,7 @@ static void shape_scan(void *arg, size_t index, uint32_t member)
     s->codes[index] = orl_fit_shape_make(&knots, scan->in, s->levels, s->env->cancel,
                                          &s->shapes[index], &s->errors[index]);
     if (s->codes[index] == 0)
-        tell(s, index, &knots);
+        report_scan(s, index, &knots);
     orl_fit_knots_done(&knots);
     free(scan->rows);
     scan->rows = NULL;
@@ -138,8 +138,8 @@ static void shaping_done(struct shaping *s)
 
 /* ---- Models ---------------------------------------------------------------------------------- */
 
-/* The mean total of those at the angle, and the largest angle that is clearly less; negative: none.
- */
+/* Returns the mean total of scans at the angle. Sets the largest angle that is clearly less, or
+ * -1. */
 static double total_at(const struct orl_bsdf_fitted_scan *scans, size_t n, double theta_deg,
                        double *ret_next_deg)
 {
@@ -158,24 +158,24 @@ static double total_at(const struct orl_bsdf_fitted_scan *scans, size_t n, doubl
     return sum / (double)count;
 }
 
-/* Of diffuse light: what of it comes beyond the last direction, where the total may go on as it
- * changed up to there instead of staying. The angle's mean lies a third of the way to the surface.
- */
+/* Returns the error of diffuse light that comes from beyond the last direction. The total there may
+ * continue its change up to that direction instead of staying constant. The mean angle lies a third
+ * of the way to the surface. */
 static double error_beyond(const struct orl_bsdf_fitted_scan *scans, size_t n, double most_deg)
 {
     const double cosine = cos(most_deg * ORL_DEG_TO_RAD);
     double before_deg, unused;
     const double last = total_at(scans, n, most_deg, &before_deg);
     if (before_deg < 0)
-        return cosine * cosine * last; /* it tells nothing of a change */
+        return cosine * cosine * last; /* one angle gives no information on a change */
     const double before = total_at(scans, n, before_deg, &unused);
     const double by = fmin(1, (90 - most_deg) / 3 / (most_deg - before_deg));
     return cosine * cosine * fabs(last - before) * by;
 }
 
-/* What leaving out came to, of one component. */
-static void tell_component(struct orl_bsdf_fitted *f, const struct orl_bsdf_fitted_scan *scans,
-                           size_t n, int front, int t)
+/* Fills the leave-one-out errors of one component. */
+static void report_component(struct orl_bsdf_fitted *f, const struct orl_bsdf_fitted_scan *scans,
+                             size_t n, int front, int t)
 {
     double squares = 0, misplaced = 0, most = 0;
     size_t left = 0;
@@ -194,7 +194,8 @@ static void tell_component(struct orl_bsdf_fitted *f, const struct orl_bsdf_fitt
     f->misplaced[front][t] = left > 0 ? misplaced / (double)left : -1;
 }
 
-/* Scans of a component are side by side in fitted->scans, their shapes go over to the model. */
+/* Makes the model of a component. Its scans become adjacent in fitted->scans; the model takes its
+ * shapes. */
 static int make_model(struct shaping *s, int front, int t, struct orl_bsdf_fitted *fitted,
                       struct orl_fit_model *model, bool *ret_any, struct orl_error *err)
 {
@@ -222,7 +223,7 @@ static int make_model(struct shaping *s, int front, int t, struct orl_bsdf_fitte
         return code;
     code = orl_fit_leave_out(model, s->env, fitted->scans + first, err);
     fitted->n_scans = first + n;
-    tell_component(fitted, fitted->scans + first, n, front, t);
+    report_component(fitted, fitted->scans + first, n, front, t);
     return code;
 }
 
@@ -236,7 +237,7 @@ static int write_out(struct shaping *s, struct orl_bsdf_fitted *fitted, struct o
         code = make_model(s, i / 2, i % 2, fitted, &models[i / 2][i % 2], &any, err);
         given.of[i / 2][i % 2] = any ? &models[i / 2][i % 2] : NULL;
     }
-    tell_progress(s->env, orl_fit_begun);
+    report_progress(s->env, orl_fit_begun);
     if (code == 0)
         code = orl_bsdf_basis_is_tree(fitted->basis)
                    ? orl_fit_write_trees(s->request, s->env, &given, fitted, err)
@@ -248,8 +249,8 @@ static int write_out(struct shaping *s, struct orl_bsdf_fitted *fitted, struct o
 
 /* ---- The whole ------------------------------------------------------------------------------- */
 
-/* Where it is bright lobes are as wide as cells out, of which a tree of rank 4 has very many; in a
- * peak, for the cells on whose border it stands, a small part of that. */
+/* Sets the levels of lobes. Bright lobes are as narrow as cells out. A tree of rank 4 has very many
+ * cells. In a peak lobes are much narrower, because a peak may lie on the border of cells. */
 static void set_levels(const struct orl_bsdf_fit_request *request, enum orl_bsdf_basis basis,
                        unsigned levels[2])
 {
@@ -262,14 +263,14 @@ static void set_levels(const struct orl_bsdf_fit_request *request, enum orl_bsdf
     levels[1] = level < 9 ? 9 : level;
 }
 
-static int fit(const struct orl_bsdf_fit_request *request, const struct orl_bsdf_make_env *env,
-               struct orl_fit_data *data, struct orl_bsdf_fitted *fitted, struct orl_error *err)
+static int run_fit(const struct orl_bsdf_fit_request *request, const struct orl_bsdf_make_env *env,
+                   struct orl_fit_data *data, struct orl_bsdf_fitted *fitted, struct orl_error *err)
 {
     struct shaping shaping = {.request = request, .env = env, .data = data};
     int code = 0;
     for (uint32_t i = 0; i < request->n_files && code == 0; i++)
         code = read_file(request, i, env, data, err);
-    tell_progress(env, 0.1);
+    report_progress(env, 0.1);
     if (code < 0)
         return code;
     fitted->rows = data->n_rows;
@@ -290,7 +291,7 @@ static int fit(const struct orl_bsdf_fit_request *request, const struct orl_bsdf
     set_levels(request, fitted->basis, shaping.levels);
     code = fitted->scans ? shape_all(&shaping, fitted, err)
                          : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");
-    tell_progress(env, 0.25);
+    report_progress(env, 0.25);
     if (code == 0)
         code = write_out(&shaping, fitted, err);
     shaping_done(&shaping);
@@ -308,7 +309,7 @@ int orl_bsdf_fit(const struct orl_bsdf_fit_request *request, const struct orl_bs
     if (request->n_files == 0)
         return orl_error_set(err, ORL_ERR_INVALID, "no file of measurements is named");
     orl_crew_heed(env->crew, env->cancel);
-    code = fit(request, env, &data, &fitted, err);
+    code = run_fit(request, env, &data, &fitted, err);
     orl_crew_heed(env->crew, NULL);
     orl_fit_data_done(&data);
     if (code == 0)

@@ -1,4 +1,4 @@
-/* Models as matrices of a Klems basis. */
+/* Writes models as matrices of a Klems basis. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,12 +7,12 @@
 #include "fit/output.h"
 #include "goniometer/provenance.h"
 
-enum { LEVELS = 6, PARTS = 4 }; /* of the screen, whose cells go to the basis's in 4 by 4 parts */
+enum { LEVELS = 6, PARTS = 4 }; /* screen levels; parts a side of a screen cell */
 
-/* A part of the screen's cells that lies in a cell of the basis. */
+/* Part of a screen cell that lies in a cell of the basis. */
 struct share {
     uint32_t from, to;
-    float weight; /* of the basis's cell */
+    float weight; /* share of the basis's cell */
 };
 
 struct filling {
@@ -21,7 +21,7 @@ struct filling {
     const struct orl_fit_screen *screen;
     const struct orl_basis *basis;
     struct orl_matrix *matrix;
-    const struct share *shares; /* by screen cell */
+    const struct share *shares; /* in the order of screen cells */
     size_t n_shares;
     int *codes;
 };
@@ -42,8 +42,8 @@ static struct orl_vec3 part_of(size_t cell, int part)
     return orl_square_to_hemisphere((struct orl_square){2 * u - 1, 2 * v - 1});
 }
 
-/* Weights of a cell add up to 1. NULL: no memory. */
-static struct share *share_out(const struct orl_basis *basis, size_t cells, size_t *ret_n)
+/* Returns the shares; weights of a basis's cell add up to 1. NULL if out of memory. */
+static struct share *assign_shares(const struct orl_basis *basis, size_t cells, size_t *ret_n)
 {
     struct share *shares = malloc(cells * PARTS * PARTS * sizeof *shares);
     double *sums = calloc((size_t)basis->n_cells, sizeof *sums);
@@ -74,8 +74,8 @@ static struct share *share_out(const struct orl_basis *basis, size_t cells, size
 
 /* ---- Incident cells -------------------------------------------------------------------------- */
 
-/* Where light of an incident cell comes from; cells are of where it travels. Of an isotropic sample
- * light is looked at from -x, and what leaves is turned by the azimuth. */
+/* Returns a direction from which light of an incident cell comes; cells hold directions of travel.
+ * Isotropic samples are evaluated for light from -x, and the result is turned by the azimuth. */
 static struct orl_vec3 incidence(const struct orl_basis *basis, int cell, int place)
 {
     const double n = ORL_FIT_CELL_PLACES;
@@ -85,7 +85,7 @@ static struct orl_vec3 incidence(const struct orl_basis *basis, int cell, int pl
     return orl_v3(-travel.x, -travel.y, travel.z);
 }
 
-static void turn(struct orl_fit_light *light, struct orl_vec3 in)
+static void turn_light(struct orl_fit_light *light, struct orl_vec3 in)
 {
     const double r = hypot(in.x, in.y);
     const float cosine = (float)(r > 0 ? -in.x / r : 1), sine = (float)(r > 0 ? -in.y / r : 0);
@@ -97,7 +97,8 @@ static void turn(struct orl_fit_light *light, struct orl_vec3 in)
     }
 }
 
-static bool locate(const struct filling *f, struct orl_vec3 in, struct orl_fit_place *place)
+static bool locate_incident(const struct filling *f, struct orl_vec3 in,
+                            struct orl_fit_place *place)
 {
     const bool turned = f->model->mesh.isotropic;
     orl_fit_mesh_locate(&f->model->mesh, turned ? orl_v3(-hypot(in.x, in.y), 0, in.z) : in, place);
@@ -118,12 +119,12 @@ static void fill_row(void *arg, size_t index, uint32_t member)
     for (int i = 0; i < PLACES && fine; i++) {
         const struct orl_vec3 in = incidence(f->basis, (int)index, i);
         struct orl_fit_place place;
-        const bool turned = locate(f, in, &place);
+        const bool turned = locate_incident(f, in, &place);
         fine = orl_fit_blend(&f->model->mesh, &f->model->plans, &place, &light);
         if (!fine)
             break;
         if (turned)
-            turn(&light, in);
+            turn_light(&light, in);
         orl_fit_draw(f->screen, &light, 0, &brush);
         for (size_t k = 0; k < f->n_shares; k++)
             row[f->shares[k].to] +=
@@ -139,14 +140,14 @@ static int want_plans(const struct filling *f, struct orl_error *err)
     for (int cell = 0; cell < f->basis->n_cells; cell++)
         for (int i = 0; i < ORL_FIT_CELL_PLACES * ORL_FIT_CELL_PLACES; i++) {
             struct orl_fit_place place;
-            locate(f, incidence(f->basis, cell, i), &place);
+            locate_incident(f, incidence(f->basis, cell, i), &place);
             if (!orl_fit_plans_want(&f->model->plans, &place))
                 return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for transport plans");
         }
     return orl_fit_plans_make(&f->model->plans, &f->model->mesh, f->env->crew, f->env->cancel, err);
 }
 
-/* The cell that a mirror makes of a cell. */
+/* Returns the mirror image of a cell. */
 static int mirrored(const struct orl_basis *basis, int cell, unsigned mirror)
 {
     const struct orl_vec3 d = orl_basis_direction(basis, cell, 0.5, 0.5);
@@ -154,7 +155,7 @@ static int mirrored(const struct orl_basis *basis, int cell, unsigned mirror)
     return orl_basis_cell(basis, orl_polar_of(orl_v3(sx * d.x, sy * d.y, d.z)), 0);
 }
 
-/* Pairs of cells that mirrors make of each other have one value: their mean. */
+/* Sets pairs of mirrored cells to their mean value. */
 static void make_alike(const struct filling *f, unsigned mirror)
 {
     const int cells = f->basis->n_cells;
@@ -181,7 +182,7 @@ static double diffuse_of(const struct filling *f)
     return sum / ORL_PI;
 }
 
-static int fill(struct filling *f, double *ret_diffuse, struct orl_error *err)
+static int fill_matrix(struct filling *f, double *ret_diffuse, struct orl_error *err)
 {
     const size_t cells = (size_t)f->basis->n_cells;
     unsigned mirrors[3];
@@ -225,7 +226,7 @@ int orl_fit_write_klems(const struct orl_bsdf_fit_request *request,
         return code;
     orl_basis_standard(name_of(fitted->basis), &basis);
     size_t n_shares;
-    struct share *shares = share_out(&basis, screen.n_cells, &n_shares);
+    struct share *shares = assign_shares(&basis, screen.n_cells, &n_shares);
     if (!shares)
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a matrix");
     for (int i = 0; i < 4 && code == 0; i++) {
@@ -235,7 +236,7 @@ int orl_fit_write_klems(const struct orl_bsdf_fit_request *request,
         if (!f.model)
             continue;
         part->present = true;
-        code = fill(&f, &fitted->diffuse[i / 2][i % 2].value, err);
+        code = fill_matrix(&f, &fitted->diffuse[i / 2][i % 2].value, err);
     }
     if (code == 0)
         code = orl_fit_write_xml(&document, &labels, request, fitted, err);

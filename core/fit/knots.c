@@ -10,8 +10,8 @@
 #include "fit/near.h"
 #include "fit/square.h"
 
-/* Of a knot's Gaussian, in sides of its cell: neighbours' then meet at 0.7 of their height, and a
- * plain of equal knots is even to a thousandth. */
+/* Radius of a knot's Gaussian in sides of its cell. Gaussians of neighbours then meet at 0.7 of
+ * their height, and equal knots interpolate to a constant within a thousandth. */
 static const double radius_of_side = 0.6;
 static const float steep_share = 0.7F;
 enum { STEEP_ROWS = 8, ALWAYS_SPLIT = 4, CORRECTIONS = 2, KNOTS_LEAST = 16 };
@@ -40,7 +40,7 @@ static struct orl_vec3 place_of(const struct orl_fit_row *row)
     return orl_v3((double)row->x, (double)row->y, (double)row->z);
 }
 
-/* By the cells of the square; keys: cells and then places, as rows came. */
+/* Sorts rows by the cells of the square. keys: cell, then original index. */
 static bool sort_rows(struct orl_fit_scan *scan, uint64_t *keys)
 {
     struct orl_fit_row *sorted = malloc(scan->n_rows * sizeof *sorted);
@@ -66,7 +66,7 @@ struct builder {
     size_t room;
 };
 
-/* Where codes that begin with a quarter's bits end. */
+/* Returns the end of the codes below limit. */
 static size_t end_of(const struct builder *b, size_t begin, size_t end, uint64_t limit)
 {
     while (begin < end) {
@@ -104,7 +104,7 @@ static bool add_knot(struct builder *b, size_t begin, size_t end, unsigned level
     return true;
 }
 
-/* Whether values of rows differ by so much that their mean would say little. */
+/* Returns true if values of rows differ too much for their mean to represent them. */
 static bool is_steep(const struct builder *b, size_t begin, size_t end)
 {
     float least = INFINITY, most = -INFINITY;
@@ -116,7 +116,7 @@ static bool is_steep(const struct builder *b, size_t begin, size_t end)
     return least < steep_share * most;
 }
 
-static bool split(struct builder *b, size_t begin, size_t end, unsigned level, uint64_t code)
+static bool split_cell(struct builder *b, size_t begin, size_t end, unsigned level, uint64_t code)
 {
     const unsigned below = 2 * (ORL_FIT_SQUARE_LEVELS - level - 1);
     size_t edges[5] = {begin};
@@ -133,7 +133,7 @@ static bool split(struct builder *b, size_t begin, size_t end, unsigned level, u
     bool fine = true;
     for (uint64_t q = 0; q < 4 && fine; q++)
         if (edges[q + 1] > edges[q])
-            fine = split(b, edges[q], edges[q + 1], level + 1, code + (q << below));
+            fine = split_cell(b, edges[q], edges[q + 1], level + 1, code + (q << below));
     return fine;
 }
 
@@ -156,7 +156,8 @@ static bool find_near(struct orl_fit_knots *k)
 
 /* ---- The value ------------------------------------------------------------------------------- */
 
-/* From so many squared radii of the nearest knot on, radii are what that distance makes them. */
+/* Largest exponent distance^2 / (2 radius^2) of the nearest knot; farther away, radii are widened
+ * to keep it. */
 static const double reach = 2;
 
 static double value_by(const struct orl_fit_knots *k, const uint32_t *near, const float *away2,
@@ -196,8 +197,8 @@ static double value_at_knot(const struct orl_fit_knots *k, size_t i)
     return value_by(k, near, away2, ORL_FIT_NEIGHBOURS);
 }
 
-/* Where knots of large cells stand beside much that is small, corrections would dig holes: none
- * goes below half of what the darkest knot about has. */
+/* Returns the least coefficient of a knot: half of the darkest value around it. Without this limit,
+ * corrections of large cells next to many small ones would make holes. */
 static float least_about(const struct orl_fit_knots *k, size_t i)
 {
     float least = k->knots[i].value;
@@ -208,7 +209,7 @@ static float least_about(const struct orl_fit_knots *k, size_t i)
     return least > 0 ? 0.5F * least : least;
 }
 
-static bool correct(struct orl_fit_knots *k)
+static bool correct_knots(struct orl_fit_knots *k)
 {
     float *off = malloc(k->n * sizeof *off);
     if (!off)
@@ -230,10 +231,11 @@ static bool correct(struct orl_fit_knots *k)
 /* ---- Noise and outliers ---------------------------------------------------------------------- */
 
 enum { AROUND = ORL_FIT_NEIGHBOURS - 1 };
-static const double sigma_of_median = 1.4826; /* of absolute deviations of normal ones */
+/* Sigma of normal errors in units of their median absolute deviation. */
+static const double sigma_of_median = 1.4826;
 
-/* How far a knot is from the mean of the six around it, in standard deviations of a row if that is
- * 1. */
+/* Returns the deviation of a knot from the mean of the six around it, as the standard deviation of
+ * one row. */
 static double roughness(const struct orl_fit_knots *k, size_t i)
 {
     enum { SIX = 6 };
@@ -246,7 +248,7 @@ static double roughness(const struct orl_fit_knots *k, size_t i)
     return fabs((double)k->knots[i].value - mean) / sqrt(variance);
 }
 
-/* Among the darker half of knots. */
+/* Sets the noise from the darker half of knots. */
 static bool find_noise(struct orl_fit_knots *k)
 {
     double *values = malloc(2 * k->n * sizeof *values), *rough = values + k->n;
@@ -264,7 +266,7 @@ static bool find_noise(struct orl_fit_knots *k)
     return true;
 }
 
-/* What is around a knot. */
+/* Statistics of the knots around a knot. */
 struct around {
     double median, spread, least, most;
 };
@@ -293,7 +295,8 @@ static bool stands_out(double value, double other, const struct around *a)
     return value < a->median - far && value < fmin(a->least, other) / times;
 }
 
-/* Rows of a knot that are outliers go to the end of it, where the knot does not count them. */
+/* Removes the outlier of a knot if it has exactly one; moves that row to the end, where the knot
+ * does not count it. Returns the number removed. */
 static size_t sift_knot(struct orl_fit_knots *k, size_t i, struct orl_fit_row *rows,
                         const struct around *a)
 {
@@ -324,11 +327,12 @@ static size_t sift_knot(struct orl_fit_knots *k, size_t i, struct orl_fit_row *r
     return 1;
 }
 
-/* Knots of many rows tell outliers by their neighbours' rows no better than by their own mean. */
+/* Knots with more rows are not searched: the neighbours' rows identify an outlier no better than
+ * the knot's own mean. */
 enum { SIFTED_ROWS = 64 };
 
-static void sift(struct orl_fit_knots *k, const struct orl_fit_scan *scan,
-                 const struct orl_fit_making *making)
+static void sift_outliers(struct orl_fit_knots *k, const struct orl_fit_scan *scan,
+                          const struct orl_fit_making *making)
 {
     const struct orl_vec3 straight = orl_v3(-scan->in.x, -scan->in.y, scan->in.z);
     for (size_t i = 0; i < k->n; i++) {
@@ -369,7 +373,8 @@ static double covered_share(const struct orl_fit_knots *k)
     return seen / all;
 }
 
-/* A gap is wider than the rows around it are apart, and than a degree. */
+/* Returns the angle to the nearest knot if it is a gap: wider than the spacing of rows around it
+ * and than a degree. Returns 0 otherwise. */
 static double hidden_around(const struct orl_fit_knots *k, struct orl_vec3 in)
 {
     struct orl_fit_found found;
@@ -393,19 +398,20 @@ static int fail_few(const struct orl_fit_scan *scan, struct orl_error *err)
     return ORL_ERR_INVALID;
 }
 
-static int make(struct orl_fit_scan *scan, uint64_t *keys, const struct orl_fit_making *making,
-                struct orl_fit_knots *knots, struct orl_error *err)
+static int make_knots(struct orl_fit_scan *scan, uint64_t *keys,
+                      const struct orl_fit_making *making, struct orl_fit_knots *knots,
+                      struct orl_error *err)
 {
     struct builder builder = {scan, keys, knots, 0};
-    bool fine = sort_rows(scan, keys) && split(&builder, 0, scan->n_rows, 0, 0);
+    bool fine = sort_rows(scan, keys) && split_cell(&builder, 0, scan->n_rows, 0, 0);
     if (fine && knots->n < KNOTS_LEAST)
         return fail_few(scan, err);
     if (orl_is_cancelled(making->cancel))
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
     fine = fine && find_near(knots) && find_noise(knots);
     if (fine && !making->keep_outliers)
-        sift(knots, scan, making);
-    fine = fine && correct(knots);
+        sift_outliers(knots, scan, making);
+    fine = fine && correct_knots(knots);
     if (!fine)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");
     knots->n_rows = scan->n_rows;
@@ -421,7 +427,7 @@ int orl_fit_knots_make(struct orl_fit_scan *scan, const struct orl_fit_making *m
     if (scan->n_rows < KNOTS_LEAST)
         return fail_few(scan, err);
     uint64_t *keys = malloc(scan->n_rows * sizeof *keys);
-    const int code = keys ? make(scan, keys, making, &knots, err)
+    const int code = keys ? make_knots(scan, keys, making, &knots, err)
                           : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");
     free(keys);
     if (code == 0)

@@ -1,9 +1,10 @@
-/* How well each incident direction is told by the others. */
+/* Leave-one-out errors: each incident direction predicted from the others. */
 #include <stdlib.h>
 
 #include "fit/model.h"
 
-/* Two Gaussians of this width overlap by what is within 5 degrees, roughly. */
+/* Blur before comparison: two Gaussians of this width overlap by roughly the light within 5
+ * degrees. */
 static const double blur_rad = 2.5 * ORL_DEG_TO_RAD;
 enum { LEVELS = 6 };
 
@@ -15,7 +16,7 @@ struct leaving {
     int *codes;
 };
 
-/* Within the border of the rest: not beyond the last of them. */
+/* Returns true within the border of the other directions, where no extrapolation is needed. */
 static bool is_inside(const struct orl_fit_place *place)
 {
     return orl_dot(place->at, place->in) > cos(0.1 * ORL_DEG_TO_RAD);
@@ -29,9 +30,9 @@ static double sum_of(const struct orl_fit_screen *screen, const double *values)
     return sum;
 }
 
-/* Draws the two lights; the share of the one that is not where the other is. */
-static double misplaced(const struct leaving *l, const struct orl_fit_light *told,
-                        const struct orl_fit_light *seen, struct orl_fit_brush brushes[2])
+/* Rasterises both lights; returns the share of one that is not where the other is. */
+static double misplaced_share(const struct leaving *l, const struct orl_fit_light *told,
+                              const struct orl_fit_light *seen, struct orl_fit_brush brushes[2])
 {
     double off = 0;
     orl_fit_draw(l->screen, told, blur_rad, &brushes[0]);
@@ -44,9 +45,9 @@ static double misplaced(const struct leaving *l, const struct orl_fit_light *tol
     return 0.5 * off;
 }
 
-static int compare(const struct leaving *l, const struct orl_fit_mesh *rest,
-                   const struct orl_fit_place *place, const struct orl_fit_plans *plans,
-                   size_t which)
+static int compare_prediction(const struct leaving *l, const struct orl_fit_mesh *rest,
+                              const struct orl_fit_place *place, const struct orl_fit_plans *plans,
+                              size_t which)
 {
     const struct orl_fit_mesh *mesh = &l->model->mesh;
     const struct orl_fit_plans none = {0};
@@ -70,7 +71,7 @@ static int compare(const struct leaving *l, const struct orl_fit_mesh *rest,
         scan->predicted = 0;
         for (int k = 0; k < ORL_FIT_MASSES; k++)
             scan->predicted += place->mass[k];
-        scan->misplaced = misplaced(l, &lights[0], &lights[1], brushes);
+        scan->misplaced = misplaced_share(l, &lights[0], &lights[1], brushes);
     }
     for (int i = 0; i < 2; i++) {
         orl_fit_light_done(&lights[i]);
@@ -79,7 +80,7 @@ static int compare(const struct leaving *l, const struct orl_fit_mesh *rest,
     return fine ? 0 : ORL_ERR_NOMEM;
 }
 
-/* The mesh of all but one direction and its images. */
+/* Makes the mesh of all directions except one and its images. */
 static int make_rest(const struct orl_fit_model *m, size_t which, struct orl_fit_mesh *ret_rest)
 {
     const struct orl_fit_shape **shapes = malloc(m->n * sizeof(void *));
@@ -114,10 +115,10 @@ static void leave_out(void *arg, size_t index, uint32_t member)
     if (code == 0)
         code = orl_fit_plans_make(&plans, &rest, NULL, l->env->cancel, NULL);
     if (code == 0)
-        code = compare(l, &rest, &place, &plans, index);
+        code = compare_prediction(l, &rest, &place, &plans, index);
     orl_fit_plans_done(&plans);
     orl_fit_mesh_done(&rest);
-    l->codes[index] = code == ORL_ERR_INVALID ? 0 : code; /* it has none around it */
+    l->codes[index] = code == ORL_ERR_INVALID ? 0 : code; /* nothing surrounds it: skipped */
 }
 
 int orl_fit_leave_out(const struct orl_fit_model *model, const struct orl_bsdf_make_env *env,

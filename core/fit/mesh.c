@@ -14,7 +14,8 @@ void orl_fit_mesh_done(struct orl_fit_mesh *mesh)
     memset(mesh, 0, sizeof *mesh);
 }
 
-/* Of a row only theta counts, and on which side of the normal it is: light comes from -x. */
+/* Sets the mesh coordinates of a direction. In a row only theta is used, signed by the side of the
+ * normal; light comes from -x. */
 static void set_place(const struct orl_fit_mesh *mesh, struct orl_vec3 in, double ret_place[2])
 {
     const double sine = hypot(in.x, in.y), theta = atan2(sine, in.z);
@@ -37,8 +38,8 @@ static double total_of(const struct orl_fit_shape *shape)
 
 /* ---- Slopes ---------------------------------------------------------------------------------- */
 
-/* Of the parabola through three of a row, at the middle one; at an end, the one through the first
- * or last three, or of the line through two. */
+/* Sets each slope from the parabola through three neighbours in the row: at the middle one, or at
+ * an end of the first or last three. Two directions give a line. */
 static void set_row_slopes(struct orl_fit_mesh *m)
 {
     for (size_t i = 0; i < m->n && m->n > 1; i++) {
@@ -54,7 +55,7 @@ static void set_row_slopes(struct orl_fit_mesh *m)
     }
 }
 
-/* By least squares over the corners that share a triangle with it. */
+/* Sets a slope by least squares over the corners that share a triangle with the direction. */
 static void set_plane_slope(struct orl_fit_mesh *m, uint32_t i)
 {
     double xx = 0, xy = 0, yy = 0, right[2] = {0};
@@ -147,7 +148,7 @@ void orl_fit_mesh_edge(const struct orl_fit_mesh *mesh, size_t index, uint32_t r
     ret_ends[1] = t ? t[(side + 1) % ORL_FIT_CORNERS] : (uint32_t)index + 1;
 }
 
-/* Triangles turn to the left: an edge within comes once each way. */
+/* Triangles are counter-clockwise, so an inner edge comes once in each direction. */
 static bool is_outer(const struct orl_fit_mesh *mesh, const uint32_t ends[2])
 {
     for (size_t i = 0; i < orl_fit_mesh_edges(mesh); i++) {
@@ -196,7 +197,8 @@ static void locate_in_row(const struct orl_fit_mesh *m, struct orl_fit_place *pl
     place->at = orl_v3(-sin(theta), 0, cos(theta));
 }
 
-/* Of the directions of a triangle's corners: they add up to it. */
+/* Returns true if in is inside a triangle, and sets its weights: the weighted sum of the corners'
+ * directions points to in. */
 static bool is_within(const struct orl_fit_mesh *m, const uint32_t *t, struct orl_vec3 in,
                       struct orl_fit_place *place)
 {
@@ -215,8 +217,8 @@ static bool is_within(const struct orl_fit_mesh *m, const uint32_t *t, struct or
     return sum > 0;
 }
 
-/* The nearest place on a triangle's side, an arc of a great circle, if it is nearer than what was
- * found so far, by its cosine. */
+/* Finds the nearest place on a triangle's side, an arc of a great circle. It is taken if nearer
+ * than *nearest, the largest cosine so far. */
 static void try_side(const struct orl_fit_mesh *m, uint32_t a, uint32_t b, double *nearest,
                      struct orl_fit_place *place)
 {
@@ -254,8 +256,9 @@ static void locate_in_plane(const struct orl_fit_mesh *m, struct orl_fit_place *
             try_side(m, m->triangles[i][k], m->triangles[i][(k + 1) % 3], &nearest, place);
 }
 
-/* Weights by which the corners' directions add up to one along at, where that is sound. */
-static void lean(const struct orl_fit_mesh *m, struct orl_fit_place *p)
+/* Sets lean, the weights by which the corners' directions add up to a vector along at. If they are
+ * far from the other weights, those are used. */
+static void set_lean(const struct orl_fit_mesh *m, struct orl_fit_place *p)
 {
     const struct orl_vec3 a = m->shapes[p->corner[0]]->in, b = m->shapes[p->corner[1]]->in;
     double raw[ORL_FIT_CORNERS] = {1, 0, 0}, sum = 0;
@@ -278,8 +281,8 @@ static void lean(const struct orl_fit_mesh *m, struct orl_fit_place *p)
         p->lean[i] = sound ? raw[i] / sum : p->weight[i];
 }
 
-/* Half of what slopes add to the mean of the corners is what a parabola has (it is exact then), as
- * long as it does not leave them far behind. */
+/* Returns the total at a place: the corners' mean plus half of what slopes predict, which is exact
+ * for a parabola. The result is limited to the corners' range, extended by half of it. */
 static double total_at(const struct orl_fit_mesh *m, const struct orl_fit_place *p, const double *x)
 {
     double mean = 0, bend = 0, least = INFINITY, most = 0;
@@ -297,7 +300,7 @@ static double total_at(const struct orl_fit_mesh *m, const struct orl_fit_place 
     return fmax(0, fmin(most + room, fmax(least - room, mean + bend)));
 }
 
-/* The corners' means, scaled to the total. */
+/* Sets masses to the corners' means, scaled to the total. */
 static void set_masses(const struct orl_fit_mesh *m, struct orl_fit_place *p, const double *x)
 {
     const double total = total_at(m, p, x);
@@ -322,6 +325,6 @@ void orl_fit_mesh_locate(const struct orl_fit_mesh *mesh, struct orl_vec3 in,
     else
         locate_in_plane(mesh, p);
     set_place(mesh, p->at, x);
-    lean(mesh, p);
+    set_lean(mesh, p);
     set_masses(mesh, p, x);
 }

@@ -1,4 +1,4 @@
-/* Delaunay's triangulation, point by point (Bowyer 1981, Watson 1981). */
+/* Delaunay triangulation by insertion of points (Bowyer 1981, Watson 1981). */
 #include "fit/mesh.h"
 
 #include <stdlib.h>
@@ -13,12 +13,12 @@ struct edge {
 
 struct plane {
     struct orl_fit_mesh *mesh;
-    double (*at)[2]; /* the places, moved a little, and three far ones */
+    double (*at)[2]; /* projected places, slightly perturbed, and three distant points */
     struct edge *edges;
     size_t n_edges, room;
 };
 
-/* Triangles turn to the left. */
+/* Triangles are counter-clockwise. */
 static bool is_in_circle(const struct plane *p, const uint32_t t[ORL_FIT_CORNERS], const double *d)
 {
     double m[3][3];
@@ -33,8 +33,9 @@ static bool is_in_circle(const struct plane *p, const uint32_t t[ORL_FIT_CORNERS
            0;
 }
 
-/* An edge that comes from both of its sides lies within the hole. */
-static bool toggle(struct plane *p, uint32_t a, uint32_t b)
+/* Adds an edge to the outline of the hole. An edge that comes from both sides is inside and
+ * removed. */
+static bool toggle_edge(struct plane *p, uint32_t a, uint32_t b)
 {
     for (size_t i = 0; i < p->n_edges; i++)
         if (p->edges[i].a == b && p->edges[i].b == a) {
@@ -58,8 +59,9 @@ static bool add_triangle(struct orl_fit_mesh *mesh, uint32_t a, uint32_t b, uint
     return true;
 }
 
-/* Triangles whose circle it lies in give way to those from their outline to it. */
-static bool insert(struct plane *p, uint32_t point)
+/* Replaces the triangles whose circumcircle contains the point by those from their outline to
+ * it. */
+static bool insert_point(struct plane *p, uint32_t point)
 {
     struct orl_fit_mesh *m = p->mesh;
     bool fine = true;
@@ -70,7 +72,8 @@ static bool insert(struct plane *p, uint32_t point)
             i++;
             continue;
         }
-        fine = toggle(p, t[0], t[1]) && toggle(p, t[1], t[2]) && toggle(p, t[2], t[0]);
+        fine =
+            toggle_edge(p, t[0], t[1]) && toggle_edge(p, t[1], t[2]) && toggle_edge(p, t[2], t[0]);
         memcpy(m->triangles[i], m->triangles[--m->n_triangles], sizeof *m->triangles);
     }
     for (size_t i = 0; i < p->n_edges && fine; i++)
@@ -78,7 +81,7 @@ static bool insert(struct plane *p, uint32_t point)
     return fine;
 }
 
-/* So little that it does not show, but no four stand on a circle any more. */
+/* Returns a perturbation too small to matter, so that no four points lie on a circle. */
 static double nudge(uint64_t index)
 {
     return 1e-6 * ((double)(orl_mix64(index + 1) >> 11) * 0x1p-53 - 0.5);
@@ -89,7 +92,7 @@ static double area_of(const struct orl_fit_mesh *m, const uint32_t t[ORL_FIT_COR
     return orl_dot(m->shapes[t[0]]->in, orl_cross(m->shapes[t[1]]->in, m->shapes[t[2]]->in));
 }
 
-/* Those that have area, of places alone. */
+/* Keeps only triangles of places that have area. */
 static void keep_inner(struct plane *p)
 {
     struct orl_fit_mesh *m = p->mesh;
@@ -117,7 +120,7 @@ bool orl_fit_triangulate(struct orl_fit_mesh *mesh)
     if (fine)
         memcpy(p.at[n], far, sizeof far);
     for (uint32_t i = 0; i < n && fine; i++)
-        fine = insert(&p, i);
+        fine = insert_point(&p, i);
     if (fine)
         keep_inner(&p);
     free(p.at);

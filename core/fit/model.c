@@ -39,7 +39,7 @@ void orl_fit_model_done(struct orl_fit_model *model)
     memset(model, 0, sizeof *model);
 }
 
-/* Images that stand where something was measured are none. */
+/* Returns true if a direction is already present; its image is then not added. */
 static bool is_taken(const struct orl_fit_model *m, struct orl_vec3 in)
 {
     const double near = cos(0.3 * ORL_DEG_TO_RAD);
@@ -61,8 +61,8 @@ static bool add_image(struct orl_fit_model *m, size_t of, unsigned mirror)
     return true;
 }
 
-/* Of a row: the images of its two first stand before it, so that the first can be told by others.
- */
+/* Isotropic samples: adds images of the two directions nearest the normal before the row, so that
+ * the first one has neighbours on both sides. */
 static bool add_row_images(struct orl_fit_model *m)
 {
     bool fine = true;

@@ -1,9 +1,9 @@
 /*
- * All scans of one component (light from the front or the back, reflected or transmitted) made
- * ready to be asked for any incident direction: shapes, their mirror images, the mesh of them, and
- * the plans between those that are needed.
+ * Model of one component (light from the front or the back, reflected or transmitted) for any
+ * incident direction: shapes of all scans, their mirror images, the mesh of them, and the transport
+ * plans that are needed.
  *
- * Ownership: the caller's, orl_fit_model_done. Many threads may ask once it is made.
+ * Ownership: the caller's, freed by orl_fit_model_done. Once made, it may be read by many threads.
  */
 #ifndef ORL_FIT_MODEL_H
 #define ORL_FIT_MODEL_H
@@ -18,21 +18,22 @@ struct orl_fit_model {
     enum orl_bsdf_fit_symmetry symmetry;
     struct orl_fit_shape *shapes; /* own ones, then images; owned */
     size_t n_own, n;
-    uint32_t *image_of; /* by shape; owned */
+    uint32_t *image_of; /* by shape: its original; owned */
     struct orl_fit_mesh mesh;
     struct orl_fit_plans plans;
 };
 
-/* Takes over the shapes, also when it fails. */
+/* Takes ownership of the shapes, even on failure. Returns 0, ORL_ERR_INVALID or ORL_ERR_NOMEM. */
 int orl_fit_model_make(struct orl_fit_shape *shapes, size_t n, enum orl_bsdf_fit_symmetry symmetry,
                        struct orl_fit_model *ret_model, struct orl_error *err);
 void orl_fit_model_done(struct orl_fit_model *model);
 
-/* The mirrors (of orl_fit_shape_mirror) that a symmetry has beside none: so many in the list. */
+/* Sets the mirrors (of orl_fit_shape_mirror) of a symmetry, without the identity; returns their
+ * number. */
 size_t orl_fit_mirrors(enum orl_bsdf_fit_symmetry symmetry, unsigned ret_mirrors[3]);
 
-/* Leaves every direction out that has others around it, one at a time, and sets what scans say of
- * it. scans: in the order of the model's own shapes. */
+/* Leaves out one direction at a time, if others surround it, and sets the errors in scans. scans:
+ * in the order of the model's own shapes. */
 int orl_fit_leave_out(const struct orl_fit_model *model, const struct orl_bsdf_make_env *env,
                       struct orl_bsdf_fitted_scan *scans, struct orl_error *err);
 

@@ -1,6 +1,6 @@
 #include "fit/near.h"
 
-static float along(const struct orl_fit_knot *k, unsigned axis)
+static float coordinate_along(const struct orl_fit_knot *k, unsigned axis)
 {
     return axis == 0 ? k->x : axis == 1 ? k->y : k->z;
 }
@@ -11,7 +11,7 @@ static unsigned widest_axis(const struct orl_fit_knots *t, size_t begin, size_t 
     unsigned widest = 0;
     for (size_t i = begin; i < end; i++)
         for (unsigned axis = 0; axis < 3; axis++) {
-            const float v = along(&t->knots[t->tree[i]], axis);
+            const float v = coordinate_along(&t->knots[t->tree[i]], axis);
             least[axis] = v < least[axis] ? v : least[axis];
             most[axis] = v > most[axis] ? v : most[axis];
         }
@@ -21,14 +21,14 @@ static unsigned widest_axis(const struct orl_fit_knots *t, size_t begin, size_t 
     return widest;
 }
 
-/* Ties go by number, so that there are none. */
+/* Compares along an axis; ties are broken by number, so the order is total. */
 static bool is_less(const struct orl_fit_knots *t, unsigned axis, uint32_t a, uint32_t b)
 {
-    const float x = along(&t->knots[a], axis), y = along(&t->knots[b], axis);
+    const float x = coordinate_along(&t->knots[a], axis), y = coordinate_along(&t->knots[b], axis);
     return x < y || (x == y && a < b);
 }
 
-/* The k-th in its place, those before it before (Hoare 1961). */
+/* Moves the k-th knot into its place, smaller ones before it (Hoare 1961). */
 static void select_kth(const struct orl_fit_knots *t, unsigned axis, size_t begin, size_t end,
                        size_t k)
 {
@@ -53,8 +53,8 @@ static void select_kth(const struct orl_fit_knots *t, unsigned axis, size_t begi
     }
 }
 
-/* As deep as the logarithm of how many there are. */
-static void build(const struct orl_fit_knots *t, size_t begin, size_t end)
+/* The recursion depth is the logarithm of the number of knots. */
+static void build_range(const struct orl_fit_knots *t, size_t begin, size_t end)
 {
     if (end - begin < 2)
         return;
@@ -62,8 +62,8 @@ static void build(const struct orl_fit_knots *t, size_t begin, size_t end)
     const unsigned axis = widest_axis(t, begin, end);
     select_kth(t, axis, begin, end, middle);
     t->axes[middle] = (unsigned char)axis;
-    build(t, begin, middle);
-    build(t, middle + 1, end);
+    build_range(t, begin, middle);
+    build_range(t, middle + 1, end);
 }
 
 void orl_fit_near_build(struct orl_fit_knots *knots)
@@ -72,7 +72,7 @@ void orl_fit_near_build(struct orl_fit_knots *knots)
         knots->tree[i] = (uint32_t)i;
         knots->axes[i] = 0;
     }
-    build(knots, 0, knots->n);
+    build_range(knots, 0, knots->n);
 }
 
 struct search {
@@ -81,7 +81,7 @@ struct search {
     struct orl_fit_found *found;
 };
 
-static void offer(struct search *s, uint32_t knot)
+static void offer_knot(struct search *s, uint32_t knot)
 {
     const struct orl_fit_knot *k = &s->knots->knots[knot];
     const float x = k->x - s->place[0], y = k->y - s->place[1], z = k->z - s->place[2];
@@ -103,18 +103,18 @@ static void offer(struct search *s, uint32_t knot)
     f->knot[at] = knot;
 }
 
-static void search(struct search *s, size_t begin, size_t end)
+static void search_range(struct search *s, size_t begin, size_t end)
 {
     while (end > begin) {
         const size_t middle = begin + (end - begin) / 2;
         const uint32_t knot = s->knots->tree[middle];
         const unsigned axis = s->knots->axes[middle];
-        const float off = s->place[axis] - along(&s->knots->knots[knot], axis);
-        offer(s, knot);
+        const float off = s->place[axis] - coordinate_along(&s->knots->knots[knot], axis);
+        offer_knot(s, knot);
         if (off < 0)
-            search(s, begin, middle);
+            search_range(s, begin, middle);
         else
-            search(s, middle + 1, end);
+            search_range(s, middle + 1, end);
         if (s->found->count == ORL_FIT_NEIGHBOURS &&
             off * off >= s->found->away2[ORL_FIT_NEIGHBOURS - 1])
             return;
@@ -130,5 +130,5 @@ void orl_fit_near_find(const struct orl_fit_knots *knots, struct orl_vec3 place,
 {
     struct search s = {knots, {(float)place.x, (float)place.y, (float)place.z}, ret_found};
     ret_found->count = 0;
-    search(&s, 0, knots->n);
+    search_range(&s, 0, knots->n);
 }

@@ -1,6 +1,6 @@
 /*
- * The nearest knots: a search tree over their places (Friedman, Bentley and Finkel 1977), an array
- * in which the middle of every stretch divides it.
+ * Search for the nearest knots by a kd-tree over their places (Friedman, Bentley and Finkel 1977).
+ * The tree is an array in which the middle of every range divides it.
  */
 #ifndef ORL_FIT_NEAR_H
 #define ORL_FIT_NEAR_H
@@ -9,7 +9,7 @@
 
 struct orl_fit_found {
     uint32_t knot[ORL_FIT_NEIGHBOURS];
-    float away2[ORL_FIT_NEIGHBOURS]; /* chords squared, from the least */
+    float away2[ORL_FIT_NEIGHBOURS]; /* squared chords, ascending */
     unsigned count;
 };
 

@@ -4,18 +4,19 @@
 
 #include "fit/model.h"
 
-/* By [from the front?][transmitted?]; NULL: no such component. */
+/* Indexed by [from the front][transmitted]; NULL: no such component. */
 struct orl_fit_models {
     struct orl_fit_model *of[2][2];
 };
 
-/* Of incident cells, how many places stand for one, in each direction; of wide rings more. */
+/* Sample directions per incident cell along each axis; wide rings have more. */
 enum { ORL_FIT_CELL_PLACES = 2 };
 
-/* Of all work: what components begin at; each has its part of the rest. */
+/* Share of all work after which components begin; they divide the rest among them. */
 static const double orl_fit_begun = 0.4;
 
-/* Set fitted->xml, and its shares of diffuse light. source: who asks, for the XML's remarks. */
+/* Write the models in a basis: set fitted->xml and fitted->diffuse. Return 0 or a negative enum
+ * orl_err. */
 int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
                         const struct orl_bsdf_make_env *env, struct orl_fit_models *models,
                         struct orl_bsdf_fitted *fitted, struct orl_error *err);
@@ -23,7 +24,7 @@ int orl_fit_write_klems(const struct orl_bsdf_fit_request *request,
                         const struct orl_bsdf_make_env *env, struct orl_fit_models *models,
                         struct orl_bsdf_fitted *fitted, struct orl_error *err);
 
-/* provenance.c: the document with remarks of how it came to be. */
+/* Writes the document with comments on how it was made (provenance.c). */
 struct orl_document;
 struct orl_bsdf_labels;
 int orl_fit_write_xml(struct orl_document *document, const struct orl_bsdf_labels *data,

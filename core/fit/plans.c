@@ -7,7 +7,8 @@
 
 /* ---- Plans ----------------------------------------------------------------------------------- */
 
-/* Nothing moves by more than so many times what the light that comes moved by, or 10 degrees. */
+/* Farthest move of light: this multiple of the turn of the incident direction, at least 10
+ * degrees. */
 static const double farthest_times = 2.5, farthest_least = 10 * ORL_DEG_TO_RAD;
 
 static bool want_edge(struct orl_fit_plans *plans, uint32_t a, uint32_t b)
@@ -63,7 +64,7 @@ static void sort_edges(struct orl_fit_plans *plans)
     plans->n = kept;
 }
 
-/* All edges of directions that are marked, and marks their other ends where asked to. */
+/* Requests all edges that have a marked end. */
 static bool want_around(struct orl_fit_plans *plans, const struct orl_fit_mesh *mesh,
                         const bool *marked)
 {
@@ -76,8 +77,8 @@ static bool want_around(struct orl_fit_plans *plans, const struct orl_fit_mesh *
     return true;
 }
 
-/* Slopes of directions that edges are wanted of ask for all edges of these; at the border, whose
- * slopes are those within gone on, for theirs, too. */
+/* Slopes at requested directions need all edges of these. Slopes at the border continue those of
+ * inner neighbours, so all edges of these neighbours are needed too. */
 static bool want_for_slopes(struct orl_fit_plans *plans, const struct orl_fit_mesh *mesh)
 {
     bool *marked = calloc(2 * mesh->n + 2, sizeof *marked), *border = marked + mesh->n + 1;

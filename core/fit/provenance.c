@@ -1,4 +1,4 @@
-/* What the XML says of its making. */
+/* Comment in the XML on how the data were made. */
 #include <oriel/version.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,9 @@
-/* Which of the two formats a file is in. */
+/* Detects the format of a file and reads it. */
 #include "fit/rows.h"
 
 #include "base/number.h"
 
-/* The front of the word is a number, maybe "nan" or "inf". */
+/* Returns true if the word begins with a number, including "nan" or "inf". */
 static bool begins_number(struct orl_slice word)
 {
     double value;
@@ -13,7 +13,7 @@ static bool begins_number(struct orl_slice word)
     return orl_number_read(word.text, length, &value) != ORL_NUMBER_NOT_ONE;
 }
 
-/* A CSV is told by a first line of words. */
+/* Returns true for a CSV, which is recognised by a first line of words. */
 static bool is_csv(const struct orl_scanner *scanner)
 {
     struct orl_scanner ahead = *scanner;

@@ -1,4 +1,4 @@
-/* Measurements as CSV: a line of columns' names, then rows. */
+/* Measurements as CSV: a line of column names, then rows. */
 #include "fit/rows.h"
 
 #include <string.h>
@@ -11,7 +11,7 @@ static const char *const names[KINDS] = {"theta_in", "phi_in", "theta_out", "phi
 struct table {
     char separator;
     size_t n_columns;
-    int kinds[COLUMNS_MAX]; /* what a column is of */
+    int kinds[COLUMNS_MAX]; /* kind of each column */
     bool has[KINDS];
 };
 

@@ -1,13 +1,14 @@
-/* pab-opto's text: a header of lines that begin with #, then rows of theta, phi and values. */
+/* Measurements in pab-opto's text format: header lines that begin with #, then rows of theta, phi
+ * and values. */
 #include "fit/rows.h"
 
 #include <string.h>
 
-/* What the header says so far. */
+/* Header read so far. */
 struct header {
     struct orl_fit_angles angles;
     bool has_theta, has_phi, has_format, is_dsf;
-    int values; /* in a row */
+    int values; /* number of values in a row */
 };
 
 static int read_angle(const struct orl_fit_lines *lines, struct orl_slice *line, const char *what,
@@ -52,7 +53,7 @@ static int read_colorimetry(const struct orl_fit_lines *lines, struct orl_slice 
     return 0;
 }
 
-/* The name between quotes. */
+/* Reads the sample's name between quotes. */
 static void read_name(struct orl_slice line, struct orl_fit_data *data)
 {
     const char *first = memchr(line.text, '"', line.length);
@@ -66,7 +67,7 @@ static void read_name(struct orl_slice line, struct orl_fit_data *data)
     data->name[length] = '\0';
 }
 
-/* Lines that mean nothing here are the instrument's own. */
+/* Unknown lines are ignored; they are the instrument's own. */
 static int read_header(const struct orl_fit_lines *lines, struct orl_slice line, struct header *h,
                        struct orl_fit_data *data, struct orl_error *err)
 {
@@ -137,7 +138,7 @@ int orl_fit_read_pab(struct orl_fit_lines *lines, struct orl_fit_data *data, str
         struct orl_slice rest = line;
         const bool is_header = line.length > 0 && line.text[0] == '#';
         if (is_header && in_rows)
-            continue; /* remarks */
+            continue; /* comments */
         if (is_header) {
             code = read_header(lines, line, &header, data, err);
         } else if (orl_slice_take_word(&rest).length > 0) {

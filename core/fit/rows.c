@@ -49,7 +49,7 @@ int orl_fit_number(const struct orl_fit_lines *lines, struct orl_slice word, con
 
 /* ---- Scans ----------------------------------------------------------------------------------- */
 
-/* Incident directions are one where they are within half of this, in degrees. */
+/* Incident directions are the same if they are within half of this, in degrees. */
 static const double same_deg = 0.02;
 
 static struct orl_vec3 direction_of(double theta_deg, double phi_deg)
@@ -59,16 +59,16 @@ static struct orl_vec3 direction_of(double theta_deg, double phi_deg)
     return orl_v3(sine * cos(phi), sine * sin(phi), theta_deg > 89.9999999 ? 0 : cos(theta));
 }
 
-/* 0 to 360. */
-static double turned(double phi_deg)
+/* Returns an azimuth in the range 0 to 360. */
+static double wrap_azimuth(double phi_deg)
 {
     const double phi = fmod(phi_deg, 360);
     return phi < 0 ? phi + 360 : phi;
 }
 
-/* Which azimuth it has there does not matter at the pole. */
-static bool is_of(const struct orl_fit_scan *scan, bool front, bool transmitted, double theta,
-                  double phi)
+/* Near the normal the azimuth is ignored. */
+static bool is_scan_of(const struct orl_fit_scan *scan, bool front, bool transmitted, double theta,
+                       double phi)
 {
     const double apart = fabs(scan->phi_deg - phi);
     return scan->front == front && scan->transmitted == transmitted &&
@@ -95,22 +95,22 @@ static int add_scan(const struct orl_fit_lines *lines, struct orl_fit_data *data
     return 0;
 }
 
-/* The scan that a row belongs to; most often that of the row before. */
+/* Finds or adds the scan of a row; usually it is that of the previous row. */
 static int find_scan(const struct orl_fit_lines *lines, struct orl_fit_data *data, bool front,
                      bool transmitted, double theta, double phi, struct orl_error *err)
 {
-    if (data->n_scans > 0 && is_of(&data->scans[data->last], front, transmitted, theta, phi))
+    if (data->n_scans > 0 && is_scan_of(&data->scans[data->last], front, transmitted, theta, phi))
         return 0;
     for (size_t i = 0; i < data->n_scans; i++)
-        if (is_of(&data->scans[i], front, transmitted, theta, phi)) {
+        if (is_scan_of(&data->scans[i], front, transmitted, theta, phi)) {
             data->last = i;
             return 0;
         }
     return add_scan(lines, data, front, transmitted, theta, phi, err);
 }
 
-/* Theta from its own side's normal, 0 to 90; whether that is the front. */
-static bool fold(double *theta_deg)
+/* Changes theta to the angle from its own side's normal, 0 to 90. Returns true on the front. */
+static bool fold_theta(double *theta_deg)
 {
     const bool front = *theta_deg < 90;
     if (!front)
@@ -144,8 +144,8 @@ int orl_fit_add_row(const struct orl_fit_lines *lines, struct orl_fit_data *data
         return code;
     double in = angles->theta_in, out = angles->theta_out;
     const double turn = lines->reading->reversed ? -1 : 1;
-    bool in_front = fold(&in), out_front = fold(&out);
-    const double phi_in = turned(turn * (angles->phi_in - angles->up_deg) + 90);
+    bool in_front = fold_theta(&in), out_front = fold_theta(&out);
+    const double phi_in = wrap_azimuth(turn * (angles->phi_in - angles->up_deg) + 90);
     const double phi_out = turn * (angles->phi_out - angles->up_deg) + 90;
     const struct orl_vec3 d = direction_of(out, phi_out);
     in_front ^= lines->reading->reversed;
@@ -154,7 +154,7 @@ int orl_fit_add_row(const struct orl_fit_lines *lines, struct orl_fit_data *data
         return orl_fit_fail(lines, ORL_ERR_LIMIT, err, "more than %lu rows of measurements",
                             ORL_LIMIT_MEASURED_ROWS);
     data->n_rows++;
-    /* Along the surface a DSF is 0 whatever the BSDF is. */
+    /* Along the surface a DSF is 0 for any BSDF. */
     if (90 - out < lines->reading->grazing_deg || (is_dsf && d.z < 1e-3))
         return 0;
     code = find_scan(lines, data, in_front, in_front != out_front, in, phi_in, err);

@@ -1,11 +1,11 @@
 /*
- * What goniophotometers wrote, as scans: the rows of one incident direction and one side out.
+ * Measurements of goniophotometers as scans: the rows of one incident direction and one side out.
  *
- * Directions here are on the hemisphere above the surface, whichever side they are on: x and y as
- * in oriel/bsdf.h, z at least 0. Both point away from the sample; light that passes straight, or is
- * mirrored, from in leaves by (-in.x, -in.y, in.z).
+ * Directions are on the hemisphere above the surface, whichever side they are on: x and y as in
+ * oriel/bsdf.h, z at least 0. Both point away from the sample. Light from in that passes straight,
+ * or is mirrored, leaves along (-in.x, -in.y, in.z).
  *
- * Bounds: ORL_LIMIT_MEASURED_ROWS and _SCANS. Ownership: the caller's, orl_fit_data_done.
+ * Bounds: ORL_LIMIT_MEASURED_ROWS and _SCANS. Ownership: the caller's, freed by orl_fit_data_done.
  */
 #ifndef ORL_FIT_ROWS_H
 #define ORL_FIT_ROWS_H
@@ -22,61 +22,61 @@
 
 struct orl_fit_row {
     float x, y, z;
-    float value; /* 1/sr, a BSDF's; negative where noise is */
+    float value; /* BSDF, 1/sr; noise may make it negative */
     uint32_t file, line;
 };
 
 struct orl_fit_scan {
     bool front, transmitted;
-    double theta_deg, phi_deg; /* of in: from its side's normal; phi from +x, 0 to 360 */
+    double theta_deg, phi_deg; /* direction in, from its side's normal; phi from +x, 0 to 360 */
     struct orl_vec3 in;
     struct orl_fit_row *rows; /* owned */
     size_t n_rows, room;
-    size_t n_measured; /* without mirror images; scans.h sets it, and the file that it began in */
+    size_t n_measured; /* without mirror images; scans.h sets it and file, that of the first row */
     uint32_t file;
 };
 
 enum { ORL_FIT_NAME_MAX = 128 };
 
 struct orl_fit_data {
-    struct orl_fit_scan *scans; /* owned; in the order in which they came */
+    struct orl_fit_scan *scans; /* owned; in the order of the files */
     size_t n_scans, room;
     size_t n_rows;
-    char name[ORL_FIT_NAME_MAX]; /* the sample's; "" when no file has it */
+    char name[ORL_FIT_NAME_MAX]; /* the sample's name; "" if no file has it */
     bool color_left_out;
-    size_t last; /* the scan that the row before is of */
+    size_t last; /* index of the scan of the previous row */
 };
 
-/* How rows are to be taken. */
+/* Options for reading rows. */
 struct orl_fit_reading {
     bool reversed;
     double grazing_deg;
     const atomic_bool *cancel; /* borrowed; may be NULL */
 };
 
-/* Adds a file's rows. An error names the file, its line and what was wanted. */
+/* Adds a file's rows. An error names the file, the line and what was expected. */
 int orl_fit_read(const char *name, uint32_t file, const char *text, size_t size,
                  const struct orl_fit_reading *reading, struct orl_fit_data *data,
                  struct orl_error *err);
-void orl_fit_data_done(struct orl_fit_data *data); /* zeroed is allowed */
+void orl_fit_data_done(struct orl_fit_data *data); /* a zeroed struct is allowed */
 
-/* ---- For the readers of the two formats ------------------------------------------------------ */
+/* ---- For the readers of the two formats ----------------------------------------------------- */
 
-/* One file's text, line by line. */
+/* One file's text, read line by line. */
 struct orl_fit_lines {
     struct orl_scanner scanner;
     uint32_t file;
     const struct orl_fit_reading *reading;
 };
 
-/* The next line; *ret_more is false after the last. 0 or ORL_ERR_CANCELLED. */
+/* Returns the next line; *ret_more is false after the last. Returns 0 or ORL_ERR_CANCELLED. */
 int orl_fit_next_line(struct orl_fit_lines *lines, struct orl_slice *ret_line, bool *ret_more,
                       struct orl_error *err);
 
-/* Fails at the line that was read last. */
+/* Sets an error at the line that was read last; returns code. */
 int orl_fit_fail(const struct orl_fit_lines *lines, int code, struct orl_error *err,
                  const char *format, ...) __attribute__((format(printf, 4, 5)));
-/* A number, or an error that calls it by what. */
+/* Parses a number; an error names it with `what`. */
 int orl_fit_number(const struct orl_fit_lines *lines, struct orl_slice word, const char *what,
                    double *ret_value, struct orl_error *err);
 

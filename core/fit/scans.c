@@ -6,19 +6,20 @@
 #include "base/grow.h"
 #include "fit/model.h"
 
-/* Azimuths of directions this close to the normal say nothing, in degrees; nor do those this close
- * to an axis say on which side of it they are. */
+/* Degrees from the normal within which azimuths are ignored. Degrees from an axis within which a
+ * direction is on neither side of it. */
 static const double near_normal_deg = 1, near_axis_deg = 1;
 
-/* ---- What azimuths say ----------------------------------------------------------------------- */
+/* ---- Symmetry from azimuths ----------------------------------------------------------------- */
 
-static double between(double phi, double other)
+static double azimuth_between(double phi, double other)
 {
     const double apart = fabs(phi - other);
     return fmin(apart, 360 - apart);
 }
 
-/* Whether all directions of each component have one azimuth; or two, half a turn apart. */
+/* Returns true if all directions of each component have one azimuth or, with opposite_too, two that
+ * are half a turn apart. */
 static bool have_one_azimuth(const struct orl_fit_data *data, bool opposite_too)
 {
     const struct orl_fit_scan *first[2][2] = {{NULL}};
@@ -28,14 +29,14 @@ static bool have_one_azimuth(const struct orl_fit_data *data, bool opposite_too)
             continue;
         if (!*of)
             *of = s;
-        const double apart = between(s->phi_deg, (*of)->phi_deg);
+        const double apart = azimuth_between(s->phi_deg, (*of)->phi_deg);
         if (apart > near_axis_deg && !(opposite_too && apart > 180 - near_axis_deg))
             return false;
     }
     return true;
 }
 
-/* Quarters that directions lie within, as bits; those on an axis lie in none. */
+/* Returns the quarters that contain directions, as bits; directions on an axis are in none. */
 static unsigned quarters_of(const struct orl_fit_data *data, unsigned *ret_axes)
 {
     unsigned quarters = 0;
@@ -52,7 +53,7 @@ static unsigned quarters_of(const struct orl_fit_data *data, unsigned *ret_axes)
     return quarters;
 }
 
-/* The quarters between axes, where there are no others. */
+/* Returns the quarters between axes; used if no direction is inside a quarter. */
 static unsigned quarters_between(unsigned axes)
 {
     unsigned quarters = 0;
@@ -62,7 +63,7 @@ static unsigned quarters_between(unsigned axes)
     return quarters;
 }
 
-static enum orl_bsdf_fit_symmetry said_by(unsigned quarters)
+static enum orl_bsdf_fit_symmetry symmetry_of(unsigned quarters)
 {
     switch (quarters) {
     case 1:
@@ -103,7 +104,7 @@ static int find_symmetry(const struct orl_fit_data *data, enum orl_bsdf_fit_symm
     unsigned quarters = quarters_of(data, &axes);
     if (quarters == 0)
         quarters = quarters_between(axes);
-    *ret_symmetry = said_by(quarters);
+    *ret_symmetry = symmetry_of(quarters);
     if (*ret_symmetry != ORL_BSDF_FIT_AUTO)
         return 0;
     orl_error_set(
@@ -117,7 +118,7 @@ static int find_symmetry(const struct orl_fit_data *data, enum orl_bsdf_fit_symm
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
 /* Adds the mirror images of the first n rows. */
-static bool fold(struct orl_fit_scan *scan, size_t n, unsigned mirror)
+static bool add_images(struct orl_fit_scan *scan, size_t n, unsigned mirror)
 {
     const float sx = mirror & 1 ? -1 : 1, sy = mirror & 2 ? -1 : 1;
     struct orl_fit_row *rows = realloc(scan->rows, (scan->n_rows + n) * sizeof *rows);
@@ -134,8 +135,8 @@ static bool fold(struct orl_fit_scan *scan, size_t n, unsigned mirror)
     return true;
 }
 
-/* By all mirrors that leave the direction where it is, within 0.3 degrees. */
-static bool fold_by(struct orl_fit_scan *scan, enum orl_bsdf_fit_symmetry symmetry)
+/* Applies all mirrors that leave the direction in place within 0.3 degrees. */
+static bool add_all_images(struct orl_fit_scan *scan, enum orl_bsdf_fit_symmetry symmetry)
 {
     const double near = 2 * sin(0.3 * ORL_DEG_TO_RAD);
     const size_t n = scan->n_rows;
@@ -148,13 +149,13 @@ static bool fold_by(struct orl_fit_scan *scan, enum orl_bsdf_fit_symmetry symmet
         const double off_x = mirrors[k] & 1 ? 2 * scan->in.x : 0;
         const double off_y = mirrors[k] & 2 ? 2 * scan->in.y : 0;
         if (hypot(off_x, off_y) < near)
-            fine = fold(scan, n, mirrors[k]);
+            fine = add_images(scan, n, mirrors[k]);
     }
     return fine;
 }
 
-/* So that light comes from -x. */
-static void turn(struct orl_fit_scan *scan)
+/* Turns a scan so that light comes from -x. */
+static void turn_scan(struct orl_fit_scan *scan)
 {
     const double angle = (180 - scan->phi_deg) * ORL_DEG_TO_RAD;
     const float cosine = (float)cos(angle), sine = (float)sin(angle);
@@ -187,13 +188,13 @@ static bool are_one(const struct orl_fit_scan *a, const struct orl_fit_scan *b)
            fabs(a->theta_deg - b->theta_deg) < 0.02;
 }
 
-/* Of an isotropic sample, in their order. */
-static bool merge(struct orl_fit_data *data)
+/* Merges scans of equal theta of an isotropic sample; they must be sorted. */
+static bool merge_scans(struct orl_fit_data *data)
 {
     size_t kept = 0;
     for (size_t i = 0; i < data->n_scans; i++) {
         struct orl_fit_scan *s = &data->scans[i], *last = &data->scans[kept ? kept - 1 : 0];
-        turn(s);
+        turn_scan(s);
         if (kept == 0 || !are_one(last, s)) {
             data->scans[kept++] = *s;
             continue;
@@ -221,11 +222,11 @@ int orl_fit_sort_scans(struct orl_fit_data *data, enum orl_bsdf_fit_symmetry ask
     if (code < 0)
         return code;
     qsort(data->scans, data->n_scans, sizeof *data->scans, compare_scans);
-    bool fine = symmetry != ORL_BSDF_FIT_ISOTROPIC || merge(data);
+    bool fine = symmetry != ORL_BSDF_FIT_ISOTROPIC || merge_scans(data);
     for (size_t i = 0; i < data->n_scans && fine; i++) {
         data->scans[i].n_measured = data->scans[i].n_rows;
         data->scans[i].file = data->scans[i].rows[0].file;
-        fine = fold_by(&data->scans[i], symmetry);
+        fine = add_all_images(&data->scans[i], symmetry);
     }
     if (!fine)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for measurements");

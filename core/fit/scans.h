@@ -1,7 +1,7 @@
 /*
- * Scans put in order: by component, then by direction; and what the sample's symmetry makes of
- * them. Rows of a direction that a mirror leaves in place count on both sides of it. Those of an
- * isotropic sample are turned so that all light comes from -x, directions of one theta become one.
+ * Sorts scans by component, then by direction, and applies the sample's symmetry. If a mirror
+ * leaves a direction in place, the images of its rows are added. Isotropic samples are turned so
+ * that all light comes from -x; directions of equal theta are merged.
  */
 #ifndef ORL_FIT_SCANS_H
 #define ORL_FIT_SCANS_H
@@ -10,8 +10,8 @@
 
 #include "fit/rows.h"
 
-/* *ret_symmetry: as asked, or as the incident azimuths say. 0, ORL_ERR_INVALID (no rows; azimuths
- * that say nothing, or something else), ORL_ERR_NOMEM. */
+/* *ret_symmetry: as asked, or derived from the incident azimuths. Returns 0, ORL_ERR_INVALID (no
+ * rows; azimuths that are ambiguous or contradict the symmetry) or ORL_ERR_NOMEM. */
 int orl_fit_sort_scans(struct orl_fit_data *data, enum orl_bsdf_fit_symmetry asked,
                        enum orl_bsdf_fit_symmetry *ret_symmetry, struct orl_error *err);
 

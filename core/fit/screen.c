@@ -18,7 +18,7 @@ static uint32_t even_bits(uint64_t v)
     return bits;
 }
 
-/* Places in Morton's order on the square of projected solid angles. */
+/* Sets sample points in Morton order on the square of projected solid angles. */
 static void set_places(struct orl_fit_screen *s, size_t n)
 {
     const double side = UINT32_C(4) << s->levels;
@@ -32,7 +32,7 @@ static void set_places(struct orl_fit_screen *s, size_t n)
     }
 }
 
-/* A ball around places that follow each other. */
+/* Returns a bounding ball of consecutive points. */
 static struct orl_fit_ball ball_of(const struct orl_fit_screen *s, size_t first, size_t count)
 {
     struct orl_vec3 sum = {0};
@@ -112,12 +112,13 @@ void orl_fit_brush_done(struct orl_fit_brush *brush)
 
 /* ---- Drawing --------------------------------------------------------------------------------- */
 
-static const double end_of_sigma2 = 12; /* where the spread ends, squared, in sigmas squared */
-/* Rays whose spread ends within so many places' distance go to points of their own. */
+static const double end_of_sigma2 = 12; /* squared radius of the kernel, in squared sigmas */
+/* Rays whose kernel radius is below this many point distances use points of their own. */
 static const double least_places = 2.5;
 
-/* What a tile's cells catch of a ray (x, y, z, 1 / end squared), and of its image below the horizon
- * where that reaches it. Sixteen sums of a cell, in an order of their own. */
+/* Sums the kernel of a ray (x, y, z, 1 / squared radius) over the points of a tile's cells. With
+ * fold, adds the kernel of its image below the horizon. The sixteen terms of a cell are added in a
+ * fixed order. */
 ORL_FOR_WIDE_VECTORS
 static double catch_tile(const struct orl_fit_screen *s, size_t tile, const float ray[4], bool fold,
                          float caught[ORL_FIT_TILE_CELLS])
@@ -161,7 +162,8 @@ static size_t cell_of(const struct orl_fit_screen *s, struct orl_vec3 d)
                     orl_fit_spread_bits(orl_fit_square_index(q.y) >> coarser) << 1);
 }
 
-/* A ray that places are too far apart for goes to points of its own, which lie closer. */
+/* Adds a ray that is too narrow for the sample points, by points of its own that are closer
+ * together. */
 static void draw_points(const struct orl_fit_screen *s, const struct orl_fit_ray *ray, double sigma,
                         struct orl_fit_brush *brush)
 {
@@ -224,7 +226,7 @@ void orl_fit_draw(const struct orl_fit_screen *screen, const struct orl_fit_ligh
     for (size_t i = 0; i < light->n; i++) {
         const struct orl_fit_ray *ray = &light->rays[i];
         const double sigma = hypot((double)ray->sigma_rad, blur_rad);
-        /* Places are farther apart towards the horizon, as seen from the surface. */
+        /* Towards the horizon, points are farther apart as seen from the surface. */
         if (sigma * sqrt(end_of_sigma2) * orl_larger(0.1, (double)ray->z) <
             least_places * screen->spacing)
             draw_points(screen, ray, sigma, brush);

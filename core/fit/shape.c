@@ -9,21 +9,21 @@
 #include "fit/near.h"
 #include "fit/square.h"
 
-/* Cells that the broad part is told by, 4.5 degrees wide. */
+/* Cells of the raster for the broad part are 4.5 degrees wide. */
 enum { BRIGHT_LEVELS = 2, POLL_LEVEL = 2 };
 enum { BASE_LEVEL = 5, BASE_SIDE = 1 << BASE_LEVEL, BASE_CELLS = BASE_SIDE * BASE_SIDE };
-/* Of all light: what a leaf may hold unevenly. */
+/* Unevenness allowed in a leaf, as a share of all light. */
 static const double least_uneven = 1e-3;
-/* So many times that where leaves are as fine as all of what is bright: smaller ones amid these
- * would leave ripples. */
+/* Factor of least_uneven in leaves as small as those of bright regions: smaller ones among them
+ * would cause ripples. */
 static const double finer_uneven = 2;
-/* Of what is dark: what is no more above it is not bright. */
+/* Limit for bright values, as a share of dark values above these. */
 static const double least_bright = 0.05;
-/* Of the broad part: what is no more above it is broad, too. */
+/* Limit for the narrow part, as a multiple of the broad value. */
 static const double least_narrow = 1.25;
-/* Of a lobe's Gaussian, in sides of its cell: even to 1 % where the square is most sheared. */
+/* Sigma of a lobe in sides of its cell: uniform to 1 % where the square is most sheared. */
 static const double sigma_of_side = 0.7;
-/* Of a part's mass: what a cluster may hold. */
+/* Largest share of a part's mass in a cluster. */
 static const double cluster_share = 1.0 / 160;
 static const double opening_rad = 8 * ORL_DEG_TO_RAD, smoothing_rad = 5 * ORL_DEG_TO_RAD;
 
@@ -32,16 +32,15 @@ static const double opening_rad = 8 * ORL_DEG_TO_RAD, smoothing_rad = 5 * ORL_DE
 struct leaf {
     uint32_t code, level;
     float value, z;     /* means over the cell */
-    struct orl_vec3 at; /* the middle of its light */
+    struct orl_vec3 at; /* mean direction of its light */
 };
 
 struct tree {
     const struct orl_fit_knots *knots;
     const atomic_bool *cancel;
-    unsigned bright_level, finest; /* of bright leaves at the least, of all at the most */
-    double uneven;                 /* 1/sr times sr: what a leaf may hold unevenly */
-    double bright[BRIGHT_LEVELS]; /* 1/sr: from here on leaves are of the bright level, or one above
-                                     it */
+    unsigned bright_level, finest; /* coarsest level of bright leaves; finest level of all */
+    double uneven;                 /* unevenness allowed in a leaf, 1/sr times sr */
+    double bright[BRIGHT_LEVELS];  /* 1/sr: above [k], leaves reach level bright_level - k */
     struct leaf *leaves;
     size_t n, room;
     float low[BASE_CELLS], base[BASE_CELLS]; /* by cells in the order of codes; 1/sr */
@@ -56,15 +55,15 @@ static uint32_t even_bits(uint32_t v)
     return (v | v >> 8) & 0x0000ffffU;
 }
 
-/* A place in a cell, u and v from 0 to 1. */
-static struct orl_vec3 within(uint32_t code, unsigned level, double u, double v)
+/* Returns a place in a cell; u and v from 0 to 1. */
+static struct orl_vec3 place_within(uint32_t code, unsigned level, double u, double v)
 {
     const uint32_t cell = code >> 2 * (ORL_FIT_SQUARE_LEVELS - level);
     const double side = UINT32_C(1) << level;
     return orl_fit_from_square((even_bits(cell) + u) / side, (even_bits(cell >> 1) + v) / side);
 }
 
-/* The first knot whose code is not below one. */
+/* Returns the first knot whose code is at least `code`. */
 static size_t first_knot(const struct orl_fit_knots *k, size_t begin, size_t end, uint64_t code)
 {
     while (begin < end) {
@@ -78,10 +77,11 @@ static size_t first_knot(const struct orl_fit_knots *k, size_t begin, size_t end
 }
 
 struct range {
-    size_t begin, end; /* of knots */
+    size_t begin, end; /* range of knots */
 };
 
-/* Leaves of two sizes side by side leave ripples: where it is bright all are small. */
+/* Leaves of different sizes next to each other cause ripples, so all are small in bright
+ * regions. */
 static bool is_uneven(const struct tree *t, const double values[4], double z, unsigned level,
                       struct range knots)
 {
@@ -108,17 +108,18 @@ static bool add_leaf(struct tree *t, struct leaf leaf)
     return true;
 }
 
-/* Side by side values of a cell: their mean by the light that they send out. values: of the first
- * four. */
-static struct leaf look_at(const struct tree *t, uint32_t code, unsigned level, int side,
-                           double values[4])
+/* Samples side * side values of a cell. Returns a leaf with their mean, weighted by projected solid
+ * angle; values: the first four. */
+static struct leaf sample_leaf(const struct tree *t, uint32_t code, unsigned level, int side,
+                               double values[4])
 {
     const int n = side * side;
     struct orl_vec3 at = {0};
     double sum = 0, z = 0;
     for (int i = 0; i < n; i++) {
         const int row = i / side;
-        const struct orl_vec3 d = within(code, level, (i % side + 0.5) / side, (row + 0.5) / side);
+        const struct orl_vec3 d =
+            place_within(code, level, (i % side + 0.5) / side, (row + 0.5) / side);
         const double value = orl_fit_knots_value(t->knots, d);
         if (i < 4)
             values[i] = value;
@@ -131,7 +132,7 @@ static struct leaf look_at(const struct tree *t, uint32_t code, unsigned level, 
         .code = code, .level = level, .value = (float)(sum / z), .z = (float)(z / n), .at = at};
 }
 
-/* In a leaf that is not fine enough for the knots in it, as many values as there are of these. */
+/* Returns the samples a side for a leaf that is too coarse for its knots: about one per knot. */
 static int side_for(struct range knots)
 {
     enum { MOST = 8 };
@@ -142,16 +143,16 @@ static int side_for(struct range knots)
     return side;
 }
 
-static bool grow(struct tree *t, uint32_t code, unsigned level, struct range knots)
+static bool grow_leaves(struct tree *t, uint32_t code, unsigned level, struct range knots)
 {
     if (level >= BASE_LEVEL) {
         const bool once = knots.end - knots.begin < 2 && level == t->bright_level;
         double values[4];
-        const struct leaf leaf = look_at(t, code, level, once ? 1 : 2, values);
+        const struct leaf leaf = sample_leaf(t, code, level, once ? 1 : 2, values);
         if (once || !is_uneven(t, values, (double)leaf.z, level, knots))
             return add_leaf(t, leaf);
         if (level >= t->finest)
-            return add_leaf(t, look_at(t, code, level, side_for(knots), values));
+            return add_leaf(t, sample_leaf(t, code, level, side_for(knots), values));
     }
     if (level == POLL_LEVEL && orl_is_cancelled(t->cancel))
         return false;
@@ -161,7 +162,7 @@ static bool grow(struct tree *t, uint32_t code, unsigned level, struct range kno
         const uint64_t from = (uint64_t)code + ((uint64_t)q << below);
         const size_t begin = first_knot(t->knots, knots.begin, knots.end, from);
         const size_t end = first_knot(t->knots, begin, knots.end, from + (UINT64_C(1) << below));
-        fine = grow(t, (uint32_t)from, level + 1, (struct range){begin, end});
+        fine = grow_leaves(t, (uint32_t)from, level + 1, (struct range){begin, end});
     }
     return fine;
 }
@@ -171,10 +172,10 @@ static uint32_t base_cell(uint32_t code)
     return code >> 2 * (ORL_FIT_SQUARE_LEVELS - BASE_LEVEL);
 }
 
-/* ---- The broad part -------------------------------------------------------------------------- */
+/* ---- The broad part ------------------------------------------------------------------------- */
 
-/* The least, or most, within reach of every cell. */
-static void sweep(const struct orl_vec3 *places, const float *from, bool most, float *to)
+/* Sets each cell to the least, or the most, value within reach. */
+static void sweep_cells(const struct orl_vec3 *places, const float *from, bool most, float *to)
 {
     const double within_reach = cos(opening_rad);
     for (size_t i = 0; i < BASE_CELLS; i++) {
@@ -186,7 +187,7 @@ static void sweep(const struct orl_vec3 *places, const float *from, bool most, f
     }
 }
 
-static void smooth(const struct orl_vec3 *places, const float *from, float *to)
+static void smooth_cells(const struct orl_vec3 *places, const float *from, float *to)
 {
     const double within_reach = cos(smoothing_rad);
     for (size_t i = 0; i < BASE_CELLS; i++) {
@@ -206,26 +207,26 @@ static void open_base(struct tree *t)
     float eroded[BASE_CELLS], opened[BASE_CELLS];
     for (size_t i = 0; i < BASE_CELLS; i++) {
         t->low[i] = INFINITY;
-        places[i] =
-            within((uint32_t)i << 2 * (ORL_FIT_SQUARE_LEVELS - BASE_LEVEL), BASE_LEVEL, 0.5, 0.5);
+        places[i] = place_within((uint32_t)i << 2 * (ORL_FIT_SQUARE_LEVELS - BASE_LEVEL),
+                                 BASE_LEVEL, 0.5, 0.5);
     }
     for (size_t i = 0; i < t->n; i++) {
         float *low = &t->low[base_cell(t->leaves[i].code)];
         *low = t->leaves[i].value < *low ? t->leaves[i].value : *low;
     }
-    sweep(places, t->low, false, eroded);
-    sweep(places, eroded, true, opened);
-    smooth(places, opened, t->base);
+    sweep_cells(places, t->low, false, eroded);
+    sweep_cells(places, eroded, true, opened);
+    smooth_cells(places, opened, t->base);
 }
 
-/* Of a leaf: the broad part, floor and all. */
+/* Returns the broad value of a leaf, including the floor. */
 static double broad_value(const struct tree *t, const struct leaf *leaf)
 {
     const double base = (double)t->base[base_cell(leaf->code)], value = (double)leaf->value;
     return value <= least_narrow * base ? value : fmin(value, base);
 }
 
-static double lowest(const struct tree *t)
+static double lowest_value(const struct tree *t)
 {
     double least = INFINITY;
     for (size_t i = 0; i < t->n; i++)
@@ -235,13 +236,15 @@ static double lowest(const struct tree *t)
 
 /* ---- Lobes ----------------------------------------------------------------------------------- */
 
-/* Cells are long towards the horizon: what stands for one there is as wide as to leave no gap, and
- * no wider than the mean of its sides. */
+/* Returns the sigma of a cell's lobe: sigma_of_side times the geometric mean of the cell's mean
+ * side and its longest extent. Cells are elongated towards the horizon, where narrower lobes would
+ * leave gaps. */
 static double sigma_of(uint32_t code, unsigned level)
 {
     const struct orl_vec3 across =
-        orl_sub(within(code, level, 1, 0.5), within(code, level, 0, 0.5));
-    const struct orl_vec3 up = orl_sub(within(code, level, 0.5, 1), within(code, level, 0.5, 0));
+        orl_sub(place_within(code, level, 1, 0.5), place_within(code, level, 0, 0.5));
+    const struct orl_vec3 up =
+        orl_sub(place_within(code, level, 0.5, 1), place_within(code, level, 0.5, 0));
     const double side = orl_fit_cell_rad(level);
     const double most = fmax(side, fmax(orl_length(across), orl_length(up)));
     return sigma_of_side * sqrt(side * most);
@@ -270,7 +273,7 @@ static double light_of(const struct leaf *leaf, double value)
     return value * (double)leaf->z * orl_fit_cell_sr(leaf->level);
 }
 
-/* Both parts by leaves. */
+/* Adds the lobes of both parts. */
 static bool add_lobes(const struct tree *t, struct orl_fit_shape *shape)
 {
     const double least = 1e-9 * shape->total;
@@ -317,9 +320,9 @@ static bool add_cluster(struct orl_fit_part *part, size_t begin, size_t end)
     return true;
 }
 
-/* Lobes of a cell at a level, which begin with its bits. */
-static bool cluster(struct orl_fit_part *part, size_t begin, size_t end, unsigned level,
-                    uint64_t code)
+/* Clusters the lobes of a cell, whose codes begin with the cell's bits. */
+static bool cluster_lobes(struct orl_fit_part *part, size_t begin, size_t end, unsigned level,
+                          uint64_t code)
 {
     double mass = 0;
     if (begin == end)
@@ -334,7 +337,7 @@ static bool cluster(struct orl_fit_part *part, size_t begin, size_t end, unsigne
         size_t stop = begin;
         while (stop < end && part->lobes[stop].code < code + ((q + 1) << below))
             stop++;
-        fine = cluster(part, begin, stop, level + 1, code + (q << below));
+        fine = cluster_lobes(part, begin, stop, level + 1, code + (q << below));
         begin = stop;
     }
     return fine;
@@ -359,8 +362,8 @@ static void find_peak(const struct orl_fit_knots *knots, struct orl_fit_shape *s
     shape->peak_value = (double)knots->knots[top].value;
 }
 
-/* The light between the last rows and the surface, as it is extrapolated; twice as much comes where
- * that falls by no cosine. */
+/* Returns the extrapolated light between the last rows and the surface. It would be twice this if
+ * value times cosine were constant. */
 static double rim_light(const struct orl_fit_knots *k)
 {
     enum { AZIMUTHS = 72 };
@@ -376,9 +379,9 @@ static double rim_light(const struct orl_fit_knots *k)
     return sum;
 }
 
-/* By the noise of rows; by what knots were corrected by, which is large where rows are too far
- * apart for what they see, each by itself; and by what may be anything from nothing to as much
- * again as there is at the rim. */
+/* Returns the standard error of the total from three sources: the noise of rows; the knots'
+ * corrections, which are large if rows are too far apart for the features; and light at the rim,
+ * which may be anything from zero to twice its estimate. */
 static double error_of(const struct orl_fit_knots *k)
 {
     double sum = 0;
@@ -392,7 +395,7 @@ static double error_of(const struct orl_fit_knots *k)
     return sqrt(sum + rim * rim);
 }
 
-static double estimate(const struct orl_fit_knots *k)
+static double estimate_total(const struct orl_fit_knots *k)
 {
     double sum = 0;
     for (size_t i = 0; i < k->n; i++)
@@ -401,7 +404,7 @@ static double estimate(const struct orl_fit_knots *k)
     return sum;
 }
 
-/* What is bright, from the darkest twentieth and the brightest knot. */
+/* Sets the limits of bright values from the darkest twentieth and the brightest knot. */
 static bool set_bright(struct tree *t)
 {
     static const double shares[BRIGHT_LEVELS] = {0.03, 0.003};
@@ -421,25 +424,25 @@ static bool set_bright(struct tree *t)
     return true;
 }
 
-static bool make(struct tree *t, struct orl_fit_shape *shape)
+static bool make_shape(struct tree *t, struct orl_fit_shape *shape)
 {
-    t->uneven = least_uneven * estimate(t->knots);
+    t->uneven = least_uneven * estimate_total(t->knots);
     if (!set_bright(t))
         return false;
-    if (!grow(t, 0, 0, (struct range){0, t->knots->n}))
+    if (!grow_leaves(t, 0, 0, (struct range){0, t->knots->n}))
         return false;
     for (size_t i = 0; i < t->n; i++)
         shape->total += light_of(&t->leaves[i], (double)t->leaves[i].value);
     open_base(t);
-    shape->floor = lowest(t);
+    shape->floor = lowest_value(t);
     if (!add_lobes(t, shape) || !orl_fit_sharpen(shape))
         return false;
     bool fine = true;
-    shape->total = ORL_PI * shape->floor; /* as it is blended: nothing is lost between leaves */
+    shape->total = ORL_PI * shape->floor; /* equal to the light that is blended */
     for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
         shape->total += shape->parts[kind].mass;
     for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++)
-        fine = cluster(&shape->parts[kind], 0, shape->parts[kind].n_lobes, 0, 0);
+        fine = cluster_lobes(&shape->parts[kind], 0, shape->parts[kind].n_lobes, 0, 0);
     return fine;
 }
 
@@ -456,7 +459,7 @@ int orl_fit_shape_make(const struct orl_fit_knots *knots, struct orl_vec3 in,
         tree->bright_level = levels[0];
         tree->finest = levels[1];
     }
-    if (!tree || !make(tree, &shape))
+    if (!tree || !make_shape(tree, &shape))
         code = orl_is_cancelled(cancel) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
     if (tree)
         free(tree->leaves);

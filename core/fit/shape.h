@@ -1,18 +1,18 @@
 /*
- * A scan's light as lobes that can be moved: Gaussians with a mass each, the share of the incident
- * light that they carry away.
+ * Light of a scan as lobes that can be moved. A lobe is a Gaussian whose mass is a share of the
+ * incident light.
  *
- * Three parts, which add up to the interpolant (knots.h): what is the same in all directions out;
- * what is broad (what a disc of 8 degrees can follow: the interpolant's opening, as image
- * morphology has it, less the first); and what stands out of that. Each changes from one incident
- * direction to the next in its own way, so each is transported by itself: light of a sharp peak
- * would otherwise be cheaper to fill up from what lies about than to move.
+ * Three parts add up to the interpolant (knots.h). The floor is the same in all directions out. The
+ * broad part is the interpolant's morphological opening by a disc of 8 degrees, less the floor. The
+ * narrow part is the rest. Each part changes between incident directions in its own way, so each is
+ * transported separately. Otherwise light of a sharp peak would be filled up from its surroundings,
+ * which is cheaper than moving it.
  *
- * Lobes are the leaves of a quadtree (square.h) that goes on where leaving off would misplace more
- * than a ten thousandth or so of the light. Clusters are what transport plans are of: stretches of
- * lobes with no more than a share of the mass.
+ * Lobes are the leaves of a quadtree (square.h), which is divided where a leaf would misplace more
+ * than a fixed share of the light. Clusters are ranges of lobes with a limited share of the mass;
+ * transport plans are between clusters.
  *
- * Immutable once made. Ownership: the caller's, orl_fit_shape_done.
+ * Immutable once made. Ownership: the caller's, freed by orl_fit_shape_done.
  */
 #ifndef ORL_FIT_SHAPE_H
 #define ORL_FIT_SHAPE_H
@@ -24,11 +24,11 @@ enum orl_fit_kind { ORL_FIT_BROAD, ORL_FIT_NARROW, ORL_FIT_KINDS };
 struct orl_fit_lobe {
     float x, y, z, mass, sigma_rad;
     uint32_t cluster, code, level;
-    float aim; /* 1/sr: what all lobes together are to be in its middle, above the floor */
+    float aim; /* target for the sum of all lobes in its middle, above the floor, 1/sr */
 };
 
 struct orl_fit_cluster {
-    float x, y, z, mass, sigma_rad; /* sigma: how far its light lies about */
+    float x, y, z, mass, sigma_rad; /* sigma: standard deviation of its light */
 };
 
 struct orl_fit_part {
@@ -40,26 +40,26 @@ struct orl_fit_part {
 
 struct orl_fit_shape {
     struct orl_vec3 in;
-    double floor; /* 1/sr, in all directions; its mass is pi times that */
+    double floor; /* constant value in all directions, 1/sr; its mass is pi times that */
     struct orl_fit_part parts[ORL_FIT_KINDS];
     double total, total_error; /* share of the light, and its standard error */
     struct orl_vec3 peak;
     double peak_value;
 };
 
-/* levels: of lobes where it is bright, at most 7, and of the smallest. 0, ORL_ERR_NOMEM or
- * ORL_ERR_CANCELLED. */
+/* levels: of lobes in bright regions, at most 7, and of the smallest lobes. Returns 0,
+ * ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_fit_shape_make(const struct orl_fit_knots *knots, struct orl_vec3 in,
                        const unsigned levels[2], const atomic_bool *cancel,
                        struct orl_fit_shape *ret_shape, struct orl_error *err);
 void orl_fit_shape_done(struct orl_fit_shape *shape);
 
-/* Gaussians blur what they are to stand for: masses are changed until the sum of them has the
- * values that it is to have, as Richardson (1972) and Lucy (1974) do it, which leaves none
- * negative. The light stays the same. False: no memory. */
+/* Corrects the blur of Gaussians. Masses are changed until the sum of all lobes has the target
+ * values, by Richardson (1972) and Lucy (1974), which keeps masses positive. The total light is
+ * unchanged. Returns false if out of memory. */
 bool orl_fit_sharpen(struct orl_fit_shape *shape);
 
-/* The same under a mirror in x (bit 0), y (bit 1), or both. False: no memory. */
+/* Copies a shape mirrored in x (bit 0), y (bit 1), or both. Returns false if out of memory. */
 bool orl_fit_shape_mirror(const struct orl_fit_shape *shape, unsigned mirror,
                           struct orl_fit_shape *ret_shape);
 

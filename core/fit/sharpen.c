@@ -6,16 +6,16 @@
 
 enum { SHARPENINGS = 6, BLOCK = 64 };
 
-/* All lobes' Gaussians, as screens draw them (screen.h), in blocks of those that are close by. */
+/* All lobes' Gaussians with the kernel of screens (screen.h), in blocks of lobes that are close. */
 struct block {
-    float x, y, z, radius; /* a ball around middles */
-    float reach;           /* of the widest */
+    float x, y, z, radius; /* bounding ball of the lobes' centres */
+    float reach;           /* kernel radius of the widest lobe */
 };
 
 struct lobes {
     struct orl_fit_shape *shape;
     size_t n, n_blocks;
-    float *x, *y, *z, *narrow, *height; /* owned, as one */
+    float *x, *y, *z, *narrow, *height; /* owned, in one allocation */
     struct block *blocks;               /* owned */
 };
 
@@ -25,7 +25,7 @@ static double slant_of(const struct orl_fit_lobe *lobe)
     return sqrt(z * z + 2 / ORL_PI * sigma * sigma);
 }
 
-/* Of a lobe's Gaussian, 1/sr. */
+/* Returns the peak value of a lobe's Gaussian, 1/sr. */
 static float height_of(const struct orl_fit_lobe *lobe)
 {
     const double sigma = (double)lobe->sigma_rad;
@@ -56,7 +56,7 @@ static void set_block(struct lobes *l, size_t b)
                                   (float)reach};
 }
 
-static bool make(struct orl_fit_shape *shape, struct lobes *l)
+static bool make_lobes(struct orl_fit_shape *shape, struct lobes *l)
 {
     l->shape = shape;
     l->n = shape->parts[ORL_FIT_BROAD].n_lobes + shape->parts[ORL_FIT_NARROW].n_lobes;
@@ -83,7 +83,7 @@ static bool make(struct orl_fit_shape *shape, struct lobes *l)
     return true;
 }
 
-/* What the lobes of a block add in a place; those past the last have no height. */
+/* Returns the sum of a block's lobes at a place; padding after the last lobe has height 0. */
 ORL_FOR_WIDE_VECTORS
 static float height_by(const struct lobes *l, size_t block, float x, float y, float z)
 {
@@ -121,7 +121,7 @@ bool orl_fit_sharpen(struct orl_fit_shape *shape)
 {
     struct lobes l = {0};
     double was = 0, is = 0;
-    bool fine = make(shape, &l);
+    bool fine = make_lobes(shape, &l);
     for (int round = 0; round < SHARPENINGS && fine; round++) {
         for (size_t i = 0; i < l.n; i++) {
             struct orl_fit_lobe *lobe = lobe_of(&l, i);

@@ -1,20 +1,20 @@
-/* The transportation simplex over a tree of arcs: potentials, the cheapest arc that is not in it,
- * the cycle that it closes. */
+/* Transportation simplex over a tree of arcs. Each step finds an arc of largest gain outside the
+ * tree and the cycle that it closes. */
 #include "fit/transport.h"
 
 #include <oriel/crew.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Sources are nodes 0 to n_from - 1, sinks follow. Every node but the root has an arc to its parent
- * in the tree, along which light flows from the source to the sink of the two. */
+/* Sources are nodes 0 to n_from - 1, sinks follow. Every node except the root has an arc to its
+ * parent in the tree. Light flows along it from the source to the sink. */
 struct simplex {
     size_t n_from, n_to, n;
     const float *cost;
     const atomic_bool *cancel;
-    int32_t *parent, *child, *next, *before; /* children of a node, and those beside it; -1: none */
+    int32_t *parent, *child, *next, *before; /* first child of a node, and its siblings; -1: none */
     int32_t *depth, *stack;
-    double *flow, *potential; /* of the arc to the parent */
+    double *flow, *potential; /* flow of the arc to the parent; potential of the node */
 };
 
 static double cost_of(const struct simplex *s, size_t a, size_t b)
@@ -28,7 +28,7 @@ static bool is_source(const struct simplex *s, int32_t node)
     return (size_t)node < s->n_from;
 }
 
-static void attach(struct simplex *s, int32_t node, int32_t parent, double flow)
+static void attach_node(struct simplex *s, int32_t node, int32_t parent, double flow)
 {
     s->parent[node] = parent;
     s->flow[node] = flow;
@@ -39,7 +39,7 @@ static void attach(struct simplex *s, int32_t node, int32_t parent, double flow)
     s->child[parent] = node;
 }
 
-static void detach(struct simplex *s, int32_t node)
+static void detach_node(struct simplex *s, int32_t node)
 {
     if (s->before[node] >= 0)
         s->next[s->before[node]] = s->next[node];
@@ -49,8 +49,8 @@ static void detach(struct simplex *s, int32_t node)
         s->before[s->next[node]] = s->before[node];
 }
 
-/* Potentials are such that those of a tree arc's ends add up to its cost. */
-static void settle(struct simplex *s, int32_t top)
+/* Sets potentials and depths below top. The potentials of a tree arc's ends add up to its cost. */
+static void set_potentials(struct simplex *s, int32_t top)
 {
     size_t count = 0;
     s->stack[count++] = top;
@@ -65,8 +65,8 @@ static void settle(struct simplex *s, int32_t top)
     }
 }
 
-/* The first tree: sources and sinks in their order, each as far as it goes. */
-static void begin(struct simplex *s, const double *supply, const double *demand)
+/* Builds the first tree: sources and sinks in their order, each until it is used up. */
+static void begin_tree(struct simplex *s, const double *supply, const double *demand)
 {
     size_t i = 0, j = 0;
     double left = supply[0], wanted = demand[0];
@@ -74,11 +74,11 @@ static void begin(struct simplex *s, const double *supply, const double *demand)
         s->parent[k] = s->child[k] = s->next[k] = s->before[k] = -1;
     s->potential[0] = 0;
     s->depth[0] = 0;
-    bool by_source = true; /* the node that stands in the tree already */
+    bool by_source = true; /* true if the source is in the tree already */
     while (i < s->n_from && j < s->n_to) {
         const double amount = left < wanted ? left : wanted;
         const int32_t source = (int32_t)i, sink = (int32_t)(s->n_from + j);
-        attach(s, by_source ? sink : source, by_source ? source : sink, amount);
+        attach_node(s, by_source ? sink : source, by_source ? source : sink, amount);
         left -= amount;
         wanted -= amount;
         const bool source_ends = j + 1 == s->n_to || (i + 1 < s->n_from && left <= wanted);
@@ -91,16 +91,17 @@ static void begin(struct simplex *s, const double *supply, const double *demand)
             wanted = demand[++j];
         }
     }
-    settle(s, 0);
+    set_potentials(s, 0);
 }
 
 struct arc {
-    size_t source, sink; /* nodes */
+    size_t source, sink; /* node numbers */
     double gain;
 };
 
-/* The best arc of a stretch of sources that has one; *row goes on from where it was found. */
-static struct arc price(const struct simplex *s, size_t *row, double least)
+/* Returns the arc of largest gain in the first range of sources that has one. *row is where the
+ * next search begins. */
+static struct arc price_arcs(const struct simplex *s, size_t *row, double least)
 {
     enum { STRETCH = 8 };
     struct arc best = {0, 0, least};
@@ -120,9 +121,9 @@ static struct arc price(const struct simplex *s, size_t *row, double least)
     return best;
 }
 
-/* Of the nodes from the arc's ends up to where they meet: the one whose arc to its parent loses all
- * its light first. Light is added on the arc; so what leaves the source is less elsewhere. */
-static int32_t leaving(const struct simplex *s, struct arc arc, bool *ret_by_source)
+/* Returns the node whose arc to its parent runs out of light first, on the cycle of the new arc.
+ * More light on the new arc means less on the other arcs out of its source. */
+static int32_t find_leaving(const struct simplex *s, struct arc arc, bool *ret_by_source)
 {
     int32_t a = (int32_t)arc.source, b = (int32_t)arc.sink, least = -1;
     while (a != b) {
@@ -140,7 +141,7 @@ static int32_t leaving(const struct simplex *s, struct arc arc, bool *ret_by_sou
     return least;
 }
 
-static void shift(struct simplex *s, struct arc arc, double amount)
+static void shift_flow(struct simplex *s, struct arc arc, double amount)
 {
     int32_t a = (int32_t)arc.source, b = (int32_t)arc.sink;
     while (a != b) {
@@ -154,8 +155,10 @@ static void shift(struct simplex *s, struct arc arc, double amount)
     }
 }
 
-/* Hangs the part of the tree below out on the arc: parents become children from its end up. */
-static void rehang(struct simplex *s, struct arc arc, int32_t out, bool by_source, double amount)
+/* Attaches the part of the tree below `out` to the new arc; parents become children from the arc's
+ * end up. */
+static void rehang_subtree(struct simplex *s, struct arc arc, int32_t out, bool by_source,
+                           double amount)
 {
     int32_t node = (int32_t)(by_source ? arc.source : arc.sink);
     int32_t parent = (int32_t)(by_source ? arc.sink : arc.source);
@@ -165,36 +168,36 @@ static void rehang(struct simplex *s, struct arc arc, int32_t out, bool by_sourc
         const int32_t above = s->parent[node];
         const double was = s->flow[node];
         const bool last = node == out;
-        detach(s, node);
-        attach(s, node, parent, flow);
+        detach_node(s, node);
+        attach_node(s, node, parent, flow);
         if (last)
             break;
         parent = node;
         flow = was;
         node = above;
     }
-    settle(s, top);
+    set_potentials(s, top);
 }
 
-static int solve(struct simplex *s)
+static int solve_simplex(struct simplex *s)
 {
     enum { PIVOTS_A_POLL = 256 };
     double largest = 0;
     size_t row = 0;
     for (size_t i = 0; i < s->n_from * s->n_to; i++)
         largest = fmax(largest, (double)s->cost[i]);
-    const size_t most = 200 * s->n + 1000; /* a plan that is not the best is a plan all the same */
+    const size_t most = 200 * s->n + 1000; /* a plan that is not optimal is still valid */
     for (size_t pivot = 0; pivot < most; pivot++) {
-        const struct arc arc = price(s, &row, 1e-7 * largest);
+        const struct arc arc = price_arcs(s, &row, 1e-7 * largest);
         bool by_source = true;
         if (arc.source == arc.sink)
             return 0;
         if (pivot % PIVOTS_A_POLL == 0 && orl_is_cancelled(s->cancel))
             return ORL_ERR_CANCELLED;
-        const int32_t out = leaving(s, arc, &by_source);
+        const int32_t out = find_leaving(s, arc, &by_source);
         const double amount = s->flow[out];
-        shift(s, arc, amount);
-        rehang(s, arc, out, by_source, amount);
+        shift_flow(s, arc, amount);
+        rehang_subtree(s, arc, out, by_source, amount);
     }
     return 0;
 }
@@ -223,8 +226,8 @@ int orl_fit_transport(const double *supply, size_t n_from, const double *demand,
     struct orl_fit_flow *flows = malloc(s.n * sizeof *flows);
     int code = make_room(&s) && flows ? 0 : ORL_ERR_NOMEM;
     if (code == 0) {
-        begin(&s, supply, demand);
-        code = solve(&s);
+        begin_tree(&s, supply, demand);
+        code = solve_simplex(&s);
     }
     for (size_t node = 1; node < s.n && code == 0; node++) {
         const size_t parent = (size_t)s.parent[node];

@@ -3,13 +3,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Nothing turns by more than so many times what the light that comes does (plans.c). */
+/* Limit on turns, as a multiple of the turn of the incident direction (plans.c). */
 static const double steepest = 2.5;
-/* A cluster that is torn tells no slope: so much of it has to go one way. */
+/* Smallest share of a cluster that must move to one place to define a slope. */
 static const float least_whole = 0.7F;
-/* Edges that tell nothing: so much of all that they weigh may be. */
+/* Largest share of weight on edges without information for a slope to be known. */
 static const double most_silent = 0.3;
-/* Of a move: clusters whose slopes are known carry at least so much. */
+/* Smallest share of a move whose clusters must have known slopes. */
 static const float least_known = 0.8F;
 
 /* ---- Arcs ------------------------------------------------------------------------------------ */
@@ -44,8 +44,9 @@ struct orl_vec3 orl_fit_slope_arc(const struct orl_fit_slope *slope, struct orl_
     return length > most ? orl_scale(arc, most / length) : arc;
 }
 
-/* The tangent that an arc from one place is, carried along the great circle to another. */
-static struct orl_vec3 carry(struct orl_vec3 tangent, struct orl_vec3 from, struct orl_vec3 to)
+/* Returns a tangent vector carried along the great circle from one place to another. */
+static struct orl_vec3 carry_tangent(struct orl_vec3 tangent, struct orl_vec3 from,
+                                     struct orl_vec3 to)
 {
     const double along = orl_dot(tangent, to) / (1 + orl_dot(from, to));
     return orl_madd(tangent, orl_add(from, to), -along);
@@ -61,10 +62,10 @@ struct slopes {
     bool *border; /* by direction of the mesh */
 };
 
-/* Sums of least squares: of turns, and of what clusters turn and widen by. */
+/* Sums of least squares: of turns, and of the clusters' turns and widenings. */
 struct squares {
     double uu, uv, vv, right[4][2];
-    double silent, all; /* weights: of edges that tell nothing, of all */
+    double silent, all; /* weight of edges without information, and of all */
 };
 
 static const struct orl_fit_move *whole_move(const struct orl_fit_moves *moves, size_t cluster)
@@ -83,7 +84,8 @@ static struct orl_vec3 place_of(const struct orl_fit_move *move)
     return orl_normalize(orl_v3((double)move->x, (double)move->y, (double)move->z));
 }
 
-/* What one edge says of a cluster. continued: by a parabola, where the other end has a slope. */
+/* Adds one edge's information on a cluster. continued: as a parabola, if the other end has a
+ * slope. */
 static void add_edge(struct squares *s, const struct orl_fit_cluster *cluster,
                      const struct orl_fit_move *move, const struct orl_vec3 in[2], bool continued)
 {
@@ -100,7 +102,7 @@ static void add_edge(struct squares *s, const struct orl_fit_cluster *cluster,
     double wider = (double)move->sigma_rad - (double)cluster->sigma_rad;
     if (continued && move->slope.known) {
         const struct orl_fit_turn back = orl_fit_turn_between(in[1], in[0]);
-        const struct orl_vec3 end = carry(orl_fit_slope_arc(&move->slope, back), to, from);
+        const struct orl_vec3 end = carry_tangent(orl_fit_slope_arc(&move->slope, back), to, from);
         arc = orl_add(orl_scale(arc, 2), end);
         wider = 2 * wider +
                 ((double)move->slope.sigma[0] * back.u + (double)move->slope.sigma[1] * back.v);
@@ -115,8 +117,8 @@ static void add_edge(struct squares *s, const struct orl_fit_cluster *cluster,
     }
 }
 
-/* A little is added to what directions in a row do not tell, which then is nothing. */
-static struct orl_fit_slope solve(const struct squares *s)
+/* Solves the sums. A small regularisation makes slopes 0 across a row of directions. */
+static struct orl_fit_slope solve_squares(const struct squares *s)
 {
     const double more = 1e-6 * (s->uu + s->vv), uu = s->uu + more, vv = s->vv + more;
     const double determinant = uu * vv - s->uv * s->uv;
@@ -129,7 +131,7 @@ static struct orl_fit_slope solve(const struct squares *s)
     return slope;
 }
 
-/* Edges of one direction, in their order. Returns how many. */
+/* Sets the edges of one direction, in their order; returns their number. */
 static size_t edges_of(const struct slopes *s, uint32_t v, const struct orl_fit_edge **ret_edges)
 {
     size_t n = 0;
@@ -151,11 +153,11 @@ static struct orl_fit_slope slope_of(const struct slopes *s, uint32_t v, int kin
         add_edge(&squares, from, whole_move(&edge->plans[kind].ways[edge->b == v], cluster), in,
                  s->border[v] && !s->border[other]);
     }
-    return solve(&squares);
+    return solve_squares(&squares);
 }
 
-/* Of those on the border, or of the others. */
-static bool make_some(struct slopes *s, bool border)
+/* Makes the slopes of directions on the border, or of the others. */
+static bool make_slopes(struct slopes *s, bool border)
 {
     const struct orl_fit_edge **edges = malloc((s->n + 1) * sizeof(void *));
     bool fine = edges != NULL;
@@ -176,7 +178,7 @@ static bool make_some(struct slopes *s, bool border)
     return fine;
 }
 
-/* The mean of the clusters' that a move was joined of; known where nearly all of them are. */
+/* Sets each move's slope to the mean over its clusters; known if nearly all of these are. */
 static bool set_slopes(struct orl_fit_moves *moves, size_t n_moves,
                        const struct orl_fit_slope *slopes)
 {
@@ -207,7 +209,7 @@ static bool set_slopes(struct orl_fit_moves *moves, size_t n_moves,
     return true;
 }
 
-static bool set_all(const struct slopes *s)
+static bool set_all_slopes(const struct slopes *s)
 {
     for (size_t i = 0; i < s->n; i++) {
         const struct orl_fit_edge *edge = &s->edges[i];
@@ -232,7 +234,8 @@ bool orl_fit_slopes_make(struct orl_fit_edge *edges, size_t n, const struct orl_
     bool fine = s.slopes && s.border;
     if (fine) {
         orl_fit_mesh_border(mesh, s.border);
-        fine = make_some(&s, false) && set_all(&s) && make_some(&s, true) && set_all(&s);
+        fine = make_slopes(&s, false) && set_all_slopes(&s) && make_slopes(&s, true) &&
+               set_all_slopes(&s);
     }
     free(s.border);
     if (fine)

@@ -1,7 +1,7 @@
 /*
- * The hemisphere as a square of equal solid angles: Shirley and Chiu's map after the disk's radius
- * is stretched by sqrt(2) sin(theta / 2). Cells of it are all of one solid angle, and are numbered
- * in Morton's order, so that a quadtree's cells are stretches of numbers.
+ * Hemisphere as a square of equal solid angles: the map of Shirley and Chiu after stretching the
+ * disk's radius by sqrt(2) sin(theta / 2). All cells have the same solid angle. They are numbered
+ * in Morton order, so cells of a quadtree are ranges of numbers.
  */
 #ifndef ORL_FIT_SQUARE_H
 #define ORL_FIT_SQUARE_H
@@ -10,9 +10,9 @@
 
 #include "bsdf/shirley.h"
 
-enum { ORL_FIT_SQUARE_LEVELS = 14 }; /* 0.01 degrees */
+enum { ORL_FIT_SQUARE_LEVELS = 14 }; /* cells of 0.01 degrees */
 
-/* The side of a cell at a level, taken for a square, in radians. */
+/* Returns the side in radians of a cell at a level, as if it were square. */
 static inline double orl_fit_cell_rad(unsigned level)
 {
     return sqrt(2 * ORL_PI) / (double)(UINT32_C(1) << level);
@@ -22,7 +22,7 @@ static inline double orl_fit_cell_sr(unsigned level)
     return 2 * ORL_PI / (double)(UINT64_C(1) << 2 * level);
 }
 
-/* Of x and y from 0 to 1. */
+/* Returns the direction of a place on the square; x and y from 0 to 1. */
 static inline struct orl_vec3 orl_fit_from_square(double x, double y)
 {
     const struct orl_vec3 d = orl_square_to_hemisphere((struct orl_square){2 * x - 1, 2 * y - 1});
@@ -44,7 +44,8 @@ static inline uint32_t orl_fit_square_index(double s)
     return c > 0 ? (c < side ? (uint32_t)c : (uint32_t)side - 1) : 0;
 }
 
-/* The number of the cell at the finest level; those of a coarser one begin with the same bits. */
+/* Returns the cell's number at the finest level; numbers in a coarser cell begin with the same
+ * bits. */
 static inline uint32_t orl_fit_code_of(struct orl_vec3 d)
 {
     const double shrink = 1 / sqrt(1 + orl_larger(d.z, 0));

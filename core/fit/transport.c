@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Moves of less than this share of a cluster are left out, and the others take it over. */
+/* Moves below this share of a cluster are dropped, and their light goes to the others. */
 static const double least_share = 1e-4;
-/* Places within so many widths of a cluster of each other are one. */
+/* Destinations within this many widths of a cluster are joined. */
 static const float close_sigmas = 4;
 
 void orl_fit_plan_done(struct orl_fit_plan *plan)
@@ -51,7 +51,7 @@ static float *costs_of(const struct orl_fit_part *from, const struct orl_fit_par
     return costs;
 }
 
-/* One way of a plan: what it is of, and where it goes. */
+/* One way of a plan: its source, its destination, and the flows. */
 struct way {
     const struct orl_fit_part *of, *to;
     const struct orl_fit_flow *flows;
@@ -70,7 +70,7 @@ static uint32_t target_of(const struct way *w, size_t flow)
     return w->number ? w->flows[flow].from : w->flows[flow].to;
 }
 
-/* Moves of one way by their clusters, shares adding up to 1. */
+/* Sorts the moves of one way by cluster; shares add up to 1. */
 static bool sort_moves(const struct way *w, struct orl_fit_moves *moves)
 {
     const size_t clusters = w->of->n_clusters;
@@ -119,8 +119,8 @@ static bool are_close(const struct orl_fit_move *a, const struct orl_fit_move *b
     return a->fades == b->fades && x * x + y * y + z * z < near * near;
 }
 
-/* Joins what is close to the heaviest, then to the heaviest of the rest. Returns how many remain.
- */
+/* Joins moves close to the heaviest one, then to the heaviest of the rest. Returns the number
+ * left. */
 static size_t join_moves(struct orl_fit_moves *all, uint32_t at, size_t n, float sigma)
 {
     struct orl_fit_move *moves = all->moves + at;
@@ -156,7 +156,7 @@ static size_t join_moves(struct orl_fit_moves *all, uint32_t at, size_t n, float
     return n;
 }
 
-static void join_all(const struct way *w, struct orl_fit_moves *moves)
+static void join_all_moves(const struct way *w, struct orl_fit_moves *moves)
 {
     uint32_t kept = 0;
     for (size_t i = 0; i < w->of->n_clusters; i++) {
@@ -188,7 +188,7 @@ int orl_fit_plan_make(const struct orl_fit_part *from, const struct orl_fit_part
     for (int k = 0; k < 2 && code == 0; k++) {
         const struct way way = {k ? to : from, k ? from : to, flows, n, k, farthest};
         if (sort_moves(&way, &plan.ways[k]))
-            join_all(&way, &plan.ways[k]);
+            join_all_moves(&way, &plan.ways[k]);
         else
             code = ORL_ERR_NOMEM;
     }

@@ -1,4 +1,5 @@
-/* Models as tensor trees: incident cells side by side in blocks, joined from the finest up. */
+/* Writes models as tensor trees. Incident cells are processed in blocks in parallel, and cells are
+ * joined from the finest level up. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,10 +11,10 @@
 
 enum { SPLIT_LEVEL = 3, AT_ONCE = 8 };
 
-/* A part of the incident directions that one thread sees to: a cell at some level. */
+/* Incident directions processed by one thread: a cell at some level. */
 struct block {
     struct orl_gonio_forest forest;
-    struct orl_gonio_cells tops; /* [cell out at that level]; owned */
+    struct orl_gonio_cells tops; /* by cell out at that level; owned */
     double total;                /* light sent out, summed over finest incident cells */
     int code;
 };
@@ -21,18 +22,18 @@ struct block {
 struct hand {
     struct orl_fit_brush brush;
     struct orl_fit_light light;
-    double *sums; /* by cell out */
+    double *sums; /* sums by cell out */
 };
 
 struct growing {
     const struct orl_bsdf_make_env *env;
     struct orl_fit_model *model;
     const struct orl_fit_screen *screen;
-    unsigned rank, levels, split; /* split: the level of blocks */
+    unsigned rank, levels, split; /* split: level of the blocks */
     size_t n_blocks;
     struct orl_gonio_cull cull;
-    double begun, share; /* of all work: where this component begins, and its part */
-    size_t first;        /* of the blocks that are at work */
+    double begun, share; /* shares of all work: the start of this component, and its part */
+    size_t first;        /* first of the blocks in work */
     struct block *blocks;
     struct hand *hands; /* by member of the crew */
     struct orl_gonio_forest forest;
@@ -49,7 +50,7 @@ static uint32_t even_bits(uint32_t v)
     return bits;
 }
 
-/* Of rank 3 a cell is a ring: from an inner to an outer radius on the disk of sines. */
+/* Sets the ring of a cell in rank 3: inner and outer radius on the disk of sines. */
 static void set_ring(const struct growing *g, uint32_t a, double ret_sines[2])
 {
     const double side = UINT32_C(1) << g->levels;
@@ -57,8 +58,9 @@ static void set_ring(const struct growing *g, uint32_t a, double ret_sines[2])
     ret_sines[1] = 1 - 2 * a / side;
 }
 
-/* Of rank 4 there are so many cells that the middle of one has to do; rings are wide where light
- * grazes, and what moves with the light that comes moves as far. */
+/* Returns the sample directions for an incident cell. Rank 4 has so many cells that the middle of
+ * each is enough. Rings are wide near grazing, where mirrored light moves as far as the incident
+ * light. */
 static unsigned places_in(const struct growing *g, uint32_t a)
 {
     const double widest_rad = 1.5 * ORL_DEG_TO_RAD;
@@ -70,7 +72,8 @@ static unsigned places_in(const struct growing *g, uint32_t a)
     return n < ORL_FIT_CELL_PLACES ? ORL_FIT_CELL_PLACES : n;
 }
 
-/* Where light of a finest incident cell comes from; cells are of where it travels. */
+/* Returns a direction from which light of a finest incident cell comes; cells hold directions of
+ * travel. */
 static struct orl_vec3 incidence(const struct growing *g, uint32_t a, unsigned place)
 {
     if (g->rank == 3) {
@@ -87,7 +90,7 @@ static struct orl_vec3 incidence(const struct growing *g, uint32_t a, unsigned p
     return orl_v3(-travel.x, -travel.y, travel.z);
 }
 
-/* A cell at some level under mirrors. */
+/* Returns the mirror image of a cell at some level. */
 static uint32_t mirrored(uint32_t cell, unsigned level, unsigned mirror)
 {
     for (unsigned l = 0; l < level; l++)
@@ -95,7 +98,8 @@ static uint32_t mirrored(uint32_t cell, unsigned level, unsigned mirror)
     return cell;
 }
 
-/* Mirrors take a block from another one: the first of those that are alike. */
+/* Returns the first of the blocks that are mirror images of this one; the others are copied from
+ * it. */
 static uint32_t original_of(const struct growing *g, uint32_t block, unsigned *ret_mirror)
 {
     unsigned mirrors[3];
@@ -114,15 +118,15 @@ static uint32_t original_of(const struct growing *g, uint32_t block, unsigned *r
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-/* Of an isotropic sample the two sides of the plane of incidence are alike. */
+/* Isotropic samples: the two sides of the plane of incidence are averaged. */
 static double value_of(const struct growing *g, const double *sums, uint32_t cell)
 {
     const double value = sums[cell];
     return g->rank == 3 ? 0.5 * (value + sums[mirrored(cell, g->levels, 2)]) : value;
 }
 
-static bool see(const struct growing *g, struct hand *hand, struct block *block, uint32_t a,
-                struct orl_gonio_cells ret_cells)
+static bool evaluate_cell(const struct growing *g, struct hand *hand, struct block *block,
+                          uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const size_t cells = g->screen->n_cells;
     const unsigned places = places_in(g, a);
@@ -151,18 +155,18 @@ static size_t nodes_at(unsigned level)
     return (size_t)1 << 2 * level;
 }
 
-/* The nodes of incident cell a at a level, from the finest cells up. */
-static bool grow(const struct growing *g, struct hand *hand, struct block *block, unsigned level,
-                 uint32_t a, struct orl_gonio_cells ret_cells)
+/* Computes the nodes of incident cell a at a level, from the finest cells up. */
+static bool grow_nodes(const struct growing *g, struct hand *hand, struct block *block,
+                       unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(g->rank);
     if (level == g->levels)
-        return !orl_is_cancelled(g->env->cancel) && see(g, hand, block, a, ret_cells);
+        return !orl_is_cancelled(g->env->cancel) && evaluate_cell(g, hand, block, a, ret_cells);
     struct orl_gonio_cells parts;
     bool fine = orl_gonio_cells_make(&parts, in * nodes_at(level + 1), false);
     for (unsigned k = 0; k < in && fine; k++)
-        fine = grow(g, hand, block, level + 1, in * a + k,
-                    orl_gonio_cells_at(parts, k * nodes_at(level + 1)));
+        fine = grow_nodes(g, hand, block, level + 1, in * a + k,
+                          orl_gonio_cells_at(parts, k * nodes_at(level + 1)));
     fine = fine && orl_gonio_join_level(&block->forest, parts, nodes_at(level), level, ret_cells);
     orl_gonio_cells_done(&parts);
     return fine;
@@ -178,12 +182,12 @@ static void grow_block(void *arg, size_t index, uint32_t member)
         return;
     block->forest = (struct orl_gonio_forest){.rank = g->rank, .cull = g->cull};
     if (!orl_gonio_cells_make(&block->tops, nodes_at(g->split), false) ||
-        !grow(g, &g->hands[member], block, g->split, a, block->tops))
+        !grow_nodes(g, &g->hands[member], block, g->split, a, block->tops))
         block->code = orl_is_cancelled(g->env->cancel) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
 }
 
-/* The nodes of a block, in the whole's forest. Original or mirrored. */
-static bool plant(struct growing *g, uint32_t a, struct orl_gonio_cells ret_cells)
+/* Adds the nodes of a block, original or mirrored, to the whole tree. */
+static bool add_block_nodes(struct growing *g, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     unsigned mirror;
     const struct block *block = &g->blocks[original_of(g, a, &mirror)];
@@ -196,13 +200,14 @@ static bool plant(struct growing *g, uint32_t a, struct orl_gonio_cells ret_cell
     return true;
 }
 
-/* The nodes of incident cell a at a level above the blocks. Of rank 3 the upper half of A is of no
- * direction: it is as the lower one. */
-static bool gather(struct growing *g, unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
+/* Computes the nodes of incident cell a at a level above the blocks. In rank 3 the upper half of A
+ * has no directions; it is a copy of the lower one. */
+static bool gather_nodes(struct growing *g, unsigned level, uint32_t a,
+                         struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(g->rank);
     if (level == g->split)
-        return plant(g, a, ret_cells);
+        return add_block_nodes(g, a, ret_cells);
     const size_t count = nodes_at(level + 1);
     struct orl_gonio_cells parts;
     bool fine = orl_gonio_cells_make(&parts, in * count, false);
@@ -210,7 +215,7 @@ static bool gather(struct growing *g, unsigned level, uint32_t a, struct orl_gon
         if (g->rank == 3 && level == 0 && k == 1)
             orl_gonio_cells_copy(orl_gonio_cells_at(parts, count), parts, count);
         else
-            fine = gather(g, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
+            fine = gather_nodes(g, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
     }
     fine = fine && orl_gonio_join_level(&g->forest, parts, nodes_at(level), level, ret_cells);
     orl_gonio_cells_done(&parts);
@@ -219,7 +224,8 @@ static bool gather(struct growing *g, unsigned level, uint32_t a, struct orl_gon
 
 /* ---- One component --------------------------------------------------------------------------- */
 
-/* Light from a side evenly: cells of A weigh alike in rank 4, rings by their size in rank 3. */
+/* Returns the total for diffuse light from a side. Cells of A have equal weights in rank 4; rings
+ * have weights by their size in rank 3. */
 static double diffuse_of(const struct growing *g)
 {
     double sum = 0;
@@ -251,7 +257,7 @@ static int want_plans(struct growing *g, struct orl_error *err)
     return orl_fit_plans_make(&g->model->plans, &g->model->mesh, g->env->crew, g->env->cancel, err);
 }
 
-static bool take_hands(struct growing *g)
+static bool make_hands(struct growing *g)
 {
     const uint32_t members = orl_crew_size(g->env->crew);
     bool fine = g->hands != NULL && g->blocks != NULL;
@@ -262,7 +268,7 @@ static bool take_hands(struct growing *g)
     return fine;
 }
 
-static void let_go(struct growing *g)
+static void free_work(struct growing *g)
 {
     for (uint32_t i = 0; g->hands && i < orl_crew_size(g->env->crew); i++) {
         free(g->hands[i].sums);
@@ -302,8 +308,8 @@ static int grow_all(struct growing *g, struct orl_error *err)
         return code;
     g->blocks = calloc(g->n_blocks, sizeof *g->blocks);
     g->hands = calloc(orl_crew_size(g->env->crew), sizeof *g->hands);
-    code = take_hands(g) ? grow_blocks(g) : ORL_ERR_NOMEM;
-    if (code == 0 && !gather(g, 0, 0, (struct orl_gonio_cells){&g->root, NULL}))
+    code = make_hands(g) ? grow_blocks(g) : ORL_ERR_NOMEM;
+    if (code == 0 && !gather_nodes(g, 0, 0, (struct orl_gonio_cells){&g->root, NULL}))
         code = ORL_ERR_NOMEM;
     return code == 0 ? 0
                      : orl_error_set(err, code,
@@ -318,7 +324,7 @@ static struct growing growing_of(const struct orl_bsdf_fit_request *request,
     struct growing g = {.env = env, .screen = screen, .levels = screen->levels};
     g.cull = (struct orl_gonio_cull){request->cull, ORL_BSDF_UNSEEN};
     g.rank = basis == ORL_BSDF_TENSOR_TREE_4 ? 4 : 3;
-    /* Of rank 3 every ring is a block, and half of A is none. */
+    /* Rank 3: every ring is a block, and half of A has none. */
     g.split = g.rank == 3 ? g.levels : g.levels < SPLIT_LEVEL ? g.levels : SPLIT_LEVEL;
     g.n_blocks = g.rank == 3 ? (size_t)1 << (g.levels - 1) : (size_t)1 << 2 * g.split;
     return g;
@@ -372,7 +378,7 @@ int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
         code = grow_all(g, err);
         if (code == 0)
             fitted->diffuse[i / 2][i % 2].value = diffuse_of(g);
-        let_go(g);
+        free_work(g);
         document.parts[orl_gonio_part_of[i / 2][i % 2]].present = true;
     }
     const struct orl_bsdf_labels labels = {.write_part = write_part, .ctx = &parts};

@@ -1,4 +1,4 @@
-/* Values in batches that are independent of each other: their mean, and what it may be off by. */
+/* Values in independent batches: their mean, and its standard error. */
 #ifndef ORL_GONIOMETER_BATCHES_H
 #define ORL_GONIOMETER_BATCHES_H
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A block in its bytes: this, its tops, its branches; of colour the hues of both. */
+/* Header of a serialised block. Its tops and branches follow; with colour also the hues of both. */
 struct kept {
     uint64_t n_tops, n_branches, paths, short_of;
     double totals[ORL_GONIO_BATCHES][2], lost, peaks[2];
@@ -28,7 +28,7 @@ size_t orl_gonio_block_bytes(const struct orl_gonio_block *block, size_t n_tops)
     return bytes_of(block->tops.nodes ? n_tops : 0, block->forest.count, block->forest.color);
 }
 
-static char *put(char *to, const void *from, size_t size)
+static char *put_bytes(char *to, const void *from, size_t size)
 {
     if (size > 0)
         memcpy(to, from, size);
@@ -46,16 +46,16 @@ char *orl_gonio_block_pack(const struct orl_gonio_block *block, size_t n_tops, c
                         .lost = block->lost};
     memcpy(kept.totals, block->totals, sizeof kept.totals);
     memcpy(kept.peaks, block->peaks, sizeof kept.peaks);
-    to = put(to, &kept, sizeof kept);
-    to = put(to, block->tops.nodes, tops * sizeof *block->tops.nodes);
-    to = put(to, forest->branches, branches * sizeof *forest->branches);
+    to = put_bytes(to, &kept, sizeof kept);
+    to = put_bytes(to, block->tops.nodes, tops * sizeof *block->tops.nodes);
+    to = put_bytes(to, forest->branches, branches * sizeof *forest->branches);
     if (!forest->color)
         return to;
-    to = put(to, block->tops.hues, tops * sizeof *block->tops.hues);
-    return put(to, forest->hues, branches * sizeof *forest->hues);
+    to = put_bytes(to, block->tops.hues, tops * sizeof *block->tops.hues);
+    return put_bytes(to, forest->hues, branches * sizeof *forest->hues);
 }
 
-/* Refers to none but branches that are there. */
+/* Returns true if all nodes refer to existing branches. */
 static bool is_sound(const struct orl_gonio_node *nodes, size_t n, uint64_t n_branches)
 {
     for (size_t i = 0; i < n; i++)
@@ -64,8 +64,8 @@ static bool is_sound(const struct orl_gonio_node *nodes, size_t n, uint64_t n_br
     return true;
 }
 
-/* An array of its own of so many bytes; *fine becomes false where there is no memory. */
-static void *get(const char **from, size_t size, bool *fine)
+/* Returns a new array with a copy of `size` bytes; sets *fine to false if out of memory. */
+static void *get_array(const char **from, size_t size, bool *fine)
 {
     void *array = size > 0 ? malloc(size) : NULL;
     *fine = *fine && (array || size == 0);
@@ -75,18 +75,18 @@ static void *get(const char **from, size_t size, bool *fine)
     return array;
 }
 
-static bool fill(struct orl_gonio_block *block, const struct kept *kept, const char *from,
-                 bool color)
+static bool fill_block(struct orl_gonio_block *block, const struct kept *kept, const char *from,
+                       bool color)
 {
     struct orl_gonio_forest *forest = &block->forest;
     const size_t tops = kept->n_tops, branches = kept->n_branches;
     bool fine = true;
     orl_gonio_block_done(block);
-    block->tops.nodes = get(&from, tops * sizeof *block->tops.nodes, &fine);
-    forest->branches = get(&from, branches * sizeof *forest->branches, &fine);
+    block->tops.nodes = get_array(&from, tops * sizeof *block->tops.nodes, &fine);
+    forest->branches = get_array(&from, branches * sizeof *forest->branches, &fine);
     if (color) {
-        block->tops.hues = get(&from, tops * sizeof *block->tops.hues, &fine);
-        forest->hues = get(&from, branches * sizeof *forest->hues, &fine);
+        block->tops.hues = get_array(&from, tops * sizeof *block->tops.hues, &fine);
+        forest->hues = get_array(&from, branches * sizeof *forest->hues, &fine);
     }
     forest->count = forest->room = forest->hues_room = branches;
     fine = fine && (tops == 0 || is_sound(block->tops.nodes, tops, branches));
@@ -107,7 +107,7 @@ const char *orl_gonio_block_unpack(struct orl_gonio_block *block, size_t n_tops,
     memcpy(&kept, from, sizeof kept);
     if ((kept.n_tops != 0 && kept.n_tops != n_tops) || kept.n_branches > most ||
         bytes_of(kept.n_tops, kept.n_branches, color) > most ||
-        !fill(block, &kept, from + sizeof kept, color))
+        !fill_block(block, &kept, from + sizeof kept, color))
         return NULL;
     block->forest.rank = rank;
     block->forest.cull = cull;

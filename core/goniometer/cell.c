@@ -29,8 +29,8 @@ struct orl_vec3 orl_gonio_cell_place(const struct orl_gonio_cell *cell, bool fro
                   cell->low.y + cell->margin + u[1] * height, front ? cell->high.z : cell->low.z);
 }
 
-/* How far it is to a side that faces the ray, and not beyond it. */
-static double way_to(double from, double along, double low, double high)
+/* Returns the distance to the side that faces the ray; 0 if the ray is beyond it. */
+static double distance_to_side(double from, double along, double low, double high)
 {
     if (along == 0)
         return INFINITY;
@@ -46,9 +46,9 @@ enum orl_gonio_meeting orl_gonio_meet(const struct orl_gonio_cell *cell,
     struct orl_vec3 *const o = &path->origin;
     double come = 0;
     for (int sides = 0; sides < MOST_SIDES; sides++) {
-        const double x = way_to(o->x, d.x, cell->low.x, cell->high.x);
-        const double y = way_to(o->y, d.y, cell->low.y, cell->high.y);
-        const double z = way_to(o->z, d.z, cell->low.z, cell->high.z);
+        const double x = distance_to_side(o->x, d.x, cell->low.x, cell->high.x);
+        const double y = distance_to_side(o->y, d.y, cell->low.y, cell->high.y);
+        const double z = distance_to_side(o->z, d.z, cell->low.z, cell->high.z);
         const double way = fmin(x, fmin(y, z));
         if (way > 0 && orl_geometry_intersect(world->geometry, *o, d, way, ret_hit)) {
             ret_hit->distance += come;

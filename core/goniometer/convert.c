@@ -1,11 +1,11 @@
-/* The way from a BSDF to one in another basis: a file on the table in place of a panel. */
+/* Converts a BSDF to another basis: measures the file in place of a panel. */
 #include <oriel/bsdf_convert.h>
 
 #include "goniometer/klems.h"
 #include "goniometer/mirrors.h"
 #include "goniometer/trees.h"
 
-static int check(const struct orl_bsdf_make_request *to, struct orl_error *err)
+static int check_request(const struct orl_bsdf_make_request *to, struct orl_error *err)
 {
     if (to->accuracy > 0 || to->paths > 0)
         return orl_error_set(err, ORL_ERR_INVALID,
@@ -20,7 +20,7 @@ int orl_bsdf_convert(const struct orl_bsdf *bsdf, const char *source,
     struct orl_bsdf_info info;
     struct orl_bsdf_make_request request = *to;
     struct orl_bsdf_made made = {0};
-    int code = check(to, err);
+    int code = check_request(to, err);
     if (code < 0)
         return code;
     orl_bsdf_describe(bsdf, &info);

@@ -1,13 +1,14 @@
-/* Trees culled by what a room would lose of their light, not by a share of each cell's value. */
+/* Culls trees by the light that would go elsewhere in a room, instead of a share of each cell's
+ * value. */
 #include <math.h>
 
 #include <oriel/bsdf_convert.h>
 
-/* Trials, from as much light as all may send elsewhere on: what a cell alone may. */
+/* Number of trials, and the largest cull tried: light that a single cell may send elsewhere. */
 enum { TRIALS = 12 };
 static const double most_unseen = 0.1;
 
-/* One conversion under trial. */
+/* One conversion in the search. */
 struct trial {
     const struct orl_bsdf *bsdf;
     const char *source;
@@ -47,19 +48,20 @@ static int try_cull(const struct trial *trial, double unseen, struct orl_bsdf_ma
     return code;
 }
 
-/* Takes the trial as the best so far. */
-static void take(struct orl_bsdf_made *made, const struct orl_bsdf_comparison *lost,
-                 struct orl_bsdf_made *ret_made, struct orl_bsdf_comparison *ret_lost)
+/* Makes this trial the best so far. */
+static void take_trial(struct orl_bsdf_made *made, const struct orl_bsdf_comparison *lost,
+                       struct orl_bsdf_made *ret_made, struct orl_bsdf_comparison *ret_lost)
 {
     orl_bsdf_made_done(ret_made);
     *ret_made = *made;
     *ret_lost = *lost;
 }
 
-/* The best of some culls between, by bisection. best, ret_lost: of the least, at first. */
-static int search(const struct trial *trial, double within, double *ret_unseen,
-                  struct orl_bsdf_made *best, struct orl_bsdf_comparison *ret_lost,
-                  struct orl_error *err)
+/* Finds the largest cull that is allowed, by bisection. best and ret_lost: those of the least cull
+ * at first. */
+static int search_cull(const struct trial *trial, double within, double *ret_unseen,
+                       struct orl_bsdf_made *best, struct orl_bsdf_comparison *ret_lost,
+                       struct orl_error *err)
 {
     double low = ORL_BSDF_UNSEEN, high = most_unseen, middle = high;
     for (int i = 0; i < TRIALS && low < high; i++) {
@@ -69,7 +71,7 @@ static int search(const struct trial *trial, double within, double *ret_unseen,
         if (code < 0)
             return code;
         if (worst_of(&lost, trial->to->color) <= within) {
-            take(&made, &lost, best, ret_lost);
+            take_trial(&made, &lost, best, ret_lost);
             *ret_unseen = low = middle;
         } else {
             orl_bsdf_made_done(&made);
@@ -80,7 +82,7 @@ static int search(const struct trial *trial, double within, double *ret_unseen,
     return 0;
 }
 
-/* The resolution alone is to lose no more. */
+/* Checks that the resolution alone does not lose more. */
 static int check_resolution(const struct orl_bsdf_comparison *lost, bool color, double within,
                             struct orl_error *err)
 {
@@ -113,7 +115,7 @@ int orl_bsdf_convert_within(const struct orl_bsdf *bsdf, const char *source,
         return code;
     code = check_resolution(ret_lost, to->color, within, err);
     if (code == 0)
-        code = search(&trial, within, ret_unseen, &best, ret_lost, err);
+        code = search_cull(&trial, within, ret_unseen, &best, ret_lost, err);
     if (code == 0)
         *ret_made = best;
     else

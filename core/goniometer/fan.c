@@ -1,6 +1,6 @@
 #include "goniometer/fan.h"
 
-/* Of 15 degrees of freedom, and of the 3 of a cell out alone. */
+/* With 15 degrees of freedom, and with the 3 of a cell out alone. */
 static const double by_chance[2] = {3, 7};
 
 double orl_gonio_by_chance(unsigned fan)

@@ -2,10 +2,10 @@
 
 enum { MOST_SURFACES = 4096, EVEN_SCATTERINGS = 4, MOST_BRANCHES = 16 };
 
-/* Dimmer paths end by lot; dimmer branches are not followed beside the other one. */
+/* Weights below which paths end by Russian roulette, and below which paths are not split. */
 static const double least_weight = 0.02, least_branch = 0.005;
 
-/* A path on its way, with how many surfaces it has met. */
+/* A path in progress, and the number of surfaces it has hit. */
 struct branch {
     struct orl_path path;
     int surfaces;
@@ -30,9 +30,9 @@ static void next_numbers(struct orl_gonio_numbers *numbers, int scattering, doub
         ret_u[i] = orl_random_uniform(&numbers->random);
 }
 
-/* Sends it on by one of the lobes; false: nothing goes on. */
-static bool send_on(const struct journey *j, struct branch *b, const struct orl_hit *hit,
-                    enum orl_lobes lobes, const double u[3])
+/* Scatters the path by one of the lobes; returns false if it ends. */
+static bool scatter_by_lobes(const struct journey *j, struct branch *b, const struct orl_hit *hit,
+                             enum orl_lobes lobes, const double u[3])
 {
     const struct orl_world *world = j->sample->world;
     const struct orl_material *material = orl_world_material(world, hit);
@@ -50,8 +50,8 @@ static bool send_on(const struct journey *j, struct branch *b, const struct orl_
     return true;
 }
 
-/* Whether what is mirrored and what goes through are both worth to be followed. */
-static bool divides(const struct journey *j, const struct branch *b, const struct orl_hit *hit)
+/* Returns true if the reflected and the transmitted part are both worth tracing. */
+static bool is_split(const struct journey *j, const struct branch *b, const struct orl_hit *hit)
 {
     const struct orl_material *m = orl_world_material(j->sample->world, hit);
     if ((m->kind != ORL_MATERIAL_DIELECTRIC && m->kind != ORL_MATERIAL_GLASS) ||
@@ -67,22 +67,23 @@ static bool divides(const struct journey *j, const struct branch *b, const struc
            orl_rgb_max(orl_rgb_mul(w, through)) > least_branch;
 }
 
-/* At a surface; what is mirrored waits where both ways are followed. */
-static bool meet(struct journey *j, struct branch *b, const struct orl_hit *hit)
+/* Scatters the path at a surface. If it is split, the reflected part is queued. Returns false if
+ * the path ends. */
+static bool handle_hit(struct journey *j, struct branch *b, const struct orl_hit *hit)
 {
     double u[3];
     orl_path_arrive(&b->path, orl_world_material(j->sample->world, hit), hit);
     next_numbers(j->numbers, b->surfaces, u);
-    if (!divides(j, b, hit))
-        return send_on(j, b, hit, ORL_LOBE_ALL, u);
+    if (!is_split(j, b, hit))
+        return scatter_by_lobes(j, b, hit, ORL_LOBE_ALL, u);
     struct branch mirrored = *b;
-    if (send_on(j, &mirrored, hit, ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED, u))
+    if (scatter_by_lobes(j, &mirrored, hit, ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED, u))
         j->waiting[j->n_waiting++] = mirrored;
-    return send_on(j, b, hit, ORL_LOBE_TRANSMITTED, u);
+    return scatter_by_lobes(j, b, hit, ORL_LOBE_TRANSMITTED, u);
 }
 
-/* To the end of one branch. */
-static void finish(struct journey *j, struct branch b, orl_gonio_sink *sink, void *ctx)
+/* Traces one branch to its end. */
+static void trace_branch(struct journey *j, struct branch b, orl_gonio_sink *sink, void *ctx)
 {
     struct orl_gonio_exit exit = {.end = ORL_GONIO_GIVEN_UP};
     while (b.surfaces < MOST_SURFACES) {
@@ -90,7 +91,7 @@ static void finish(struct journey *j, struct branch b, orl_gonio_sink *sink, voi
         const enum orl_gonio_meeting meeting =
             orl_gonio_meet(&j->sample->cell, j->sample->world, &b.path, &hit);
         if (meeting == ORL_GONIO_SURFACE) {
-            if (!meet(j, &b, &hit))
+            if (!handle_hit(j, &b, &hit))
                 return;
             continue;
         }
@@ -111,5 +112,5 @@ void orl_gonio_follow(const struct orl_gonio_sample *sample, struct orl_path pat
     struct journey j = {.sample = sample, .numbers = numbers, .n_waiting = 1};
     j.waiting[0] = (struct branch){path, 0};
     while (j.n_waiting > 0)
-        finish(&j, j.waiting[--j.n_waiting], sink, ctx);
+        trace_branch(&j, j.waiting[--j.n_waiting], sink, ctx);
 }

@@ -1,6 +1,6 @@
 /*
- * One path of light through the panel: from beside it, by what its materials draw, until it leaves,
- * is absorbed, or is given up.
+ * Traces one path of light through the panel. It starts beside the panel, samples its materials,
+ * and ends when it leaves, is absorbed, or is given up.
  */
 #ifndef ORL_GONIOMETER_FOLLOW_H
 #define ORL_GONIOMETER_FOLLOW_H
@@ -9,8 +9,8 @@
 #include "goniometer/sample.h"
 
 /*
- * A path's random numbers: of the first scatterings the points of an even sequence each, which is
- * padded from the others by its seed (Burley 2020); then chance alone.
+ * Random numbers of a path. The first scatterings use points of a Sobol sequence each, padded by
+ * the path's seed (Burley 2020). Later ones use independent random numbers.
  */
 struct orl_gonio_numbers {
     const struct orl_sobol *sobol;
@@ -22,15 +22,15 @@ enum orl_gonio_end { ORL_GONIO_LEFT, ORL_GONIO_GIVEN_UP };
 
 struct orl_gonio_exit {
     enum orl_gonio_end end;
-    bool front;                /* it left towards z > 0 */
-    struct orl_vec3 direction; /* as it travels */
-    struct orl_rgb weight;     /* of a path that set out with 1 */
+    bool front;                /* true if it left towards z > 0 */
+    struct orl_vec3 direction; /* direction of travel */
+    struct orl_rgb weight;     /* weight of a path that started with 1 */
 };
 
 /*
- * path: at a place beside the panel, on its way in. Tells of every end that is not absorption:
- * where clear surfaces mirror some of the light and let some through, both are followed as long as
- * they are worth it, so that such panels leave nothing to chance but where light comes in.
+ * Traces a path that starts beside the panel and enters it. Calls the sink for every end that is
+ * not absorption. Where clear surfaces reflect and transmit, both parts are traced while they are
+ * strong enough. In clear panels only the place of entry is then random.
  */
 typedef void orl_gonio_sink(void *ctx, const struct orl_gonio_exit *exit);
 void orl_gonio_follow(const struct orl_gonio_sample *sample, struct orl_path path,

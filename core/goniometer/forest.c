@@ -11,12 +11,13 @@
 #include "goniometer/fan.h"
 #include "goniometer/hues.h"
 
-/* Ratios of sums of squares that chance exceeds in none of the many millions of cases that a panel
- * has (chi-square): of 15 degrees of freedom, and of the 3 of a cell out alone. */
+/* Ratios of sums of squares that chance exceeds in none of the many millions of cases of a panel
+ * (chi-square): with 15 degrees of freedom, and with the 3 of a cell out alone. */
 static const double beyond_chance[2] = {8, 13};
 
-/* What is seen of differences between cells that are joined by chance is two thirds of them: of
- * cells whose mean squares are 1.5 to 3 times their errors' those pass that seem to have 1.1. */
+/* Correction for a selection effect. Cells joined within their errors were selected for looking
+ * alike, so two thirds of their differences are visible. Cells whose mean squares are 1.5 to 3
+ * times their errors' pass if they appear to be 1.1 times. */
 static const double unseen_more = 0.5;
 
 void orl_gonio_forest_done(struct orl_gonio_forest *forest)
@@ -50,7 +51,7 @@ void orl_gonio_cells_copy(struct orl_gonio_cells to, struct orl_gonio_cells from
         memcpy(to.hues, from.hues, count * sizeof *to.hues);
 }
 
-/* A path more in one of the cells: of those that some came to, if there are any. */
+/* Returns the value of one more path in one of the cells; cells with paths have precedence. */
 static float path_of(const struct orl_gonio_node *children, unsigned fan)
 {
     float lit = 0, dark = 0;
@@ -82,7 +83,7 @@ static struct orl_gonio_node mean_of(const struct orl_gonio_node *children, unsi
                                    .spread = (float)(orl_gonio_sum(spreads, fan) / fan)};
 }
 
-/* Most are. */
+/* Common case. */
 static bool are_dark(const struct orl_gonio_node *children, unsigned fan)
 {
     bool dark = true;
@@ -91,16 +92,16 @@ static bool are_dark(const struct orl_gonio_node *children, unsigned fan)
     return dark;
 }
 
-/* Nodes that are looked at, to become one. */
+/* Nodes that may be joined. */
 struct group {
     const struct orl_gonio_cull *cull;
     struct orl_gonio_cells children;
     unsigned fan, level;
-    bool leaves;  /* all of them */
-    double doubt; /* the most, of those below as well */
+    bool leaves;  /* true if all are leaves */
+    double doubt; /* largest doubt, including that of nodes below */
 };
 
-/* How far they are from their mean: sums of squares, and of variances. */
+/* Differences from the mean: sums of squares, and of variances. */
 struct scatter {
     double mean, squares, noise;
 };
@@ -111,8 +112,9 @@ static bool is_chance(const struct group *g, const struct scatter *s)
     return s->squares <= orl_gonio_by_chance(g->fan) * s->noise && g->doubt <= beyond_chance[few];
 }
 
-/* By chance, or since so little counts for nothing: then they have to be leaves. */
-static bool passes(const struct group *g, const struct scatter *s)
+/* Returns true if the nodes can be joined: within their errors or, if all are leaves, because the
+ * differences are small enough. */
+static bool can_join(const struct group *g, const struct scatter *s)
 {
     const double omega = ldexp(ORL_PI, -2 * (int)g->level), unseen = g->cull->unseen / omega;
     const double shade = g->cull->share * s->mean, fan = g->fan;
@@ -162,14 +164,14 @@ bool orl_gonio_are_one(const struct orl_gonio_cull *cull, struct orl_gonio_cells
             return false;
     }
     if (!is_chance(&g, &s))
-        return passes(&g, &s);
-    /* Of those that differ by as much as their errors the ones that look alike are taken. */
+        return can_join(&g, &s);
+    /* Nodes that differ as much as their errors were selected for looking alike. */
     mean->spread += (float)(unseen_more * (s.squares - s.noise * (fan - 1) / fan) / fan);
     return true;
 }
 
-/* For one more. */
-static bool make_room(struct orl_gonio_forest *forest)
+/* Makes room for one more branch. */
+static bool reserve_branch(struct orl_gonio_forest *forest)
 {
     return forest->count < UINT32_MAX - 1 &&
            orl_grow(&forest->branches, &forest->room, forest->count, sizeof *forest->branches) &&
@@ -184,14 +186,14 @@ bool orl_gonio_join(struct orl_gonio_forest *forest, struct orl_gonio_cells chil
     struct orl_gonio_node node;
     const bool one = orl_gonio_are_one(&forest->cull, children, fan, level,
                                        (struct orl_gonio_cells){&node, ret_node.hues});
-    if (forest->rank == 3 && level == 0) /* of eight parts these are two, mirrored and copied */
+    if (forest->rank == 3 && level == 0) /* two of eight parts are independent */
         node.variance *= 4;
     if (one) {
         node.doubt = 0;
         *ret_node.nodes = node;
         return true;
     }
-    if (!make_room(forest))
+    if (!reserve_branch(forest))
         return false;
     memcpy(forest->branches[forest->count].child, children.nodes, fan * sizeof *children.nodes);
     if (forest->color)
@@ -233,7 +235,7 @@ bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gon
     if (other->count >= UINT32_MAX - 1 - forest->count)
         return false;
     for (size_t k = 0; k < other->count; k++) {
-        if (!make_room(forest))
+        if (!reserve_branch(forest))
             return false;
         const size_t at = forest->count++;
         for (unsigned i = 0; i < 1U << forest->rank; i++) {
@@ -247,7 +249,7 @@ bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gon
     return true;
 }
 
-/* Depth is at most seven. */
+/* The recursion depth is at most seven. */
 void orl_gonio_forest_write(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
                             bool errors, const atomic_bool *cancel, FILE *out)
 {

@@ -1,15 +1,15 @@
 /*
- * Tensor trees while they are measured: cells with values and what is known of their errors, from
- * the finest up. Of rank 4 or 3 (bsdf/tree.h, iso.h): a branch has a child for each part of a cell
- * in (A.x, A.y, B.x, B.y), or (A, B.x, B.y), numbered by these bits.
+ * Tensor trees under construction: cells with values and error estimates, from the finest up. Rank
+ * 4 or 3 (bsdf/tree.h, iso.h). A branch has a child for each part of a cell in (A.x, A.y, B.x,
+ * B.y), or (A, B.x, B.y), numbered by these bits.
  *
- * Cells that a branch would hold become one where the data do not tell them apart: where they
- * differ by no more than their standard errors explain, or by less than a share of their mean that
- * is asked for, or by less light than counts. Their mean stays, with what it may be off by from any
- * of them: the standard error of the mean, and how far they lie from it.
- * Colours are asked beside that (hues.h); errors are those of luminance.
+ * The cells of a branch are joined to a leaf if the data do not distinguish them. Their differences
+ * must be within their standard errors, below a given share of their mean, or below an amount of
+ * light that counts. The leaf has their mean, and the standard deviation of the cells from it: the
+ * standard error of the mean and the differences of the cells. Colours are checked in addition
+ * (hues.h); errors are those of luminance.
  *
- * Ownership: the caller's, orl_gonio_forest_done. One thread writes at a time.
+ * Ownership: the caller's, freed by orl_gonio_forest_done. One thread writes at a time.
  */
 #ifndef ORL_GONIOMETER_FOREST_H
 #define ORL_GONIOMETER_FOREST_H
@@ -24,23 +24,23 @@
 
 enum { ORL_GONIO_FAN_MOST = 16 };
 
-/* A leaf, or a branch. */
+/* A leaf or a branch. */
 struct orl_gonio_node {
-    float value, variance; /* 1/sr; of a branch: of the mean of all below */
-    float path;      /* what one path alone brings of the value, 1/sr: so much is never known */
-    float spread;    /* mean square of what finest cells below are off by from the value, as
-                        far as their errors do not explain it: by chance it may be negative */
-    float doubt;     /* of a branch: by how much, at the most, what is below it differs by
-                        more than errors explain, as a ratio of squares; of a leaf 0 */
-    uint32_t branch; /* 1 + its place; 0: a leaf */
+    float value, variance; /* 1/sr; variance of the mean, in a branch of all below */
+    float path;   /* value contributed by a single path, 1/sr: a lower limit of the error */
+    float spread; /* mean squared difference of the finest cells below from the value, beyond what
+                     their errors explain; may be negative by chance */
+    float doubt;  /* branch: largest ratio of squared differences below it to their squared errors;
+                     leaf: 0 */
+    uint32_t branch; /* 1 + index of the branch; 0: a leaf */
 };
 
 struct orl_gonio_branch {
     struct orl_gonio_node child[ORL_GONIO_FAN_MOST];
 };
 
-/* The colour of a node beside its luminance (hues.h): red, green, blue; the variances of what these
- * are off by from the luminance in the node's own chromaticity. */
+/* Colour of a node beside its luminance (hues.h): red, green and blue. noise: variances of their
+ * differences from the luminance in the node's own chromaticity. */
 enum { ORL_GONIO_HUES = 3 };
 struct orl_gonio_hue {
     float value[ORL_GONIO_HUES], noise[ORL_GONIO_HUES];
@@ -50,12 +50,12 @@ struct orl_gonio_branch_hues {
     struct orl_gonio_hue child[ORL_GONIO_FAN_MOST];
 };
 
-/* Nodes side by side, with their colours. */
+/* An array of nodes with their colours. */
 struct orl_gonio_cells {
     struct orl_gonio_node *nodes;
-    struct orl_gonio_hue *hues; /* NULL: by luminance alone */
+    struct orl_gonio_hue *hues; /* NULL: luminance only */
 };
-/* So many; false: no memory, and none. */
+/* Allocates count cells. Returns false if out of memory; *cells is then empty. */
 bool orl_gonio_cells_make(struct orl_gonio_cells *cells, size_t count, bool color);
 void orl_gonio_cells_done(struct orl_gonio_cells *cells);
 static inline struct orl_gonio_cells orl_gonio_cells_at(struct orl_gonio_cells cells, size_t first)
@@ -64,10 +64,11 @@ static inline struct orl_gonio_cells orl_gonio_cells_at(struct orl_gonio_cells c
 }
 void orl_gonio_cells_copy(struct orl_gonio_cells to, struct orl_gonio_cells from, size_t count);
 
-/* How far cells may be from their mean that become one, unless errors explain it. */
+/* Limits on the differences of cells from their mean when they are joined, unless errors explain
+ * the differences. */
 struct orl_gonio_cull {
-    double share;  /* of the mean */
-    double unseen; /* or of the light that comes: what a cell may send elsewhere */
+    double share;  /* share of the mean */
+    double unseen; /* or light that a cell may send elsewhere, as a share of the incident light */
 };
 
 struct orl_gonio_forest {
@@ -75,59 +76,60 @@ struct orl_gonio_forest {
     struct orl_gonio_cull cull;
     bool color;
     struct orl_gonio_branch *branches;  /* owned */
-    struct orl_gonio_branch_hues *hues; /* as many, of colour; owned */
+    struct orl_gonio_branch_hues *hues; /* colours, one per branch; owned */
     size_t count, room, hues_room;
 };
 
 void orl_gonio_forest_done(struct orl_gonio_forest *forest);
 
-/* What is never known of a cell's mean, as a variance: of a dark one nothing counts as known or
- * not. */
+/* Returns the variance of a cell's mean, at least that of one path. A dark cell has none. */
 static inline double orl_gonio_noise(const struct orl_gonio_node *node)
 {
     const double variance = (double)node->variance, path = (double)node->path;
     return node->value > 0 ? fmax(variance, path * path) : 0;
 }
-/* What a leaf may be off by from its finest cells: a standard error, 1/sr. */
+/* Returns the standard deviation of a leaf's finest cells from its value, including the error,
+ * 1/sr. */
 static inline double orl_gonio_error(const struct orl_gonio_node *node)
 {
     const double path = (double)node->path;
     return sqrt((double)node->variance + path * path + fmax(0, (double)node->spread));
 }
 
-/* Whether fan nodes, which lie level deep, are as good as their mean, which is filled in; its doubt
- * says how far they are from that. */
+/* Returns true if fan nodes at `level` can be replaced by their mean, and sets the mean. The mean's
+ * doubt is the largest ratio of squared differences to squared errors. */
 bool orl_gonio_are_one(const struct orl_gonio_cull *cull, struct orl_gonio_cells children,
                        unsigned fan, unsigned level, struct orl_gonio_cells ret_mean);
 
-/* One node over 2^rank others, which lie level deep: a branch, or a leaf. False: no memory. */
+/* Makes one node over 2^rank others at `level`: a branch or a leaf. Returns false if out of
+ * memory. */
 bool orl_gonio_join(struct orl_gonio_forest *forest, struct orl_gonio_cells children,
                     unsigned level, struct orl_gonio_cells ret_node);
 
-/* Parts of a cell of directions in, a level deeper: 4 of rank 4, 2 of rank 3. */
+/* Returns the parts of a cell of directions in at the next level: 4 in rank 4, 2 in rank 3. */
 static inline unsigned orl_gonio_parts_in(unsigned rank)
 {
     return rank == 4 ? 4 : 2;
 }
-/* count nodes of one cell in, which lie at that level, over those of its parts: four times as many
- * of each part, part after part. False: no memory. */
+/* Makes the count nodes of one cell in at `level` from those of its parts. Each part has four times
+ * as many nodes, part after part. Returns false if out of memory. */
 bool orl_gonio_join_level(struct orl_gonio_forest *forest, struct orl_gonio_cells parts,
                           size_t count, unsigned level, struct orl_gonio_cells ret_nodes);
 
-/* Takes over all branches of another one, with children mirrored: the i-th is the (i ^ mirror)-th.
- * *ret_shift: what is to be added to places. False: no memory. */
+/* Copies all branches of another forest, with mirrored children: the i-th is the (i ^ mirror)-th.
+ * *ret_shift: to be added to branch numbers (orl_gonio_shifted). Returns false if out of memory. */
 bool orl_gonio_forest_take(struct orl_gonio_forest *forest, const struct orl_gonio_forest *other,
                            unsigned mirror, uint32_t *ret_shift);
 struct orl_gonio_node orl_gonio_shifted(struct orl_gonio_node node, uint32_t shift);
 
-/* As the braces of a file: luminances, or their errors. Incomplete when cancelled. */
+/* Writes a tree in the braces of a file: luminances, or their errors. Incomplete if cancelled. */
 void orl_gonio_forest_write(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
                             bool errors, const atomic_bool *cancel, FILE *out);
 
-/* The largest leaf. */
+/* Returns the largest leaf, 1/sr. */
 double orl_gonio_forest_peak(const struct orl_gonio_forest *forest, struct orl_gonio_node root);
-/* Of leaves from a value on the largest shares of it: of the error of a mean, and of what cells
- * that it stands for are off by. Raises what is there. */
+/* Largest relative errors over leaves whose value is at least `from`: of the mean (noise), and of
+ * the joined cells (joined). orl_gonio_forest_worst only raises the present figures. */
 struct orl_gonio_worst {
     double noise, joined;
 };

@@ -7,18 +7,18 @@
 #include "bsdf/color.h"
 #include "goniometer/fan.h"
 
-/* What rounding alone may make of a value. */
+/* Relative difference that rounding may cause. */
 static const double rounding = 1e-6;
-/* Of the share that cells may be off by, for cells that are told apart. */
+/* Share of the allowed difference for cells that are not joined. */
 static const double apart = 0.25;
 
-/* A channel of nodes against their luminances in one chromaticity: sums of squares. */
+/* One channel of nodes compared with their luminances in one chromaticity: sums of squares. */
 struct shades {
     double off, noise, value;
 };
 
-/* unit: of the channel in the luminance of all. Of a node that few paths came to the chromaticity
- * is known as little as the luminance. */
+/* unit: the channel divided by the luminance, over all nodes. A node with few paths has a
+ * chromaticity as uncertain as its luminance. */
 static struct shades shades_of(struct orl_gonio_cells children, unsigned fan, int c, double unit)
 {
     double off2[ORL_GONIO_FAN_MOST] = {0}, noises[ORL_GONIO_FAN_MOST] = {0};
@@ -87,7 +87,7 @@ static struct orl_gonio_cells children_of(const struct orl_gonio_forest *forest,
                                     forest->hues[branch - 1].child};
 }
 
-/* Whether a node, which lies level deep, has one chromaticity. */
+/* Returns true if a node at `level` has one chromaticity. */
 static bool is_one(const struct orl_gonio_forest *forest, const struct orl_gonio_node *node,
                    unsigned level)
 {
@@ -102,9 +102,9 @@ static bool is_one(const struct orl_gonio_forest *forest, const struct orl_gonio
     return orl_gonio_blend_of(&cull, children, 1U << forest->rank, level + 1, &mean).is_one;
 }
 
-static void write(const struct orl_gonio_forest *forest, const struct orl_gonio_node *node,
-                  const struct orl_gonio_hue *hue, unsigned level, enum orl_bsdf_channel channel,
-                  const atomic_bool *cancel, FILE *out)
+static void write_hues(const struct orl_gonio_forest *forest, const struct orl_gonio_node *node,
+                       const struct orl_gonio_hue *hue, unsigned level,
+                       enum orl_bsdf_channel channel, const atomic_bool *cancel, FILE *out)
 {
     if (node->branch && orl_is_cancelled(cancel))
         return;
@@ -119,7 +119,8 @@ static void write(const struct orl_gonio_forest *forest, const struct orl_gonio_
         const struct orl_gonio_cells children = children_of(forest, node->branch);
         fputs("\n", out);
         for (unsigned i = 0; i < 1U << forest->rank; i++)
-            write(forest, &children.nodes[i], &children.hues[i], level + 1, channel, cancel, out);
+            write_hues(forest, &children.nodes[i], &children.hues[i], level + 1, channel, cancel,
+                       out);
     }
     fputs(" }\n", out);
 }
@@ -128,5 +129,5 @@ void orl_gonio_hues_write(const struct orl_gonio_forest *forest, struct orl_goni
                           struct orl_gonio_hue hue, enum orl_bsdf_channel channel,
                           const atomic_bool *cancel, FILE *out)
 {
-    write(forest, &root, &hue, 0, channel, cancel, out);
+    write_hues(forest, &root, &hue, 0, channel, cancel, out);
 }

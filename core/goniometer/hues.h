@@ -1,17 +1,16 @@
 /*
- * Colour of a tensor tree's cells while they are measured: red, green and blue beside the luminance
- * of each (forest.h).
+ * Colour of a tensor tree's cells under construction: red, green and blue beside the luminance
+ * (forest.h).
  *
- * There is one subdivision. Cells become one where their luminances are, and their chromaticities
- * too: where by that of their light in all no channel of any is off by more than its errors
- * explain, than the share that cells may be off by, or than light that counts. So a cell has the
- * chromaticity of its light in all, and no channel loses any. Errors are known of chromaticities as
- * of values, by batches: they are far smaller where all paths to a cell have one colour, whatever
- * their number.
+ * Luminance and colour share one subdivision. Cells are joined if both their luminances and their
+ * chromaticities allow it. Each channel is compared with the chromaticity of the cells' total
+ * light. The difference must be within its errors, the share that cells may differ by, or an amount
+ * of light that counts. A joined cell has the chromaticity of the total light, so no channel loses
+ * light. Errors of chromaticities come from batches, as for values. They are much smaller if all
+ * paths to a cell have one colour.
  *
- * A file has trees of their own for u' and v', as a rule much coarser than that of luminances: of
- * cells that are told apart, those have one chromaticity which are alike to a quarter of that share
- * at each level that they are joined over.
+ * A file has separate trees for u' and v', usually much coarser than that of luminances. Cells that
+ * are not joined share a chromaticity if theirs agree to a quarter of that share at each level.
  */
 #ifndef ORL_GONIOMETER_HUES_H
 #define ORL_GONIOMETER_HUES_H
@@ -19,9 +18,9 @@
 #include "bsdf/write.h"
 #include "goniometer/forest.h"
 
-/* Whether fan nodes, which lie level deep, are as good by the chromaticity of all of them; if they
- * are not, by how much they differ more than errors explain, as a ratio of squares. Fills in their
- * mean. */
+/* Result of joining chromaticities: is_one is true if fan nodes at `level` can have the
+ * chromaticity of their total light. Otherwise doubt is the ratio of squared differences to squared
+ * errors. orl_gonio_blend_of also sets their mean. */
 struct orl_gonio_blend {
     bool is_one;
     float doubt;
@@ -30,7 +29,7 @@ struct orl_gonio_blend orl_gonio_blend_of(const struct orl_gonio_cull *cull,
                                           struct orl_gonio_cells children, unsigned fan,
                                           unsigned level, struct orl_gonio_hue *ret_mean);
 
-/* The braces of u' or v'; of cells in the dark it is that of grey. */
+/* Writes the braces of u' or v'; dark cells have the chromaticity of grey. */
 void orl_gonio_hues_write(const struct orl_gonio_forest *forest, struct orl_gonio_node root,
                           struct orl_gonio_hue hue, enum orl_bsdf_channel channel,
                           const atomic_bool *cancel, FILE *out);

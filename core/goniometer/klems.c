@@ -9,7 +9,7 @@
 #include "goniometer/reading.h"
 #include "goniometer/request.h"
 
-enum { AT_ONCE = 16 }; /* items between two words of progress */
+enum { AT_ONCE = 16 }; /* items between two progress reports */
 
 struct round {
     const struct orl_bsdf_make_request *request;
@@ -17,12 +17,12 @@ struct round {
     const struct orl_gonio_sample *sample;
     struct orl_gonio_sheet *sheet;
     struct orl_gonio_lamp lamp;
-    uint32_t *wanted; /* paths in each batch, by item; 0: enough there are */
+    uint32_t *wanted; /* paths in each batch, by item; 0: no more are needed */
     uint32_t number;
     size_t first;
-    bool short_of;        /* an item's error was foreseen above the accuracy, for want of paths */
-    size_t *todo, n_todo; /* of a round that is shared: items that want more */
-    atomic_bool starved;  /* a file could not be read for want of memory */
+    bool short_of;        /* true if a predicted error is above the accuracy at the most paths */
+    size_t *todo, n_todo; /* shared rounds: items that need more paths */
+    atomic_bool starved;  /* true if memory was out while a file was read */
 };
 
 static void measure_item(void *arg, size_t index, uint32_t member)
@@ -37,7 +37,7 @@ static void measure_item(void *arg, size_t index, uint32_t member)
         orl_gonio_sheet_measure(r->sheet, &r->lamp, item, r->wanted[item]);
 }
 
-static int measure(struct round *r, struct orl_error *err)
+static int measure_round(struct round *r, struct orl_error *err)
 {
     const size_t items = r->sheet->items;
     if (r->env->progress)
@@ -55,9 +55,9 @@ static int measure(struct round *r, struct orl_error *err)
     return 0;
 }
 
-/* ---- Rounds that are shared ------------------------------------------------------------------ */
+/* ---- Shared rounds -------------------------------------------------------------------------- */
 
-/* Items of a lot. */
+/* Items per lot (oriel/bsdf_shared.h). */
 enum { LOT = 4 };
 
 static size_t lot_size(const struct round *r, size_t lot)
@@ -66,7 +66,7 @@ static size_t lot_size(const struct round *r, size_t lot)
     return left < LOT ? left : LOT;
 }
 
-/* An item in its bytes: this, what it counted in all batches, and its heaviest paths. */
+/* Header of a serialised item. Its sums of all batches and its heaviest paths follow. */
 struct kept_item {
     double lost;
     uint64_t paths;
@@ -154,7 +154,7 @@ static int take_lot(void *ctx, size_t lot, const void *data, size_t size, bool *
     return 0;
 }
 
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     const struct round *r = ctx;
     if (r->env->progress)
@@ -175,13 +175,13 @@ static int share_round(struct round *r, struct orl_error *err)
                                        .core_s = lot_core_s,
                                        .make = make_lot,
                                        .take = take_lot,
-                                       .told = tell_share};
+                                       .told = report_share};
     return r->env->shared->run(r->env->shared->ctx, &lots, err);
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- All rounds ----------------------------------------------------------------------------- */
 
-/* All of them that mirrors make of one have as many paths. */
+/* Requests the same number of paths for all mirror images of an item. */
 static void want_mirrored(struct round *r, size_t item, uint32_t paths)
 {
     const size_t cells = (size_t)r->sheet->basis.n_cells;
@@ -192,16 +192,16 @@ static void want_mirrored(struct round *r, size_t item, uint32_t paths)
                                                  (enum orl_bsdf_symmetry)m)] = paths;
 }
 
-/* Whether an item needs more than its paths and as many again, and may have them. */
-static bool goes_on(const struct round *r, size_t item, const double peaks[2])
+/* Returns true if an item needs more than twice its paths, and the limit allows more. */
+static bool needs_more(const struct round *r, size_t item, const double peaks[2])
 {
     const uint64_t most = r->request->paths_most / ORL_GONIO_BATCHES;
     return orl_gonio_foreseen(r->sheet, item, peaks) > r->request->accuracy &&
            4ULL * r->sheet->paths[item] <= most;
 }
 
-/* Doubles the paths of items that need it; of the others, as many again are to tell the error.
- * Whether any are wanted. */
+/* Doubles the paths of items that need more. The others are measured once more with as many paths
+ * for their errors. Returns true if any paths are needed. */
 static bool want_more(struct round *r)
 {
     const size_t cells = (size_t)r->sheet->basis.n_cells;
@@ -212,7 +212,7 @@ static bool want_more(struct round *r)
         double peaks[2];
         orl_gonio_peaks(r->sheet, front, peaks);
         for (size_t item = front * cells; item < (front + 1) * cells; item++)
-            if (r->sheet->paths_before[item] == 0 && goes_on(r, item, peaks))
+            if (r->sheet->paths_before[item] == 0 && needs_more(r, item, peaks))
                 want_mirrored(r, item, 2 * r->sheet->paths[item]);
         for (size_t item = front * cells; item < (front + 1) * cells; item++) {
             if (r->sheet->paths_before[item] == 0 && r->wanted[item] == 0) {
@@ -238,7 +238,7 @@ static int measure_all(struct round *r, struct orl_error *err)
         r->wanted[item] = first;
     r->sheet->exact = r->sample->file != NULL;
     do {
-        code = r->env->shared && !r->sample->file ? share_round(r, err) : measure(r, err);
+        code = r->env->shared && !r->sample->file ? share_round(r, err) : measure_round(r, err);
         r->number++;
     } while (code == 0 && accurate && want_more(r));
     return code;
@@ -274,7 +274,7 @@ static int fill_part(const struct orl_gonio_sheet *sheet, bool front, bool trans
     return 0;
 }
 
-/* The BSDF, or its errors. */
+/* Writes the BSDF, or its errors. */
 static int write_out(const struct round *r, bool errors, struct orl_bsdf_made *made,
                      struct orl_error *err)
 {

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-static const double told_from = 0.01; /* of the peak: values whose error counts */
+static const double counted_from = 0.01; /* share of the peak above which errors count */
 
 void orl_gonio_peaks(const struct orl_gonio_sheet *sheet, bool front, double ret_peaks[2])
 {
@@ -24,7 +24,7 @@ double orl_gonio_worst(const struct orl_gonio_sheet *sheet, size_t item, const d
         for (int out = 0; out < sheet->basis.n_cells && peaks[t] > 0; out++) {
             const struct orl_gonio_value v = orl_gonio_sheet_value(sheet, item, t, out);
             const double f = orl_luma(v.f);
-            if (f >= told_from * peaks[t])
+            if (f >= counted_from * peaks[t])
                 worst = fmax(worst, v.error / f);
         }
     return worst;
@@ -36,7 +36,8 @@ double orl_gonio_foreseen(const struct orl_gonio_sheet *sheet, size_t item, cons
     for (int t = 0; t < 2; t++)
         for (int out = 0; out < sheet->basis.n_cells && peaks[t] > 0; out++) {
             const struct orl_gonio_value v = orl_gonio_sheet_value(sheet, item, t, out);
-            const double f = orl_luma(v.f), from = told_from * peaks[t], error = v.error / sqrt(2);
+            const double f = orl_luma(v.f), from = counted_from * peaks[t],
+                         error = v.error / sqrt(2);
             if (f + 2 * error >= from)
                 worst = fmax(worst, error / fmax(f, from));
         }
@@ -49,7 +50,7 @@ static struct orl_bsdf_made_direction direction_of(const struct orl_gonio_sheet 
     const struct orl_theta_ring *ring = orl_basis_ring(basis, in);
     const double inner = acos(sqrt(ring->cos2_low)), outer = acos(sqrt(ring->cos2_high));
     const double turn = (double)(in - ring->first) / ring->cells;
-    /* Cells are by where light travels; told is where it comes from. */
+    /* Cells hold the direction of travel; the result has the direction that light comes from. */
     const double phi = turn < 0.5 ? turn + 0.5 : turn - 0.5;
     struct orl_bsdf_made_direction d = {
         .theta_deg = ring->cells == 1 ? 0 : 0.5 * (inner + outer) / ORL_DEG_TO_RAD,
@@ -61,7 +62,7 @@ static struct orl_bsdf_made_direction direction_of(const struct orl_gonio_sheet 
     return d;
 }
 
-static int tell_errors(const struct orl_gonio_sheet *sheet, struct orl_bsdf_made *made)
+static int set_errors(const struct orl_gonio_sheet *sheet, struct orl_bsdf_made *made)
 {
     const size_t cells = (size_t)sheet->basis.n_cells;
     for (size_t part = 0; part < 4; part++) {
@@ -79,7 +80,7 @@ static int tell_errors(const struct orl_gonio_sheet *sheet, struct orl_bsdf_made
     return 0;
 }
 
-static void tell_whole(const struct orl_gonio_sheet *sheet, struct orl_bsdf_made *made)
+static void set_totals(const struct orl_gonio_sheet *sheet, struct orl_bsdf_made *made)
 {
     const size_t cells = (size_t)sheet->basis.n_cells;
     double lost = 0;
@@ -105,10 +106,10 @@ int orl_gonio_tell(const struct orl_gonio_sheet *sheet, struct orl_bsdf_made *ma
 {
     made->n_directions = (size_t)sheet->basis.n_cells;
     made->directions = calloc(made->n_directions, sizeof *made->directions);
-    if (!made->directions || tell_errors(sheet, made) < 0)
+    if (!made->directions || set_errors(sheet, made) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the panel's BSDF");
     for (int in = 0; in < sheet->basis.n_cells; in++)
         made->directions[in] = direction_of(sheet, in);
-    tell_whole(sheet, made);
+    set_totals(sheet, made);
     return 0;
 }

@@ -1,4 +1,4 @@
-/* The way from a request to a BSDF, by its basis. */
+/* Makes a BSDF of a panel in the requested basis. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,9 +7,10 @@
 #include "goniometer/mirrors.h"
 #include "goniometer/trees.h"
 
-static int make_of(const struct orl_bsdf_make_request *request, const struct orl_bsdf_make_env *env,
-                   const struct orl_gonio_sample *sample, struct orl_bsdf_made *made,
-                   struct orl_error *err)
+static int make_from_sample(const struct orl_bsdf_make_request *request,
+                            const struct orl_bsdf_make_env *env,
+                            const struct orl_gonio_sample *sample, struct orl_bsdf_made *made,
+                            struct orl_error *err)
 {
     struct orl_sobol *sobol = malloc(sizeof *sobol);
     int code;
@@ -41,7 +42,7 @@ int orl_bsdf_make(const struct orl_bsdf_make_request *request, const struct orl_
         code = orl_gonio_sample_load(request, env, &sample, err);
     if (code < 0)
         return code;
-    code = make_of(request, env, &sample, &made, err);
+    code = make_from_sample(request, env, &sample, &made, err);
     orl_gonio_sample_done(&sample);
     if (code == 0)
         *ret_made = made;

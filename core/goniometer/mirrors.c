@@ -3,12 +3,12 @@
 #include <math.h>
 
 enum { RAYS = 1 << 15 };
-/* Distances and normals, of the cell's size and of 1, that rounding makes of one. */
+/* Tolerance for rounding: distances relative to the cell's size, and normals. */
 static const double same = 1e-5;
-/* Of a normal: rays that graze a surface more than that tell no distance. */
+/* Least cosine to the normal: distances at more grazing rays are too inaccurate. */
 static const double least_cosine = 0.02;
 
-/* Scattering that depends on nothing but the normal. */
+/* Returns true if scattering depends on the normal only. */
 static bool is_plain(const struct orl_material *m)
 {
     switch (m->kind) {
@@ -33,7 +33,7 @@ static struct orl_vec3 image_of(struct orl_vec3 v, unsigned axis)
     return axis == 0 ? orl_v3(-v.x, v.y, v.z) : orl_v3(v.x, -v.y, v.z);
 }
 
-/* A ray from anywhere in the cell, to anywhere. */
+/* Returns a ray from a random place in the cell, in a random direction. */
 static struct orl_path any_ray(const struct orl_gonio_cell *cell, struct orl_random *random)
 {
     double u[5];
@@ -76,7 +76,7 @@ static bool looks_same(const struct orl_gonio_sample *s, struct orl_path path, u
 static bool has_mirror(const struct orl_gonio_sample *sample, unsigned axis)
 {
     struct orl_random random =
-        orl_random_stream(axis, ORL_PURPOSE_GONIOMETER, UINT64_MAX); /* whatever the seed is */
+        orl_random_stream(axis, ORL_PURPOSE_GONIOMETER, UINT64_MAX); /* independent of the seed */
     for (int i = 0; i < RAYS; i++)
         if (!looks_same(sample, any_ray(&sample->cell, &random), axis))
             return false;

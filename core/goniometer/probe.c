@@ -76,18 +76,18 @@ struct orl_vec3 orl_gonio_probe_travel(const struct orl_gonio_probe *probe, uint
 
 /* ---- Counting -------------------------------------------------------------------------------- */
 
-/* So little below the axis is below it, whatever rounding does. */
+/* Least distance below the axis, so that rounding cannot move a direction across it. */
 static const double least_away = 1e-9;
 
 struct shot {
     struct orl_gonio_probe *probe;
     size_t batch;
-    double cosine, sine; /* what turns the light that comes to +x; rank 3 */
+    double cosine, sine; /* rotation of the incident light to +x; rank 3 */
 };
 
-/* A share of what left, on a side. */
-static void add(const struct shot *shot, bool transmitted, uint32_t cell, double share,
-                struct orl_rgb color)
+/* Adds a share of the light that left on a side. */
+static void add_share(const struct shot *shot, bool transmitted, uint32_t cell, double share,
+                      struct orl_rgb color)
 {
     const struct orl_gonio_probe *p = shot->probe;
     const size_t cells = orl_gonio_probe_cells(p), at = transmitted * cells + cell;
@@ -98,7 +98,7 @@ static void add(const struct shot *shot, bool transmitted, uint32_t cell, double
     p->heaviest[at] = fmaxf(p->heaviest[at], (float)(share * weights[0]));
 }
 
-static void count(void *ctx, const struct orl_gonio_exit *exit)
+static void count_exit(void *ctx, const struct orl_gonio_exit *exit)
 {
     const struct shot *shot = ctx;
     struct orl_gonio_probe *p = shot->probe;
@@ -110,17 +110,17 @@ static void count(void *ctx, const struct orl_gonio_exit *exit)
     }
     const bool transmitted = exit->front != p->front;
     if (p->rank == 4) {
-        add(shot, transmitted, cell_of(p, d.x, d.y), 1, exit->weight);
+        add_share(shot, transmitted, cell_of(p, d.x, d.y), 1, exit->weight);
         return;
     }
-    /* What is straight lies on the border of two cells: both have half of it. */
+    /* Straight light lies on the border of two cells; each counts half of it. */
     const double x = shot->cosine * d.x + shot->sine * d.y;
     const double y = shot->cosine * d.y - shot->sine * d.x;
-    add(shot, transmitted, cell_of(p, x, fabs(y)), 0.5, exit->weight);
-    add(shot, transmitted, cell_of(p, x, -fmax(fabs(y), least_away)), 0.5, exit->weight);
+    add_share(shot, transmitted, cell_of(p, x, fabs(y)), 0.5, exit->weight);
+    add_share(shot, transmitted, cell_of(p, x, -fmax(fabs(y), least_away)), 0.5, exit->weight);
 }
 
-static void send(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint32_t index)
+static void send_path(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint32_t index)
 {
     const uint64_t set = (p->paths_before > 0 ? 2U : 0U) + p->front;
     const uint64_t item = set * (uint64_t)orl_gonio_probe_cells(p) + a;
@@ -144,7 +144,7 @@ static void send(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint32_t i
         towards.z = -towards.z;
     orl_gonio_follow(
         p->sample, orl_path_from(orl_gonio_cell_place(&p->sample->cell, p->front, u + 2), towards),
-        &numbers, count, &shot);
+        &numbers, count_exit, &shot);
 }
 
 void orl_gonio_probe_send(struct orl_gonio_probe *probe, uint32_t a, uint32_t from, uint32_t to)
@@ -154,13 +154,13 @@ void orl_gonio_probe_send(struct orl_gonio_probe *probe, uint32_t a, uint32_t fr
         for (uint32_t index = from; index < to; index++) {
             if (index % AT_ONCE == 0 && orl_is_cancelled(probe->cancel))
                 return;
-            send(probe, a, batch, index);
+            send_path(probe, a, batch, index);
         }
 }
 
-/* ---- Telling --------------------------------------------------------------------------------- */
+/* ---- Results -------------------------------------------------------------------------------- */
 
-/* Of a set of batches what one is off by from their mean, squared, as the variance of that. */
+/* Returns the variance of the mean of a set of batches. */
 static double variance_of(const double values[ORL_GONIO_BATCHES])
 {
     double sum = 0, squares = 0;
@@ -173,7 +173,8 @@ static double variance_of(const double values[ORL_GONIO_BATCHES])
     return squares / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0));
 }
 
-/* What a cell's batches of a plane counted; returns their mean with what was put aside. */
+/* Returns the mean of a cell's counts in a plane, including those put aside; ret_batches: counts of
+ * the present batches. */
 static double counted(const struct orl_gonio_probe *probe, size_t plane, size_t i,
                       double ret_batches[ORL_GONIO_BATCHES])
 {
@@ -186,8 +187,8 @@ static double counted(const struct orl_gonio_probe *probe, size_t plane, size_t 
     return sum / ORL_GONIO_BATCHES;
 }
 
-/* By how much a count is a value, and the part of what was counted whose batches tell errors: as
- * many are in each batch as in all sets, of which these are a part. */
+/* value: factor from counts to values. told: share of the paths in the present batches, which alone
+ * give the errors. */
 struct unit {
     double value, told;
 };

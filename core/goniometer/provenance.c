@@ -9,7 +9,7 @@ const enum orl_bsdf_part orl_gonio_part_of[2][2] = {
     {ORL_PART_REFLECTION_FRONT, ORL_PART_TRANSMISSION_FRONT},
     {ORL_PART_REFLECTION_BACK, ORL_PART_TRANSMISSION_BACK}};
 
-/* ---- In words -------------------------------------------------------------------------------- */
+/* ---- The comment ---------------------------------------------------------------------------- */
 
 static void say_sources(const struct orl_gonio_sample *sample, FILE *out)
 {
@@ -109,7 +109,7 @@ static int write_out(const struct orl_document *document, const struct orl_bsdf_
     return fclose(out) == 0 && !failed ? 0 : ORL_ERR_NOMEM;
 }
 
-/* What a file holds, and where it goes. */
+/* Contents and destination of a file. */
 struct sheet {
     bool errors;
     char **xml;

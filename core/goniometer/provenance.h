@@ -1,20 +1,20 @@
-/* A panel's XML, with what it says of its making. */
+/* XML of a panel, with a comment on how it was made. */
 #ifndef ORL_GONIOMETER_PROVENANCE_H
 #define ORL_GONIOMETER_PROVENANCE_H
 
 #include "bsdf/write.h"
 #include "goniometer/sample.h"
 
-/* The file's part for light from the back (which it calls Front), or the front; reflected,
- * transmitted. */
+/* Component of the file by [light from the front][transmitted]. Light from the back is Front in the
+ * file. */
 extern const enum orl_bsdf_part orl_gonio_part_of[2][2];
 
-/* Sets made->xml; all else of it is told already. write_part: of trees (bsdf/write.h). 0 or
- * ORL_ERR_NOMEM. */
+/* Sets made->xml; its other fields must be set. write_part: writes trees (bsdf/write.h). Returns 0
+ * or ORL_ERR_NOMEM. */
 int orl_gonio_write(struct orl_document *document, orl_bsdf_write_part *write_part, void *ctx,
                     const struct orl_gonio_sample *sample,
                     const struct orl_bsdf_make_request *request, struct orl_bsdf_made *made);
-/* The same for made->errors_xml, of a document of errors. */
+/* Sets made->errors_xml in the same way, from a document of errors. */
 int orl_gonio_write_errors(struct orl_document *document, orl_bsdf_write_part *write_part,
                            void *ctx, const struct orl_gonio_sample *sample,
                            const struct orl_bsdf_make_request *request, struct orl_bsdf_made *made);

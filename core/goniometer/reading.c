@@ -6,12 +6,12 @@
 
 #include "bsdf/shirley.h"
 
-/* A scale beyond that is of light that points missed: it would not mend it. */
+/* Largest correction of the total: a larger one means that points missed light, which scaling
+ * cannot restore. */
 static const double most_scale = 2;
-enum { TURNS = 24, RINGS = 4 }; /* about the axis, and within a ring; of rank 3 */
+enum { TURNS = 24, RINGS = 4 }; /* rank 3: points about the axis, and within a ring */
 
-/* Points along either side of a new cell that has so many of them in a hemisphere's width, for
- * every cell of the old one. */
+/* Returns the points along a side of a new cell, one for each old cell. side: new cells a side. */
 static uint32_t points_for(const struct orl_bsdf *bsdf, uint32_t side, uint32_t least)
 {
     enum { KLEMS_SIDE = 32, MOST_POINTS = 16 };
@@ -23,7 +23,7 @@ static uint32_t points_for(const struct orl_bsdf *bsdf, uint32_t side, uint32_t 
     return points < least ? least : points > MOST_POINTS ? MOST_POINTS : points;
 }
 
-/* The middle of the k-th of n by m parts of a unit square, along the first and the other side. */
+/* Returns the middle of the k-th of n by m parts of a unit square. */
 struct middle {
     double u, v;
 };
@@ -33,7 +33,7 @@ static struct middle middle_of(uint32_t k, uint32_t n, uint32_t m)
     return (struct middle){(k % n + 0.5) / n, (row + 0.5) / m};
 }
 
-/* What the light in all comes to: it is the old file's. */
+/* Returns the factor that makes the total equal to the old file's. */
 static double scale_for(double albedo, double found)
 {
     const double scale = found > 0 ? albedo / found : 1;
@@ -50,17 +50,17 @@ static uint32_t even_bits(uint32_t v)
     return bits;
 }
 
-/* Where light leaves to by a cell out, z > 0. */
-static struct orl_vec3 leaving(const struct orl_gonio_probe *probe, uint32_t cell, double u,
-                               double v)
+/* Returns a direction out in a cell, z > 0. */
+static struct orl_vec3 direction_out(const struct orl_gonio_probe *probe, uint32_t cell, double u,
+                                     double v)
 {
     const double side = 1U << probe->levels;
     return orl_square_to_hemisphere((struct orl_square){2 * (even_bits(cell) + u) / side - 1,
                                                         2 * (even_bits(cell >> 1) + v) / side - 1});
 }
 
-/* Turned as what comes is turned from +x. */
-static struct orl_vec3 turned(struct orl_vec3 d, struct orl_vec3 towards)
+/* Returns d turned about the axis by the azimuth of towards. */
+static struct orl_vec3 rotate_azimuth(struct orl_vec3 d, struct orl_vec3 towards)
 {
     const double r = hypot(towards.x, towards.y);
     if (!(r > 0))
@@ -69,7 +69,7 @@ static struct orl_vec3 turned(struct orl_vec3 d, struct orl_vec3 towards)
     return orl_v3(c * d.x - s * d.y, s * d.x + c * d.y, d.z);
 }
 
-/* Adds a share of the mean over cells out, of light that travels that way. */
+/* Adds a share of the means over cells out, for light that travels along towards. */
 static void add_beam(const struct orl_gonio_probe *probe, const struct orl_bsdf *bsdf,
                      struct orl_vec3 towards, uint32_t points, double share,
                      struct orl_gonio_cells to)
@@ -82,9 +82,9 @@ static void add_beam(const struct orl_gonio_probe *probe, const struct orl_bsdf 
         struct orl_rgb sum = orl_gray(0);
         for (uint32_t k = 0; k < points * points; k++) {
             const struct middle at = middle_of(k, points, points);
-            struct orl_vec3 out = leaving(probe, (uint32_t)(i % cells), at.u, at.v);
+            struct orl_vec3 out = direction_out(probe, (uint32_t)(i % cells), at.u, at.v);
             if (probe->rank == 3)
-                out = turned(out, towards);
+                out = rotate_azimuth(out, towards);
             if (!front)
                 out.z = -out.z;
             sum = orl_rgb_add(sum, orl_bsdf_eval(bsdf, in, out));
@@ -98,7 +98,8 @@ static void add_beam(const struct orl_gonio_probe *probe, const struct orl_bsdf 
     }
 }
 
-static void settle(struct orl_gonio_probe *probe, const double albedo[2], struct orl_gonio_cells of)
+static void scale_to_albedo(struct orl_gonio_probe *probe, const double albedo[2],
+                            struct orl_gonio_cells of)
 {
     const size_t cells = orl_gonio_probe_cells(probe);
     for (size_t t = 0; t < 2; t++) {
@@ -141,29 +142,29 @@ void orl_gonio_read_cell(struct orl_gonio_probe *probe, const struct orl_bsdf *b
                 share * orl_luma(orl_bsdf_albedo(bsdf, orl_neg(towards),
                                                  t ? ORL_BSDF_TRANSMIT : ORL_BSDF_REFLECT));
     }
-    settle(probe, albedo, ret_cells);
+    scale_to_albedo(probe, albedo, ret_cells);
 }
 
 /* ---- Matrices -------------------------------------------------------------------------------- */
 
-/* Into which cells out a piece of the square of directions falls, by shares. */
+/* Cells out that a piece of the square of directions overlaps, with shares. */
 enum { INTO = 4, PIECES = 4 };
 struct spread {
     int cell[INTO];
     double share[INTO];
 };
 
-/* What is asked for a file to be read by: directions into an incident cell, and pieces of the
- * square for directions out where it is a tree, points in each cell out where it is a matrix. */
+/* Parameters for reading a file: incident directions per cell; pieces of the square of directions
+ * out for a tree, points in each cell out for a matrix. */
 struct reading {
     struct orl_gonio_sheet *sheet;
     const struct orl_bsdf *bsdf;
     size_t item;
-    uint32_t points, side;  /* side: of the square's pieces; 0: a matrix */
-    struct spread *spreads; /* of each piece; owned */
+    uint32_t points, side;  /* side: pieces a side of the square; 0: a matrix */
+    struct spread *spreads; /* by piece; owned */
 };
 
-static void fall(struct spread *s, int cell, double share)
+static void add_overlap(struct spread *s, int cell, double share)
 {
     int i = 0;
     while (i < INTO - 1 && s->share[i] > 0 && s->cell[i] != cell)
@@ -184,12 +185,12 @@ static bool spread_square(struct reading *r)
                 2 * (of.u + (at.u - 0.5) / r->side) - 1, 2 * (of.v + (at.v - 0.5) / r->side) - 1});
             const int cell = orl_basis_cell(&r->sheet->basis, orl_polar_of(d), 0);
             if (cell >= 0)
-                fall(&r->spreads[i], cell, 1.0 / (PIECES * PIECES));
+                add_overlap(&r->spreads[i], cell, 1.0 / (PIECES * PIECES));
         }
     return r->spreads != NULL;
 }
 
-/* What light from in sends into cells on one side, as shares of it: by pieces of the square. */
+/* Adds the shares of light from in that go to the cells on one side, by pieces of the square. */
 static void add_pieces(const struct reading *r, struct orl_vec3 in, bool front, struct orl_rgb *of)
 {
     const uint32_t n = r->side * r->side;
@@ -206,7 +207,7 @@ static void add_pieces(const struct reading *r, struct orl_vec3 in, bool front, 
     }
 }
 
-/* By points in cells. */
+/* Adds the same shares by points in cells. */
 static void add_points(const struct reading *r, struct orl_vec3 in, bool front, struct orl_rgb *of)
 {
     const struct orl_basis *basis = &r->sheet->basis;
@@ -223,7 +224,7 @@ static void add_points(const struct reading *r, struct orl_vec3 in, bool front, 
         }
 }
 
-/* Adds what a beam of so much light sends to all cells on one side. */
+/* Adds a share of the light from in to the sums of all cells on one side. */
 static void add_side(const struct reading *r, struct orl_vec3 in, bool transmitted, double share)
 {
     const struct orl_gonio_sheet *sheet = r->sheet;
@@ -254,7 +255,8 @@ static void add_side(const struct reading *r, struct orl_vec3 in, bool transmitt
     }
 }
 
-/* Pieces as many as a tree of rank 4 has cells; twice as many of rank 3, whose cells turn. */
+/* Returns the pieces a side: as many as cells of a tree of rank 4; twice as many in rank 3, whose
+ * cells turn with the incident light. */
 static uint32_t side_of(const struct orl_bsdf *bsdf)
 {
     struct orl_bsdf_info info;

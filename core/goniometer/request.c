@@ -53,21 +53,21 @@ uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request)
     if (request->paths)
         return request->paths;
     if (request->accuracy > 0 && orl_bsdf_basis_is_tree(request->basis))
-        return 2048; /* of half of them, that a share of 1 % of the light is missed by chance is one
-                        case in 10^4 */
+        return 2048; /* half of them miss a share of 1 % of the light in less than one case of 10^4
+                      */
     return request->basis == ORL_BSDF_TENSOR_TREE_4   ? 4096
            : request->basis == ORL_BSDF_TENSOR_TREE_3 ? 32768
                                                       : 16384;
 }
 
-/* Incident cells on both sides; mirrors of a tree of rank 4 are measured once. */
+/* Returns the incident cells on both sides; mirrored cells of a tree of rank 4 are not counted. */
 static double incident_cells(const struct orl_bsdf_make_request *request)
 {
     static const double of_basis[ORL_BSDF_BASES] = {145, 73, 41, 0, 0};
     const double side = request->resolution;
     const int mirrors = (request->symmetry & 1) + (request->symmetry >> 1 & 1);
     if (request->basis == ORL_BSDF_TENSOR_TREE_3)
-        return side; /* rings of half of it */
+        return side; /* half as many rings on each side */
     return request->basis == ORL_BSDF_TENSOR_TREE_4 ? 2 * ldexp(side * side, -mirrors)
                                                     : 2 * of_basis[request->basis];
 }
@@ -87,7 +87,7 @@ int orl_gonio_check_tree(uint32_t resolution, double cull, struct orl_error *err
     return 0;
 }
 
-/* What trees have of their own, and what is of matrices alone. */
+/* Checks parameters of trees, and those allowed for matrices only. */
 static int validate_tree(const struct orl_bsdf_make_request *r, struct orl_error *err)
 {
     const int code = orl_gonio_check_tree(r->resolution, r->cull, err);

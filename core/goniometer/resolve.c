@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-/* A cell with the error of those that it is made of, in the place of its variance. */
-static void see(struct orl_gonio_seen *seen, const struct orl_gonio_node *cell, double from)
+/* Updates the result with a cell; its doubt holds the mean variance of the cells joined into it. */
+static void update_seen(struct orl_gonio_seen *seen, const struct orl_gonio_node *cell, double from)
 {
     const double value = (double)cell->value;
     if (cell->branch)
@@ -13,9 +13,10 @@ static void see(struct orl_gonio_seen *seen, const struct orl_gonio_node *cell, 
         seen->worst = fmax(seen->worst, sqrt((double)cell->doubt) / value);
 }
 
-/* Four cells of a level become one of that above; of those that do not, what is seen. */
-static void join(struct orl_gonio_cells four, unsigned level, const struct orl_gonio_cull *cull,
-                 double from, struct orl_gonio_seen *seen, struct orl_gonio_cells ret_mean)
+/* Joins four cells of a level to one of the next coarser level, or adds them to the result. */
+static void join_four(struct orl_gonio_cells four, unsigned level,
+                      const struct orl_gonio_cull *cull, double from, struct orl_gonio_seen *seen,
+                      struct orl_gonio_cells ret_mean)
 {
     enum { FAN = 4 };
     const struct orl_gonio_node *children = four.nodes;
@@ -31,7 +32,8 @@ static void join(struct orl_gonio_cells four, unsigned level, const struct orl_g
     const bool one = orl_gonio_are_one(cull, (struct orl_gonio_cells){plain, four.hues}, FAN, level,
                                        (struct orl_gonio_cells){&mean, four.hues ? &hue : NULL});
     for (int i = 0; i < FAN && (!one || (double)mean.value < from); i++)
-        see(seen, &children[i], from); /* of those that are one: it may be a cell in a tree */
+        /* Children of a dark joined cell count as well: they may be cells of a tree. */
+        update_seen(seen, &children[i], from);
     if (one)
         mean.doubt = (float)variance;
     mean.branch = !one;
@@ -47,8 +49,8 @@ struct orl_gonio_seen orl_gonio_resolve(struct orl_gonio_cells cells, unsigned l
         cells.nodes[i].doubt = (float)(orl_gonio_noise(&cells.nodes[i]));
     for (unsigned level = levels; level > 0; level--)
         for (size_t i = 0; i < (size_t)1 << 2 * (level - 1); i++)
-            join(orl_gonio_cells_at(cells, 4 * i), level, cull, from, &seen,
-                 orl_gonio_cells_at(cells, i));
-    see(&seen, cells.nodes, from);
+            join_four(orl_gonio_cells_at(cells, 4 * i), level, cull, from, &seen,
+                      orl_gonio_cells_at(cells, i));
+    update_seen(&seen, cells.nodes, from);
     return seen;
 }

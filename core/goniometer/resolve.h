@@ -1,21 +1,21 @@
 /*
- * Whether light from one incident cell has been followed far enough: cells out are joined where
- * nothing tells them apart, as a tree does it (forest.h), and what is left is looked at. A cell
- * that stands for several is told apart no better than these are known: so the error that counts is
- * theirs, and paths are sent until the next subdivision would have shown what there is.
+ * Decides if light from one incident cell has been sampled enough. Cells out are joined as in a
+ * tree (forest.h) if the data do not distinguish them, and the rest is examined. The error that
+ * counts is that of the cells joined into one. Paths are thus sent until the next subdivision would
+ * have shown any differences.
  */
 #ifndef ORL_GONIOMETER_RESOLVE_H
 #define ORL_GONIOMETER_RESOLVE_H
 
 #include "goniometer/forest.h"
 
-/* What is seen of one component. */
+/* Result for one component. */
 struct orl_gonio_seen {
-    double peak;  /* the largest cell, 1/sr */
-    double worst; /* the largest share of an error in a cell from a value on */
+    double peak;  /* largest cell, 1/sr */
+    double worst; /* largest relative error of a cell whose value is at least `from` */
 };
 
-/* cells: 4^levels of them, numbered as in probe.h; they are used up. */
+/* Joins 4^levels cells, numbered as in probe.h. The cells are overwritten. */
 struct orl_gonio_seen orl_gonio_resolve(struct orl_gonio_cells cells, unsigned levels,
                                         const struct orl_gonio_cull *cull, double from);
 

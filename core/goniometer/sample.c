@@ -5,7 +5,7 @@
 #include "scene/parse/parse.h"
 #include "scene/placements.h"
 
-/* Light of its own has no place in a BSDF. */
+/* Refuses light sources, which a BSDF cannot represent. */
 static int refuse_lights(const struct orl_scene *scene, struct orl_error *err)
 {
     const struct orl_description *d = &scene->description;
@@ -21,7 +21,7 @@ static int refuse_lights(const struct orl_scene *scene, struct orl_error *err)
     return ORL_ERR_INVALID;
 }
 
-/* A cell that no surface reaches into is air: the answer would be a panel that is not there. */
+/* Refuses a cell that contains no surface: the result would be empty space instead of a panel. */
 static int refuse_empty(const struct orl_geometry *g, const double moved[4], struct orl_error *err)
 {
     if (moved[0] < g->high.x && moved[1] > g->low.x && moved[2] < g->high.y && moved[3] > g->low.y)

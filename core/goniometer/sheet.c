@@ -60,7 +60,7 @@ static float *heaviest_of(const struct orl_gonio_sheet *sheet, size_t item, bool
     return sheet->heaviest + (item * 2 + transmitted) * (size_t)sheet->basis.n_cells;
 }
 
-/* By luma, of one batch of an item: what goes to all cells of a side. */
+/* Returns the luma of one batch of an item, summed over all cells of a side. */
 static double sum_all(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
                       bool transmitted)
 {
@@ -96,11 +96,11 @@ struct beam {
     struct orl_gonio_sheet *sheet;
     const struct orl_gonio_lamp *lamp;
     size_t item, batch;
-    bool front; /* it comes from there */
+    bool front; /* true if light comes from the front */
     int in;
 };
 
-static void count(void *ctx, const struct orl_gonio_exit *exit)
+static void count_exit(void *ctx, const struct orl_gonio_exit *exit)
 {
     const struct beam *b = ctx;
     struct orl_gonio_sheet *sheet = b->sheet;
@@ -123,8 +123,8 @@ static void count(void *ctx, const struct orl_gonio_exit *exit)
     sum[2] += exit->weight.b;
 }
 
-/* Over the directions of the cell and the places of the panel, evenly. */
-static void send(struct beam *b, uint32_t index)
+/* Sends one path; directions in the cell and places on the panel are evenly distributed. */
+static void send_path(struct beam *b, uint32_t index)
 {
     const struct orl_gonio_lamp *lamp = b->lamp;
     const uint64_t set = b->sheet->paths_before[b->item] > 0 ? b->sheet->items : 0;
@@ -142,7 +142,7 @@ static void send(struct beam *b, uint32_t index)
         towards.z = -towards.z;
     const struct orl_path path =
         orl_path_from(orl_gonio_cell_place(&lamp->sample->cell, b->front, u + 2), towards);
-    orl_gonio_follow(lamp->sample, path, &numbers, count, b);
+    orl_gonio_follow(lamp->sample, path, &numbers, count_exit, b);
 }
 
 void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gonio_lamp *lamp,
@@ -155,12 +155,12 @@ void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gon
         for (uint32_t i = sheet->paths[item]; i < paths; i++) {
             if (i % AT_ONCE == 0 && orl_is_cancelled(lamp->cancel))
                 return;
-            send(&beam, i);
+            send_path(&beam, i);
         }
     sheet->paths[item] = paths;
 }
 
-/* ---- Telling --------------------------------------------------------------------------------- */
+/* ---- Results -------------------------------------------------------------------------------- */
 
 int orl_gonio_mirrored(const struct orl_basis *basis, int cell, enum orl_bsdf_symmetry mirrors)
 {
@@ -168,14 +168,14 @@ int orl_gonio_mirrored(const struct orl_basis *basis, int cell, enum orl_bsdf_sy
     int at = cell - ring->first;
     if (ring->cells == 1)
         return cell;
-    if (mirrors & ORL_BSDF_LEFT_RIGHT) /* azimuth becomes half a turn less itself */
+    if (mirrors & ORL_BSDF_LEFT_RIGHT) /* the azimuth becomes half a turn minus itself */
         at = (ring->cells / 2 - at + ring->cells) % ring->cells;
     if (mirrors & ORL_BSDF_UP_DOWN)
         at = (ring->cells - at) % ring->cells;
     return ring->first + at;
 }
 
-/* An item's cell out as mirrors have it: that many of them, and where they are counted. */
+/* Mirror images of an item's cell out: their number, and where they are counted. */
 struct images {
     unsigned count;
     size_t item[ORL_BSDF_QUADRILATERAL + 1], out[ORL_BSDF_QUADRILATERAL + 1];
@@ -196,8 +196,8 @@ static struct images images_of(const struct orl_gonio_sheet *sheet, size_t item,
     return images;
 }
 
-/* Of one batch, or of ORL_GONIO_BATCHES that were put aside: the share of the light that goes from
- * in to out, in its mean over all mirrors. */
+/* Returns the share of light that goes from in to out, averaged over all mirrors: in one batch, or
+ * with batch = ORL_GONIO_BATCHES in all that were put aside. */
 static struct orl_rgb share_of(const struct orl_gonio_sheet *sheet, const struct images *images,
                                size_t batch, bool transmitted)
 {
@@ -217,13 +217,13 @@ static struct orl_rgb share_of(const struct orl_gonio_sheet *sheet, const struct
                                 : (struct orl_rgb){share[0], share[1], share[2]};
 }
 
-/* What of an item's paths the batches have that tell its error: the rest was put aside. */
+/* Returns the share of an item's paths in the present batches, which give its error. */
 static double told_part(const struct orl_gonio_sheet *sheet, size_t item)
 {
     return sheet->paths[item] / ((double)sheet->paths[item] + sheet->paths_before[item]);
 }
 
-/* The weight of one path, as a share of the light of all of them. */
+/* Returns the weight of one path as a share of the light of all paths. */
 static double path_share(const struct orl_gonio_sheet *sheet, const struct images *images,
                          bool transmitted)
 {
@@ -259,7 +259,7 @@ struct orl_gonio_value orl_gonio_sheet_value(const struct orl_gonio_sheet *sheet
                                     hypot(error, path_share(sheet, &images, transmitted)) / omega};
 }
 
-/* Its share, with what was put aside of the batch, in its mean over all mirrors. */
+/* Returns the share of one batch, including counts put aside, averaged over all mirrors. */
 static double batch_total(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
                           bool transmitted)
 {

@@ -1,14 +1,14 @@
 /*
- * What came out of the panel, counted by cells of an angle basis: for light from either side, an
- * incident cell each, and in batches that are independent of each other. An item is an incident
- * cell on one side: front * cells + cell.
+ * Light that left the panel, counted by cells of an angle basis. Counts are kept for incident cells
+ * on both sides, in independent batches. An item is an incident cell on one side: front * cells +
+ * cell.
  *
- * Batches that told when to stop tell too small an error: they stopped when it looked small. So
- * they are put aside, others are measured, and these alone tell the errors of values. Those of
- * shares, which nobody looked at to stop, all batches tell.
+ * Batches used for the stopping rule underestimate the error, because they stopped when it appeared
+ * small. They are put aside, and the errors of values come from fresh batches. Errors of shares are
+ * not used for stopping and come from all batches.
  *
- * Ownership: the caller's, orl_gonio_sheet_done. While items are measured each is written to by one
- * thread.
+ * Ownership: the caller's, freed by orl_gonio_sheet_done. Each item is measured by one thread at a
+ * time.
  */
 #ifndef ORL_GONIOMETER_SHEET_H
 #define ORL_GONIOMETER_SHEET_H
@@ -20,22 +20,22 @@
 struct orl_gonio_sheet {
     struct orl_basis basis;
     enum orl_bsdf_symmetry symmetry;
-    size_t items, channels; /* channels: 3, or 1 of luma alone */
-    bool exact;             /* read from a file: there is no chance in it */
+    size_t items, channels; /* channels: 3, or 1 for luma only */
+    bool exact;             /* true if read from a file, without random errors */
     double *sums;           /* weights: [item][batch][transmitted][cell out][channel] */
-    double *before;         /* of all batches that were put aside: without [batch] */
-    double *totals_before;  /* the same by luma, of all cells: [item][batch][transmitted] */
-    float *heaviest;        /* luma that one path alone brought: [item][transmitted][cell out] */
-    double *lost;           /* weight given up, by item */
+    double *before;         /* sums of all batches put aside: like sums, without [batch] */
+    double *totals_before;  /* luma put aside, summed over cells: [item][batch][transmitted] */
+    float *heaviest;        /* largest luma of a single path: [item][transmitted][cell out] */
+    double *lost;           /* weight of paths given up, by item */
     uint32_t *paths;        /* in each batch, by item */
-    uint32_t *paths_before; /* and of those put aside */
+    uint32_t *paths_before; /* paths put aside in each batch, by item */
 };
 
 int orl_gonio_sheet_init(struct orl_gonio_sheet *sheet, const char *basis, bool color,
                          enum orl_bsdf_symmetry symmetry, struct orl_error *err);
 void orl_gonio_sheet_done(struct orl_gonio_sheet *sheet);
 
-/* What paths are sent by. */
+/* Parameters for sending paths. */
 struct orl_gonio_lamp {
     const struct orl_gonio_sample *sample;
     const struct orl_sobol *sobol;
@@ -43,25 +43,25 @@ struct orl_gonio_lamp {
     const atomic_bool *cancel; /* may be NULL */
 };
 
-/* Sends more paths in, until there are so many in each batch of the item; when it is cancelled the
- * sheet is of no more use. */
+/* Sends paths until each batch of the item has `paths`. If cancelled, the sheet must be
+ * discarded. */
 void orl_gonio_sheet_measure(struct orl_gonio_sheet *sheet, const struct orl_gonio_lamp *lamp,
                              size_t item, uint32_t paths);
 
-/* Puts aside what is counted of an item; its batches begin anew, by other numbers. */
+/* Puts an item's counts aside; new batches use other random numbers. */
 void orl_gonio_sheet_put_aside(struct orl_gonio_sheet *sheet, size_t item);
 
-/* What is counted in a batch: weights, [cell out][channel]. */
+/* Returns the weights counted in a batch: [cell out][channel]. */
 double *orl_gonio_sheet_sums(const struct orl_gonio_sheet *sheet, size_t item, size_t batch,
                              bool transmitted);
 
-/* The cell that mirrors make of a cell. */
+/* Returns the mirror image of a cell. */
 int orl_gonio_mirrored(const struct orl_basis *basis, int cell, enum orl_bsdf_symmetry mirrors);
 
 /*
- * A value that the sheet tells, of an item and a cell out: f in 1/sr, its error that of its luma. A
- * path more or less is known of no cell, however alike batches are: the error holds the heaviest
- * that came, or of a cell where none came, one that brings all of its light.
+ * A value of an item and a cell out: f in 1/sr; error: standard error of its luma, 1/sr. The error
+ * includes one path's weight, even if batches agree: the heaviest path's or, in an empty cell, the
+ * full weight.
  */
 struct orl_gonio_value {
     struct orl_rgb f;
@@ -70,8 +70,8 @@ struct orl_gonio_value {
 struct orl_gonio_value orl_gonio_sheet_value(const struct orl_gonio_sheet *sheet, size_t item,
                                              bool transmitted, int out);
 
-/* All that is reflected, or transmitted, of light from the item's direction; or of diffuse light
- * from that side. By luma. */
+/* Return the share reflected or transmitted, by luma: of light from the item's direction, or of
+ * diffuse light from that side. */
 struct orl_bsdf_share orl_gonio_sheet_share(const struct orl_gonio_sheet *sheet, size_t item,
                                             bool transmitted);
 struct orl_bsdf_share orl_gonio_sheet_diffuse(const struct orl_gonio_sheet *sheet, bool front,

@@ -9,15 +9,15 @@
 #include "goniometer/resolve.h"
 
 enum { AT_ONCE = 16 };
-/* Of each incident cell, in each batch, to see how bright it gets. */
+/* Paths into each incident cell, in each batch, for the survey of brightness. */
 enum { SURVEY_PATHS = 4 };
-/* Branches of all trees together, a third of them in colour, which is three trees: 0.4 gigabytes,
- * twice that while they are joined. */
+/* Limit on branches of all trees together; a third in colour, which has three trees. They take 0.4
+ * gigabytes, and twice that while they are joined. */
 enum { MOST_BRANCHES = 1 << 20 };
 
-/* Of the peak: values that paths are sent for; those whose error counts begin a little higher
- * (trees.c), since a few paths tell the peak a little too high. */
-static const double heeded_from = 0.007;
+/* Share of the peak from which values must reach the accuracy. Reported errors begin a little
+ * higher (trees.c), because a few paths overestimate the peak. */
+static const double sampled_from = 0.007;
 
 static int most_branches(const struct orl_gonio_trees *t)
 {
@@ -43,48 +43,48 @@ size_t orl_gonio_original_of(const struct orl_gonio_trees *t, size_t block, unsi
     *ret_mirror = 0;
     if (t->rank == 3 || t->split == 0)
         return block;
-    for (unsigned axis = 0; axis < 2; axis++) { /* the top bit of x, then of y */
+    for (unsigned axis = 0; axis < 2; axis++) { /* highest bit of x, then of y */
         if (!(t->request->symmetry >> axis & 1) || !(a >> (2 * (t->split - 1) + axis) & 1))
             continue;
         for (unsigned level = 0; level < t->split; level++)
             a ^= (size_t)1 << (2 * level + axis);
-        *ret_mirror |= 5U << axis; /* of A and of B */
+        *ret_mirror |= 5U << axis; /* mirrors A and B */
     }
     return a;
 }
 
 /* ---- Blocks ---------------------------------------------------------------------------------- */
 
-/* What one thread measures by. */
+/* State of one thread's measurement. */
 struct work {
     const struct orl_gonio_trees *t;
     struct orl_gonio_block *block;
     struct orl_gonio_probe probe;
-    struct orl_gonio_cells cells; /* of one incident cell, to be used up; with an accuracy */
+    struct orl_gonio_cells cells; /* scratch for one incident cell; with an accuracy */
     size_t side;
 };
 
-static struct orl_gonio_seen look(const struct work *w, bool transmitted, double from)
+static struct orl_gonio_seen resolve_component(const struct work *w, bool transmitted, double from)
 {
     const size_t cells = orl_gonio_probe_cells(&w->probe);
     return orl_gonio_resolve(orl_gonio_cells_at(w->cells, transmitted * cells), w->t->levels,
                              &w->t->cull, from);
 }
 
-/* Whether the cell's values will be known as well as was asked for, by twice as many paths. */
+/* Returns true if the cell's values will reach the accuracy with twice as many paths. */
 static bool is_resolved(const struct work *w, struct orl_gonio_cells cells)
 {
     const double accuracy = sqrt(2) * w->t->request->accuracy;
     bool resolved = true;
     orl_gonio_cells_copy(w->cells, cells, 2 * orl_gonio_probe_cells(&w->probe));
     for (int k = 0; k < 2 && resolved; k++)
-        resolved = look(w, k, w->t->from[w->side][k]).worst <= accuracy;
+        resolved = resolve_component(w, k, w->t->from[w->side][k]).worst <= accuracy;
     return resolved;
 }
 
-/* Paths are doubled until as many again will tell enough. Returns how many there are in each batch;
- * less than those to begin with: cancelled. */
-static uint32_t decide(struct work *w, uint32_t a, struct orl_gonio_cells cells)
+/* Doubles the paths until a second set of as many will reach the accuracy. Returns the paths in
+ * each batch; 0 if cancelled. */
+static uint32_t decide_paths(struct work *w, uint32_t a, struct orl_gonio_cells cells)
 {
     const struct orl_gonio_trees *t = w->t;
     uint32_t sent = 0, paths = t->paths;
@@ -103,7 +103,7 @@ static uint32_t decide(struct work *w, uint32_t a, struct orl_gonio_cells cells)
     }
 }
 
-/* One finest cell. */
+/* Measures one finest cell; returns false if cancelled. */
 static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const struct orl_gonio_trees *t = w->t;
@@ -113,7 +113,7 @@ static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_cells ret_
         return !orl_is_cancelled(t->cancel);
     }
     if (t->request->accuracy > 0) {
-        paths = decide(w, a, ret_cells);
+        paths = decide_paths(w, a, ret_cells);
         orl_gonio_probe_put_aside(&w->probe, paths);
         sets = 2;
     }
@@ -126,8 +126,8 @@ static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_cells ret_
     return true;
 }
 
-/* The nodes of incident cell a at a level, from the finest cells up. */
-static bool grow(struct work *w, unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
+/* Computes the nodes of incident cell a at a level, from the finest cells up. */
+static bool grow_nodes(struct work *w, unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(w->t->rank);
     if (level == w->t->levels)
@@ -136,7 +136,7 @@ static bool grow(struct work *w, unsigned level, uint32_t a, struct orl_gonio_ce
     struct orl_gonio_cells parts;
     bool fine = orl_gonio_cells_make(&parts, in * count, w->probe.color);
     for (unsigned k = 0; k < in && fine; k++)
-        fine = grow(w, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
+        fine = grow_nodes(w, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
     fine = fine && orl_gonio_join_level(&w->block->forest, parts, orl_gonio_nodes_at(level), level,
                                         ret_cells);
     orl_gonio_cells_done(&parts);
@@ -165,7 +165,7 @@ static void close_work(struct work *w)
     orl_gonio_cells_done(&w->cells);
 }
 
-/* How bright cells out get, by a few paths into every incident cell of a block. */
+/* Surveys the brightness of cells out by a few paths into every incident cell of a block. */
 static void survey_block(void *arg, size_t index, uint32_t member)
 {
     const struct orl_gonio_trees *t = arg;
@@ -181,7 +181,7 @@ static void survey_block(void *arg, size_t index, uint32_t member)
         orl_gonio_probe_tell(&w.probe, SURVEY_PATHS, w.cells);
         orl_gonio_probe_drop(&w.probe);
         for (int k = 0; k < 2; k++)
-            w.block->peaks[k] = fmax(w.block->peaks[k], look(&w, k, 0).peak);
+            w.block->peaks[k] = fmax(w.block->peaks[k], resolve_component(&w, k, 0).peak);
     }
     close_work(&w);
 }
@@ -197,25 +197,25 @@ static void measure_block(void *arg, size_t index, uint32_t member)
     block->code = open_work(t, place, &w);
     if (block->code == 0 &&
         (!orl_gonio_cells_make(&block->tops, orl_gonio_nodes_at(t->split), w.probe.color) ||
-         !grow(&w, t->split, (uint32_t)(place % t->n_blocks), block->tops)))
+         !grow_nodes(&w, t->split, (uint32_t)(place % t->n_blocks), block->tops)))
         block->code = ORL_ERR_NOMEM;
     memcpy(block->totals, w.probe.totals, sizeof block->totals);
     block->lost = w.probe.lost;
     close_work(&w);
 }
 
-/* What blocks are gone through for: the survey, or the measurement. */
+/* One pass over the blocks: the survey or the measurement. */
 struct pass {
     struct orl_gonio_trees *t;
     const struct orl_bsdf_make_env *env;
     const char *name;
     orl_crew_body body;
-    uint32_t paths;              /* of a cell in each batch, to begin with */
-    double share_from, share_to; /* of the whole */
+    uint32_t paths;              /* paths into a cell in each batch, to begin with */
+    double share_from, share_to; /* range of the total progress */
 };
 
-/* Some of them. */
-static int do_blocks(const struct pass *pass, size_t first, size_t count)
+/* Processes some of the blocks. */
+static int run_blocks(const struct pass *pass, size_t first, size_t count)
 {
     struct orl_gonio_trees *t = pass->t;
     t->first = first;
@@ -236,8 +236,8 @@ static int check_branches(const struct orl_gonio_trees *t)
     return branches > (size_t)most_branches(t) ? ORL_ERR_LIMIT : 0;
 }
 
-/* By pieces; of the whole they go from one share to another. */
-static int for_blocks(const struct pass *pass)
+/* Processes all blocks, AT_ONCE at a time, and reports progress. */
+static int run_all_blocks(const struct pass *pass)
 {
     struct orl_gonio_trees *t = pass->t;
     const struct orl_bsdf_make_env *env = pass->env;
@@ -246,7 +246,7 @@ static int for_blocks(const struct pass *pass)
         env->progress(env->ctx, 1, share_from);
     for (size_t first = 0, count; first < t->n_todo; first += count) {
         count = t->n_todo - first < AT_ONCE ? t->n_todo - first : AT_ONCE;
-        int code = do_blocks(pass, first, count);
+        int code = run_blocks(pass, first, count);
         if (code == 0)
             code = check_branches(t);
         if (code < 0)
@@ -259,9 +259,9 @@ static int for_blocks(const struct pass *pass)
     return 0;
 }
 
-/* ---- Blocks that are shared ------------------------------------------------------------------ */
+/* ---- Shared blocks -------------------------------------------------------------------------- */
 
-/* Blocks of a lot. */
+/* Blocks per lot (oriel/bsdf_shared.h). */
 enum { LOT = 4 };
 
 static size_t lot_size(const struct orl_gonio_trees *t, size_t lot)
@@ -285,7 +285,7 @@ static int make_lot(void *ctx, size_t lot, void **ret_data, size_t *ret_size, st
     const struct pass *pass = ctx;
     const struct orl_gonio_trees *t = pass->t;
     const size_t n = lot_size(t, lot), first = lot * LOT, tops = orl_gonio_nodes_at(t->split);
-    const int code = do_blocks(pass, first, n);
+    const int code = run_blocks(pass, first, n);
     if (code < 0)
         return orl_gonio_trees_fail(t, code, err);
     *ret_size = 0;
@@ -314,7 +314,7 @@ static int take_lot(void *ctx, size_t lot, const void *data, size_t size, bool *
     return 0;
 }
 
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     const struct pass *pass = ctx;
     if (pass->env->progress)
@@ -322,8 +322,8 @@ static void tell_share(void *ctx, double share)
                             pass->share_from + share * (pass->share_to - pass->share_from));
 }
 
-/* Here, or with others; err is set. */
-static int go_through(struct pass *pass, struct orl_error *err)
+/* Runs a pass here or shared with others; sets err. */
+static int run_pass(struct pass *pass, struct orl_error *err)
 {
     const struct orl_gonio_trees *t = pass->t;
     const struct orl_bsdf_sharing *shared = pass->env->shared;
@@ -333,31 +333,31 @@ static int go_through(struct pass *pass, struct orl_error *err)
                                        .core_s = lot_core_s,
                                        .make = make_lot,
                                        .take = take_lot,
-                                       .told = tell_share};
+                                       .told = report_share};
     int code;
     if (shared && !t->sample->file) {
         code = shared->run(shared->ctx, &lots, err);
         return code < 0 || check_branches(t) == 0 ? code
                                                   : orl_gonio_trees_fail(t, ORL_ERR_LIMIT, err);
     }
-    code = for_blocks(pass);
+    code = run_all_blocks(pass);
     return code < 0 ? orl_gonio_trees_fail(t, code, err) : 0;
 }
 
 int orl_gonio_measure_blocks(struct orl_gonio_trees *t, const struct orl_bsdf_make_env *env,
                              struct orl_error *err)
 {
-    const double part = 0.05; /* that the survey is of the whole, more or less */
+    const double part = 0.05; /* approximate share of the survey in the total time */
     struct pass all = {t, env, "blocks", measure_block, t->paths, 0, 1};
     struct pass survey = {t, env, "survey", survey_block, SURVEY_PATHS, 0, part};
     if (!(t->request->accuracy > 0))
-        return go_through(&all, err);
-    const int code = go_through(&survey, err);
+        return run_pass(&all, err);
+    const int code = run_pass(&survey, err);
     all.share_from = part;
     for (size_t i = 0; i < t->n_todo; i++)
         for (int k = 0; k < 2; k++) {
             double *from = &t->from[t->todo[i] / t->n_blocks][k];
-            *from = fmax(*from, heeded_from * t->blocks[t->todo[i]].peaks[k]);
+            *from = fmax(*from, sampled_from * t->blocks[t->todo[i]].peaks[k]);
         }
-    return code < 0 ? code : go_through(&all, err);
+    return code < 0 ? code : run_pass(&all, err);
 }

@@ -9,12 +9,12 @@
 
 enum { SPLIT_LEVEL = 4 };
 
-/* Of the peak: values whose error counts. */
-static const double told_from = 0.01;
+/* Share of the peak above which errors count. */
+static const double counted_from = 0.01;
 
 /* ---- The whole ------------------------------------------------------------------------------- */
 
-/* Mirrored cells of B at a level, by the bits of a child's mirror. */
+/* Returns the mirror image of a cell of B at a level, by the bits of a child's mirror. */
 static size_t mirrored_cell(size_t cell, unsigned level, unsigned mirror)
 {
     for (unsigned l = 0; l < level; l++)
@@ -22,9 +22,9 @@ static size_t mirrored_cell(size_t cell, unsigned level, unsigned mirror)
     return cell;
 }
 
-/* The nodes of a block, in the side's forest. Original or mirrored. */
-static bool plant(const struct orl_gonio_trees *t, struct orl_gonio_forest *forest, size_t side,
-                  size_t a, struct orl_gonio_cells ret_cells)
+/* Adds the nodes of a block, original or mirrored, to the side's forest. */
+static bool add_block_nodes(const struct orl_gonio_trees *t, struct orl_gonio_forest *forest,
+                            size_t side, size_t a, struct orl_gonio_cells ret_cells)
 {
     unsigned mirror;
     const struct orl_gonio_block *block =
@@ -42,14 +42,14 @@ static bool plant(const struct orl_gonio_trees *t, struct orl_gonio_forest *fore
     return true;
 }
 
-/* The nodes of incident cell a at a level above the blocks. Of rank 3 the upper half of A is of no
- * direction: it is as the lower one. */
-static bool gather(const struct orl_gonio_trees *t, struct orl_gonio_forest *forest, size_t side,
-                   unsigned level, size_t a, struct orl_gonio_cells ret_cells)
+/* Computes the nodes of incident cell a at a level above the blocks. In rank 3 the upper half of A
+ * has no directions; it is a copy of the lower one. */
+static bool gather_nodes(const struct orl_gonio_trees *t, struct orl_gonio_forest *forest,
+                         size_t side, unsigned level, size_t a, struct orl_gonio_cells ret_cells)
 {
     const unsigned in = orl_gonio_parts_in(t->rank);
     if (level == t->split)
-        return plant(t, forest, side, a, ret_cells);
+        return add_block_nodes(t, forest, side, a, ret_cells);
     const size_t count = orl_gonio_nodes_at(level + 1);
     struct orl_gonio_cells parts;
     bool fine = orl_gonio_cells_make(&parts, in * count, forest->color);
@@ -57,8 +57,8 @@ static bool gather(const struct orl_gonio_trees *t, struct orl_gonio_forest *for
         if (t->rank == 3 && level == 0 && k == 1)
             orl_gonio_cells_copy(orl_gonio_cells_at(parts, count), parts, count);
         else
-            fine = gather(t, forest, side, level + 1, in * a + k,
-                          orl_gonio_cells_at(parts, k * count));
+            fine = gather_nodes(t, forest, side, level + 1, in * a + k,
+                                orl_gonio_cells_at(parts, k * count));
     }
     fine = fine && orl_gonio_join_level(forest, parts, orl_gonio_nodes_at(level), level, ret_cells);
     orl_gonio_cells_done(&parts);
@@ -71,15 +71,16 @@ static int join_all(struct orl_gonio_trees *t)
         const struct orl_gonio_cells roots = {t->roots[side],
                                               t->request->color ? t->root_hues[side] : NULL};
         t->forests[side] = orl_gonio_forest_of(t);
-        if (!gather(t, &t->forests[side], side, 0, 0, roots))
+        if (!gather_nodes(t, &t->forests[side], side, 0, 0, roots))
             return ORL_ERR_NOMEM;
     }
     return 0;
 }
 
-/* ---- What is told ---------------------------------------------------------------------------- */
+/* ---- Results -------------------------------------------------------------------------------- */
 
-/* Light from a side evenly: cells of A weigh alike in rank 4, rings by their size in rank 3. */
+/* Returns the share of diffuse light from a side. Cells of A have equal weights in rank 4; rings
+ * have weights by their size in rank 3. */
 static struct orl_bsdf_share diffuse_of(const struct orl_gonio_trees *t, size_t side,
                                         bool transmitted)
 {
@@ -97,7 +98,7 @@ static struct orl_bsdf_share diffuse_of(const struct orl_gonio_trees *t, size_t 
     return orl_gonio_share_of(values);
 }
 
-static void tell(const struct orl_gonio_trees *t, struct orl_bsdf_made *made)
+static void set_results(const struct orl_gonio_trees *t, struct orl_bsdf_made *made)
 {
     double lost = 0;
     struct orl_gonio_worst worst = {0, 0};
@@ -106,7 +107,7 @@ static void tell(const struct orl_gonio_trees *t, struct orl_bsdf_made *made)
         for (size_t k = 0; k < 2; k++) {
             const struct orl_gonio_forest *forest = &t->forests[side];
             const struct orl_gonio_node root = t->roots[side][k];
-            const double from = told_from * orl_gonio_forest_peak(forest, root);
+            const double from = counted_from * orl_gonio_forest_peak(forest, root);
             made->diffuse[side][k] = diffuse_of(t, side, k);
             orl_gonio_forest_worst(forest, root, from, &worst);
         }
@@ -120,7 +121,7 @@ static void tell(const struct orl_gonio_trees *t, struct orl_bsdf_made *made)
     made->lost = made->paths > 0 ? lost / (double)made->paths : 0;
 }
 
-/* Of a part: its side, and whether it is what is transmitted. */
+/* Finds the side of a part, and if it is transmitted. */
 static void find_part(enum orl_bsdf_part part, size_t *ret_side, size_t *ret_transmitted)
 {
     for (size_t i = 0; i < 4; i++)
@@ -142,7 +143,7 @@ static void write_part(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_channel
                              t->cancel, out);
 }
 
-/* They are of luminance alone. */
+/* Writes errors, which are those of luminance only. */
 static void write_errors(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_channel channel,
                          FILE *out)
 {
@@ -153,7 +154,7 @@ static void write_errors(void *ctx, enum orl_bsdf_part part, enum orl_bsdf_chann
     orl_gonio_forest_write(&t->forests[side], t->roots[side][k], true, t->cancel, out);
 }
 
-/* The BSDF, or its errors. */
+/* Writes the BSDF, or its errors. */
 static int write_out(struct orl_gonio_trees *t, bool errors, struct orl_bsdf_made *made)
 {
     struct orl_document document = {.structure =
@@ -169,7 +170,7 @@ static int write_out(struct orl_gonio_trees *t, bool errors, struct orl_bsdf_mad
     return code == 0 && orl_is_cancelled(t->cancel) ? ORL_ERR_CANCELLED : code;
 }
 
-static void done(struct orl_gonio_trees *t)
+static void trees_done(struct orl_gonio_trees *t)
 {
     for (size_t i = 0; t->blocks && i < 2 * t->n_blocks; i++)
         orl_gonio_block_done(&t->blocks[i]);
@@ -194,7 +195,7 @@ static struct orl_gonio_trees trees_of(const struct orl_bsdf_make_request *reque
     t.rank = request->basis == ORL_BSDF_TENSOR_TREE_4 ? 4 : 3;
     while (1U << t.levels < request->resolution)
         t.levels++;
-    /* Of rank 3 every ring is a block, and half of A is none. */
+    /* Rank 3: every ring is a block, and half of A has none. */
     t.split = t.rank == 3 ? t.levels : t.levels < SPLIT_LEVEL ? t.levels : SPLIT_LEVEL;
     t.n_blocks = t.rank == 3 ? (size_t)1 << (t.levels - 1) : (size_t)1 << 2 * t.split;
     const uint32_t sets = request->accuracy > 0 ? 2 * ORL_GONIO_BATCHES : ORL_GONIO_BATCHES;
@@ -216,19 +217,19 @@ int orl_gonio_make_trees(const struct orl_bsdf_make_request *request,
 {
     struct orl_gonio_trees t = trees_of(request, env, sample, sobol);
     if (!t.blocks || !t.todo) {
-        done(&t);
+        trees_done(&t);
         return orl_gonio_trees_fail(&t, ORL_ERR_NOMEM, err);
     }
     int code = orl_gonio_measure_blocks(&t, env, err);
     if (code == 0 && join_all(&t) < 0)
         code = orl_gonio_trees_fail(&t, ORL_ERR_NOMEM, err);
     if (code == 0) {
-        tell(&t, made);
+        set_results(&t, made);
         code = write_out(&t, false, made);
         if (code == 0 && request->tell_errors)
             code = write_out(&t, true, made);
         code = code < 0 ? orl_gonio_trees_fail(&t, code, err) : 0;
     }
-    done(&t);
+    trees_done(&t);
     return code;
 }
