@@ -1,33 +1,37 @@
-/* One sample of the backward technique: the light of a place, and the paths that look for it. */
+/* One sample of the backward technique: the light at a place, and the paths that estimate it. */
 #include "light/proxies.h"
 #include "render/backward/backward.h"
 #include "scene/material/hemisphere.h"
 
 enum { SURE_BOUNCES = 3 };
-/* Paths go on for certain from this weight on, and else by lot; those that were aimed from less. */
+/* Weight below which paths undergo Russian roulette; of the first bounces, which were importance
+ * sampled, a smaller one. */
 static const double certain_weight = 0.25, dimmest_aimed = 0.002;
-/* Surfaces that they come to are lit from this on: a patch of sun on one is a thousand times as
- * bright as others are, and one that is seen in a pane by a lot of few would be an outlier. */
+/*
+ * Weight below which surfaces met are lit with a probability only. It is low because a patch of sun
+ * can be a thousand times as bright as its surroundings: seen in a pane by few such paths, it would
+ * be an outlier.
+ */
 static const double dimmest_lit = 0.02;
 
-/* A path on its way, from the last place where light was asked for in all its parts. */
+/* State of a path since the last place where all parts of the light were estimated. */
 struct walk {
-    struct orl_eye_path eye; /* first: what sinks are given */
+    struct orl_eye_path eye; /* must be first: sinks receive a pointer to it */
     struct orl_tracer *tracer;
-    double importance;            /* of the walk's start in the sample, at most 1 or about that */
-    uint32_t reflections;         /* diffuse ones before that */
-    double cos_start, travelled;  /* since that place */
-    bool straight;                /* nothing but panes since then */
-    struct orl_image_trail trail; /* since the last lobe or diffuse surface */
+    double importance;            /* weight of the path's start in the sample, at most about 1 */
+    uint32_t reflections;         /* number of diffuse reflections before the start */
+    double cos_start, travelled;  /* cosine at that place, and length travelled since */
+    bool straight;                /* true if the path has met only panes since then */
+    struct orl_image_trail trail; /* mirrors met since the last lobe or diffuse surface */
     bool been_outside;
 };
 
-/* A place on the way, to be lit. */
+/* A place on a path where light is estimated. */
 struct stop {
     struct orl_place place;
     double importance;
     uint32_t reflections;
-    const struct orl_sampling *sampling; /* of the sample's first place; then NULL */
+    const struct orl_sampling *sampling; /* for the sample's first place; NULL at later ones */
 };
 
 static struct orl_rgb light_at(struct orl_tracer *tracer, const struct stop *stop);
@@ -37,7 +41,7 @@ static struct walk *walk_of(struct orl_eye_path *p)
     return (struct walk *)p;
 }
 
-/* One that sets out, and weighs nothing less for how it came about. */
+/* Returns a new path with weight 1 and no MIS correction. */
 static struct walk walk_from(struct orl_tracer *tracer, struct orl_vec3 origin,
                              struct orl_vec3 direction)
 {
@@ -52,8 +56,8 @@ static struct walk walk_from(struct orl_tracer *tracer, struct orl_vec3 origin,
 /* ---- A path ---------------------------------------------------------------------------------- */
 
 /*
- * Light that a diffuse surface on the way reflects. Virtual lamps stand for it where they see the
- * place that the path set out from; the path takes the share of it that they leave.
+ * Adds the light that a diffuse surface on the path reflects. Virtual lights account for it if they
+ * see the place that the path started from; the path adds the share that they leave (orl_vpl_left).
  */
 static void add_diffuse(struct walk *w, struct orl_rgb albedo)
 {
@@ -79,7 +83,7 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
                                       left / (chance * ORL_PI)));
 }
 
-/* A sun's disc counts only where no shadow ray could have looked for it. */
+/* Adds a sun's disc only if no shadow ray could have sampled it. */
 static void add_sun(struct orl_eye_path *p)
 {
     const struct walk *w = walk_of(p);
@@ -91,7 +95,8 @@ static void add_sun(struct orl_eye_path *p)
         orl_eye_path_see(p, sun);
 }
 
-/* Dim paths and long ones end by lot. Those that were aimed are not dim for being some of many. */
+/* Applies Russian roulette to dim and to long paths. The threshold of the first bounces is lower,
+ * because importance-sampled rays have small weights only for being many. */
 static bool survives(struct walk *w)
 {
     const double matters = w->importance * orl_rgb_max(w->eye.path.weight);
@@ -100,7 +105,8 @@ static bool survives(struct walk *w)
     return !(chance < 1) || orl_path_survives(&w->eye.path, chance, w->eye.random);
 }
 
-/* What the surface shines and reflects of suns, lamps and all else; on by mirrors, panes, lobes. */
+/* Adds the light that the surface emits and reflects. The path continues by mirrors, panes and
+ * lobes. */
 static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct walk *w = walk_of(p);
@@ -134,10 +140,8 @@ static bool note_event(struct orl_eye_path *p, const struct orl_scatter *s)
     return true;
 }
 
-/*
- * No virtual lamps have been looked for outdoors (vpl.c), but all of the suns that shadow rays to
- * images do.
- */
+/* Continues the path outdoors. Virtual lights do not account for light outdoors (vpl.c). Shadow
+ * rays account for all suns, as shadow rays to mirror images do. */
 static bool come_back(struct orl_eye_path *p)
 {
     struct walk *w = walk_of(p);
@@ -146,7 +150,7 @@ static bool come_back(struct orl_eye_path *p)
     return orl_exterior_pass(p, w->tracer->health);
 }
 
-/* By mist: suns and lamps have been looked for there. */
+/* Handles scattering by mist, where suns and lamps have been sampled already. */
 static bool scattered(struct orl_eye_path *p)
 {
     struct walk *w = walk_of(p);
@@ -161,7 +165,7 @@ static const struct orl_eye_sink sink = {.outdoors = come_back,
                                          .scattered = scattered,
                                          .sent_on = note_event};
 
-/* Follows the path to its end; returns what it saw. */
+/* Follows the path to its end and returns the radiance that it has collected. */
 static struct orl_rgb follow(struct walk *w)
 {
     orl_eye_path_follow(&w->eye, &sink, w->tracer->health);
@@ -181,16 +185,16 @@ struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 
 
 /* ---- The light of a place -------------------------------------------------------------------- */
 
-/* About which light comes. */
+/* Returns the normal that cosines are measured from. */
 static struct orl_vec3 normal_of(const struct stop *stop)
 {
     return stop->place.textured ? stop->place.shading : stop->place.normal;
 }
 
-/* Which numbers of a sample something takes. */
+/* Dimensions of a sample's sequence, by use. */
 enum slot { SLOT_SUN, SLOT_LAMPS, SLOT_WAYS };
 
-/* Numbers in [0,1): of the n-th of each sample's such draws. */
+/* Returns numbers in [0,1) for the n-th of each sample's draws in that slot. */
 static void numbers(struct orl_tracer *tracer, const struct stop *stop, uint32_t slot,
                     uint32_t each, uint32_t n, uint32_t count, double *ret_u)
 {
@@ -228,8 +232,8 @@ static struct orl_rgb some_lamps(struct orl_tracer *tracer, const struct stop *s
                          normal_of(stop));
 }
 
-/* A direction about a turned normal that goes below the surface is folded up: false where it
- * is not. */
+/* Reflects a direction about a turned normal that points below the surface back above it. Returns
+ * false if the direction is left as it is. */
 static bool fold(const struct stop *stop, struct orl_vec3 *direction)
 {
     const double cosine = orl_dot(*direction, stop->place.normal);
@@ -239,7 +243,7 @@ static bool fold(const struct stop *stop, struct orl_vec3 *direction)
     return true;
 }
 
-/* What one aimed ray adds. */
+/* Returns the contribution of one importance-sampled ray. */
 static struct orl_rgb look(struct orl_tracer *tracer, const struct stop *stop,
                            const struct orl_effort *effort, enum orl_way way, const double u[3])
 {
@@ -255,7 +259,7 @@ static struct orl_rgb look(struct orl_tracer *tracer, const struct stop *stop,
     w.importance = stop->importance;
     w.reflections = stop->reflections;
     w.cos_start = cosine;
-    w.straight = !folded; /* of what lies there lamps have told nothing */
+    w.straight = !folded; /* virtual lights have not accounted for light from there */
     if (!folded)
         orl_eye_path_foresee(&w.eye, aimed.met ? &aimed.hit : NULL);
     return orl_rgb_scale(follow(&w), ORL_PI);
@@ -279,7 +283,8 @@ static struct orl_rgb aimed_light(struct orl_tracer *tracer, const struct stop *
     return sum;
 }
 
-/* Places that photons do not come to: outside, and what a BSDF stands for. */
+/* Returns the light at places that photons do not reach: outdoors, and on surfaces that a BSDF
+ * stands for. */
 static struct orl_rgb light_outside(struct orl_tracer *tracer, const struct stop *stop)
 {
     const struct orl_world *world = tracer->backward->world;

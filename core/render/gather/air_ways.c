@@ -1,4 +1,4 @@
-/* Whether anything sends suns and lamps on into mid-air. */
+/* Tests whether anything redirects suns and lamps into mid-air. */
 #include "render/gather/air.h"
 #include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"
@@ -16,7 +16,7 @@ static bool is_flat(const struct orl_facet *f)
     return f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
 }
 
-/* Of flat ones. */
+/* Returns true if two flat facets lie in one plane. */
 static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_facet *a,
                              const struct orl_facet *b)
 {
@@ -29,8 +29,9 @@ static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_face
 }
 
 /*
- * Of surfaces in one plane, panes with lobes and flat mirrors, light is sent on once, and that is
- * found otherwise when it is a sun's; as it is by flat mirrors alone, however many.
+ * Returns true if caustics in mid-air need photons. Panes with lobes and flat mirrors that all lie
+ * in one plane redirect light once. For suns sensor.c samples such light, as it does any number of
+ * flat mirrors alone.
  */
 static bool may_send_on(const struct orl_world *world)
 {

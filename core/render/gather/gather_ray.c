@@ -1,22 +1,26 @@
-/* Rays that gather: what they meet, how it is lit, and where they go on. */
+/* Rays of a final gather: the surfaces they meet, the light there, and their continuation. */
 #include "photon/density/records.h"
 #include "render/gather/aim.h"
 #include "render/gather/icache.h"
 #include "scene/material/color_at.h"
 
 enum { SURE_BOUNCES = 4 };
-enum { NEIGHBOURS_CAUSTIC_RELIT = 32 }; /* seen by one ray of many: noise averages out */
+/* Smaller, because one ray of many sees it and noise averages out. */
+enum { NEIGHBOURS_CAUSTIC_RELIT = 32 };
 
-static const double near_texels = 0.5; /* what is nearer than so many of its widths is lit again */
+/* Surfaces nearer than this many texel widths are lit again. */
+static const double near_texels = 0.5;
 
 static const enum orl_lobes but_diffuse =
     (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
 
-/* Rays that are weaker are followed by lot; glass of such a transmissivity mirrors less than it
- * lets through, but towards grazing. */
+/* Rays weaker than `dim` undergo Russian roulette. Glass of this transmissivity transmits more than
+ * it reflects, except near grazing angles. */
 static const double dim = 0.2, clear_glass = 0.5, half = 0.5;
 
-/* A diffuse surface that a ray met, lit by shadow rays and caustic photons. */
+/*
+ * Returns the irradiance of a diffuse surface that a ray met, by shadow rays and caustic photons.
+ */
 static struct orl_rgb lit_again(const struct orl_gather *gather, const struct orl_hit *hit,
                                 const struct orl_footing *footing, struct orl_random *random,
                                 struct orl_search *search, struct orl_tally *tally)
@@ -32,10 +36,8 @@ static struct orl_rgb lit_again(const struct orl_gather *gather, const struct or
     return orl_rgb_add(orl_direct_light(gather->world, &query, random), caustic.irradiance);
 }
 
-/*
- * The irradiance that a ray finds where it meets a diffuse surface: from a map, or lit again when
- * near or, which *relit then says, crowded. The tally takes its parts.
- */
+/* Returns the irradiance of a diffuse surface that a ray met: from a map, or lit again if it is
+ * near or crowded. *relit: in: near; out: lit again. The tally receives its parts. */
 static struct orl_rgb met_irradiance(const struct orl_gather *gather, const struct orl_hit *hit,
                                      bool *relit, bool roughly, struct orl_random *random,
                                      struct orl_search *search, struct orl_tally *tally)
@@ -64,7 +66,8 @@ static struct orl_rgb met_irradiance(const struct orl_gather *gather, const stru
     return irradiance;
 }
 
-/* What the surface sends back of it along the ray; photons are of no colour of their own. */
+/* Returns the radiance that the surface reflects along the ray. Photons are taken to have the
+ * irradiance's colour. */
 static struct orl_rgb send_back(const struct orl_gather *gather, const struct orl_gather_ray *ray,
                                 struct orl_rgb weight, struct orl_rgb irradiance,
                                 const struct orl_tally *met)
@@ -90,7 +93,7 @@ struct orl_rgb orl_gather_read(const struct orl_gather_ray *ray, const struct or
     return sent;
 }
 
-/* By a texel: at once, or as a glimpse. */
+/* Reads a texel at once, or stores it as the ray's glimpse for later. */
 static struct orl_rgb send_back_texel(const struct orl_gather_ray *ray, struct orl_rgb weight,
                                       const struct orl_texel *texel)
 {
@@ -102,10 +105,8 @@ static struct orl_rgb send_back_texel(const struct orl_gather_ray *ray, struct o
     return orl_gray(0);
 }
 
-/*
- * The same of a surface that is met near, where records know the rest that it is lit by; false
- * where they do not. They may know of one reflection more than the plan counts: next to nothing.
- */
+/* Computes the reflected radiance of a near surface from cached records. Returns false if there are
+ * none. The records may include one reflection more than the plan counts, which is negligible. */
 static bool known_radiance(const struct orl_gather *gather, const struct orl_gather_ray *ray,
                            const struct orl_hit *hit, struct orl_rgb weight,
                            struct orl_random *random, struct orl_search *search,
@@ -130,10 +131,8 @@ static bool known_radiance(const struct orl_gather *gather, const struct orl_gat
     return true;
 }
 
-/*
- * The diffuse part of what a ray of that weight sees of a surface, but for the glossy one; *relit:
- * lit again, as what is near is to be, and as it then turns out to have been.
- */
+/* Returns the diffuse radiance of a surface along a ray of that weight. *relit: in: must be lit
+ * again, because it is near; out: was lit again. */
 static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
                                        const struct orl_gather_ray *ray, const struct orl_hit *hit,
                                        struct orl_rgb weight, bool *relit,
@@ -155,10 +154,8 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
     return send_back(gather, ray, reflected, irradiance, &met);
 }
 
-/*
- * What a surface shines and, to a ray that is to find caustics itself, what its lobes send on of
- * suns and lights.
- */
+/* Returns the radiance that a surface emits. For a ray that must find caustics itself it adds suns
+ * and lights by the surface's lobes. */
 static struct orl_rgb shining_radiance(const struct orl_world *world, const struct orl_hit *hit,
                                        struct orl_vec3 eye, bool caustics, struct orl_chance chance,
                                        struct orl_random *random)
@@ -171,7 +168,7 @@ static struct orl_rgb shining_radiance(const struct orl_world *world, const stru
     return sum;
 }
 
-/* What is met closer than that is not read from the map. */
+/* Returns the distance below which a surface is not read from the map. */
 static double near_of(const struct orl_gather *gather, bool by_texels, const struct orl_hit *hit)
 {
     return by_texels && gather->texels && orl_texels_has(gather->texels, hit->facet)
@@ -181,15 +178,15 @@ static double near_of(const struct orl_gather *gather, bool by_texels, const str
 
 /* ---- A ray's way ----------------------------------------------------------------------------- */
 
-/* A ray on its way. */
+/* State of a ray as it is traced. */
 struct leg {
-    struct orl_eye_path eye; /* first: what sinks are given */
+    struct orl_eye_path eye; /* must be first: sinks receive a pointer to it */
     const struct orl_gather *gather;
     const struct orl_gather_ray *ray;
     struct orl_search *search;
-    struct leg *through;  /* takes the other way on, where the first surface is a dim pane */
-    uint32_t reflections; /* diffuse ones */
-    bool caustics;        /* it is to find them itself */
+    struct leg *through;  /* receives the other branch if the first surface is a dim pane */
+    uint32_t reflections; /* number of diffuse reflections */
+    bool caustics;        /* true if it must find caustics itself */
     bool aims;            /* aims extra rays at ports from matt surfaces that are lit again */
     double by_cosine;     /* pdf of its direction if port rays compete with it; else 0 */
     bool weighed; /* by the balance heuristic: a small weight is then no reason for roulette */
@@ -200,7 +197,7 @@ static struct leg *leg_of(struct orl_eye_path *p)
     return (struct leg *)p;
 }
 
-/* It goes on outdoors, and in again; or it has ended there. */
+/* Continues outdoors. Returns true if the ray comes in again. */
 static bool comes_in(struct orl_eye_path *p)
 {
     return orl_exterior_pass(p, &leg_of(p)->search->health);
@@ -214,9 +211,9 @@ static void leaks(struct orl_eye_path *p)
 }
 
 /*
- * Whether both ways are followed, back and through: of a pane that is darker to look through than
- * it mirrors, or lets and sends hardly any light on. What is behind may be a hundred times as
- * bright as the room, and then the few rays that chance lets through are most of the light.
+ * Returns true if both ways are followed, reflected and transmitted: at a pane that reflects more
+ * than it transmits, or does little of either. The scene behind may be a hundred times as bright as
+ * the room; the few rays transmitted by chance would then carry most of the light.
  */
 static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
                         struct orl_vec3 eye)
@@ -225,14 +222,14 @@ static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
         (m->kind == ORL_MATERIAL_GLASS && orl_rgb_max(orl_transmissivity_at(m, hit)) > clear_glass))
         return false;
     const double through = orl_luma(orl_material_albedo(m, hit, eye, ORL_LOBE_TRANSMITTED));
-    /* No pane sends back more than it does not let through. */
+    /* No pane reflects more than it does not transmit. */
     if (!(through > 0) || through > half)
         return false;
     const double back = orl_luma(orl_material_albedo(m, hit, eye, ORL_LOBE_REFLECTED));
     return through < back || through + back < dim;
 }
 
-/* Draws the way on from a surface by its lobes; from the first one evenly, if asked. */
+/* Samples the lobes of a surface; stratified at the first one if the ray asks for it. */
 static struct orl_scatter draw_by_lobes(struct orl_eye_path *p, const struct orl_material *m,
                                         enum orl_lobes lobes)
 {
@@ -249,8 +246,8 @@ static struct orl_scatter draw_by_lobes(struct orl_eye_path *p, const struct orl
 static void note_event(struct leg *leg, const struct orl_scatter *s)
 {
     struct orl_eye_path *p = &leg->eye;
-    /* To rays that are not to find caustics, photons bring the light of lamps by lobes, mirrors and
-     * dielectrics: of lamps outside too, which a ray sees beyond a port. */
+    /* For rays that need not find caustics, photons bring the light of lamps by lobes, mirrors and
+     * dielectrics. That includes lamps outside, which a ray sees beyond a port. */
     p->chance = !leg->caustics && s->event != ORL_EVENT_DIFFUSE
                     ? orl_chance_found_straight()
                     : orl_chance_after(p->world, &p->hit, orl_path_back(&p->path), s, p->chance);
@@ -260,7 +257,7 @@ static void note_event(struct leg *leg, const struct orl_scatter *s)
     orl_eye_path_cross(p, s);
 }
 
-/* The way through a dim pane. */
+/* Starts the branch through a dim pane. */
 static void look_through(const struct leg *leg, const struct orl_material *m)
 {
     struct leg *through = leg->through;
@@ -352,7 +349,8 @@ static struct orl_scatter draw(struct orl_eye_path *p, const struct orl_material
     return s;
 }
 
-/* The diffuse light of a surface that a leg meets; ret_relit: it goes on to find more of it. */
+/* Returns the diffuse light of a surface that a leg meets. *ret_relit: the leg must continue to
+ * find the rest of it. */
 static struct orl_rgb met_diffuse(const struct leg *leg, bool *ret_relit)
 {
     const struct orl_gather *gather = leg->gather;
@@ -377,7 +375,7 @@ static void weigh_leg(struct leg *leg)
     leg->weighed = weight < 1;
 }
 
-/* What the surface shines and reflects; it goes on by what maps do not tell of. */
+/* Adds what the surface emits and reflects. Returns the lobes that the maps do not account for. */
 static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct leg *leg = leg_of(p);
@@ -403,7 +401,7 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
     return (enum orl_lobes)((uint32_t)lobes & ~(uint32_t)ORL_LOBE_TRANSMITTED);
 }
 
-/* Dim lobes and long chains end by roulette. */
+/* Applies roulette to dim lobes and long chains. Returns false if the leg ends. */
 static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     const double survive = fmin(orl_rgb_max(p->path.weight), 1.0);

@@ -1,9 +1,9 @@
 /*
  * Neighbour clamping (icache.h) as a nearest-neighbour search: a record's radius becomes the least
  * "radius of a neighbour + distance to it" among the neighbours within its reach. The neighbours
- * are sorted along the Morton curve; a binary tree over blocks of them knows the box of each part
- * and the least radius in it, so that parts which cannot lower a radius are passed over. Equal
- * radii, as of a thousand records in one place, are settled at the root.
+ * are sorted along the Morton curve. A binary tree over blocks of them stores the box of each node
+ * and the least radius in it, so that nodes which cannot lower a radius are skipped. For equal
+ * radii, such as a thousand records in one place, the search ends at the root.
  */
 #include <stdlib.h>
 
@@ -14,12 +14,13 @@ enum { BLOCK = 8 };
 
 static const double cells_an_axis = (1 << 20) - 1;
 
-/* Distances to boxes stay below those to the points in them, which are rounded, too. */
+/* Factor that keeps distances to boxes below those to the points in them, which are rounded as
+ * well. */
 static const double rounded_down = 1 - 1e-12;
 
 struct node {
     double low[3], high[3];
-    double least; /* radius served in this part; INFINITY: the part is empty */
+    double least; /* least radius served in this node; INFINITY: the node is empty */
 };
 
 struct sorted {
@@ -109,7 +110,7 @@ static void build_tree(struct holding *h)
     }
 }
 
-/* One record and the least radius found for it so far. */
+/* State of the search for one record, with the least radius so far. */
 struct search {
     const struct holding *h;
     size_t record;
@@ -117,7 +118,7 @@ struct search {
     size_t looked;
 };
 
-/* A lower bound of what a part may set the radius to; INFINITY when it is out of reach. */
+/* Returns a lower bound of the radius by a node's records; INFINITY if the node is out of reach. */
 static double bound_of(const struct search *s, const struct node *node)
 {
     double square = 0;
@@ -145,7 +146,7 @@ static void search_block(struct search *s, size_t block)
     }
 }
 
-/* The more promising half first, so that the other one may be passed over. */
+/* Searches the half with the lower bound first, so that the other one may be skipped. */
 static void search_part(struct search *s, size_t index)
 {
     if (index >= s->h->first_block) {
@@ -206,7 +207,7 @@ int orl_icache_hold_back(struct orl_icache *cache, struct orl_crew *crew)
     if (code == 0) {
         sort_records(&h);
         build_tree(&h);
-        /* All at once, from the radii as they were: no order matters. */
+        /* All records use the original radii, so that order does not matter. */
         code = orl_crew_try(crew, cache->count, hold_record, &h);
     }
     for (size_t i = 0; i < cache->count && code == 0; i++) {

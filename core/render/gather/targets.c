@@ -7,7 +7,8 @@
 #include "scene/geometry/quadric.h"
 #include "scene/material/bounds.h"
 
-/* Of the radius of the scene; and the reflectance from which a flat surface is a mirror. */
+/* Largest radius of a target, as a share of the scene's; reflectance from which a flat surface is a
+ * mirror. */
 static const double largest = 0.25, least_mirrored = 0.2;
 static const double parallel = 0.999; /* cosine between normals of surfaces that face one way */
 
@@ -23,8 +24,8 @@ struct finder {
     struct orl_targets *targets;
     struct item *items;
     size_t n;
-    struct orl_vec3 (*faces)[2]; /* by material: two ways that its flat facets face */
-    bool *solid;                 /* by material: they face a third way */
+    struct orl_vec3 (*faces)[2]; /* by material: two normals of its flat facets */
+    bool *solid;                 /* by material: true if a facet has a third normal */
 };
 
 /* ---- What is a target ------------------------------------------------------------------------ */
@@ -118,7 +119,7 @@ static double along(struct orl_vec3 v, int axis)
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-/* Moves the items below the middle of the longest axis to the front; returns how many they are. */
+/* Moves the items below the middle of the longest axis to the front; returns their number. */
 static size_t divide(struct item *items, size_t n)
 {
     struct orl_vec3 low = items[0].bound.center, high = low;

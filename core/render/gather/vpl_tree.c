@@ -1,21 +1,21 @@
-/* Trees of virtual lamps: neighbours in place and normal together. */
+/* Trees of virtual lights, clustered by position and normal. */
 #include <stdlib.h>
 
 #include "render/gather/vpl.h"
 
 enum { LAMPS_A_LEAF = 4 };
-/* Lamps within such an angle, seen from a place, are not told apart. */
+/* Angle, seen from a place, within which lamps are treated as one. */
 static const double alike = 0.2;
-static const double least_cosine = 1e-3; /* of what is seen at all */
+static const double least_cosine = 1e-3; /* lower limit of the cosine of a visible lamp */
 
-/* Of one tree. */
+/* State while one tree is built. */
 struct gardener {
     struct orl_vpls *vpls;
-    uint32_t n_nodes; /* up to its last one so far */
-    float normals_as; /* a length: how far apart opposite normals count */
+    uint32_t n_nodes; /* index past its last node so far */
+    float normals_as; /* length that the difference of opposite normals counts as */
 };
 
-/* Bounds of some lamps: three coordinates, three of the normal. */
+/* Bounds of some lamps: three coordinates of position, three of the normal. */
 struct bounds {
     float low[6], high[6];
 };
@@ -34,7 +34,7 @@ static struct bounds bounds_of(const struct orl_vpl *lamps, uint32_t count)
     return b;
 }
 
-/* The axis along which they are furthest apart; -1 when they are all in one place. */
+/* Returns the axis of the largest extent; -1 if all lamps coincide. */
 static int widest(const struct gardener *g, const struct bounds *b)
 {
     int best = -1;
@@ -69,7 +69,7 @@ static void describe(struct orl_vpl_node *node, const struct bounds *b, const st
     node->power = (float)power;
 }
 
-/* Those below the middle first; returns how many. */
+/* Moves the lamps below the middle to the front; returns their number. */
 static uint32_t part(struct orl_vpl *lamps, uint32_t count, int axis, float middle)
 {
     uint32_t below = 0;
@@ -82,7 +82,8 @@ static uint32_t part(struct orl_vpl *lamps, uint32_t count, int axis, float midd
     return below;
 }
 
-/* One node and all below it; returns its index. Goes as deep as floats can be halved, at most. */
+/* Builds a node and its subtree; returns its index. The depth is limited by how often floats can be
+ * halved. */
 static uint32_t grow(struct gardener *g, uint32_t first, uint32_t count)
 {
     struct orl_vpl *lamps = &g->vpls->lamps[first];
@@ -102,7 +103,8 @@ static uint32_t grow(struct gardener *g, uint32_t first, uint32_t count)
     return index;
 }
 
-/* Of n lamps there are fewer than 2 n nodes: each tree has room of its own. */
+/* Builds a group's tree. A tree of n lamps has fewer than 2 n nodes, so that each tree has its own
+ * range. */
 static void grow_tree(void *arg, size_t group, uint32_t member)
 {
     struct orl_vpls *vpls = arg;
@@ -125,8 +127,9 @@ int orl_vpl_plant(struct orl_vpls *vpls, struct orl_crew *crew)
 }
 
 /*
- * How far a node's lamps may be up along a normal, given how far its middle is: generously, for the
- * nearest of them shine most. Of those in the place's own plane nothing much is to be had.
+ * Returns an upper estimate of the lamps' height along a normal, given that of the node's centre,
+ * because the nearest lamps are brightest. It is small for lamps in the place's own plane, which
+ * contribute little.
  */
 static double height(const struct orl_vpl_node *node, const double normal[3], double middle,
                      double turned, double near)
@@ -139,7 +142,7 @@ static double height(const struct orl_vpl_node *node, const double normal[3], do
     return most > least ? orl_smaller(middle + turned + node->radius, 2 * near) : least;
 }
 
-/* About how much the lamps of a node light a place: zero only if none can. */
+/* Estimates the light of a node's lamps at a place; zero only if none can light it. */
 static double likely_light(const struct orl_vpl_node *node, struct orl_vec3 point,
                            struct orl_vec3 normal, double most_sr_m2)
 {
@@ -158,7 +161,7 @@ static double likely_light(const struct orl_vpl_node *node, struct orl_vec3 poin
     return node->power * (factor < most ? factor / (near2 * near2) : most_sr_m2);
 }
 
-/* Seen from far off its lamps light a place all alike. */
+/* Returns true if all lamps of the node light the place alike, seen from far away. */
 static bool is_far(const struct orl_vpl_node *node, struct orl_vec3 point)
 {
     const double x = node->center[0] - point.x, y = node->center[1] - point.y,
@@ -212,7 +215,7 @@ bool orl_vpl_draw(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, do
         return false;
     for (u *= cut->sum; i + 1 < cut->count && u >= cut->light[i]; i++)
         u -= cut->light[i];
-    if (!(cut->light[i] > 0)) /* only by rounding */
+    if (!(cut->light[i] > 0)) /* possible only by rounding */
         return false;
     double probability = cut->light[i] / cut->sum;
     u /= cut->light[i];
