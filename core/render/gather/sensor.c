@@ -9,7 +9,7 @@
 
 /* Number of groups of rays. Each group has its own sequences; their spread gives the error. */
 enum { GROUPS = 16, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* in each group */
-/* SHARE_AIMED: the part of the rays that is guided by photons; SHARE_PORTS: those aimed at ports
+/* Divisors of the rays: SHARE_AIMED of those guided by photons, SHARE_PORTS of those aimed at ports
  * and at targets. */
 enum { HEMISPHERES = 4, SHARE_AIMED = 16, SHARE_PORTS = 8 };
 /* A caustic bias is small below this share of the rest's error, or of all light. The share of light

@@ -1,15 +1,17 @@
 #include "render/image/mosaic_cells.h"
 
-/* Neighbours that differ by more than the first share see an edge of a shadow; by less than the
- * second they see none, whatever they see. Of what is smooth a pixel's middle does not tell the
- * mean where neighbours differ by more than the third: along the edges of caustics. */
+/*
+ * Shares of the luma by which neighbours differ: from the first on there is a shadow's edge between
+ * them; below the second there is no edge, whatever they see. Above the third the pixel's centre
+ * does not give the mean of the smooth part: along the edges of caustics.
+ */
 static const double sharp_difference = 0.15, no_difference = 0.02, steep_difference = 0.2;
 
-/* Of a pixel's rays that see lobes one stands for others that are no further: pixels. */
+/* Distance, in pixels, within which one of a pixel's rays stands for others that see lobes. */
 static const double close_by = 0.3;
 
-/* What is smooth is shared so many times its reach: among the rays of a pixel, whose mean is what
- * counts; and beyond it by a pixel whose neighbours bear it out. */
+/* Multiples of its reach within which the smooth part is shared: among the rays of a pixel, whose
+ * mean counts; and, if the neighbours agree, by the whole pixel. */
 static const double shared_within = 1, shared_about = 4;
 
 static struct orl_shade shade_of(const struct orl_cell *cell)
@@ -23,13 +25,13 @@ static struct orl_shade shade_of(const struct orl_cell *cell)
 }
 
 /*
- * Why a pixel is looked at more closely, the stronger reason last: its neighbours see other things,
- * or the edge of a shadow is near. There rays agree by chance, on one side of it or the other: four
- * that do are no reason to stop.
+ * The reason to refine a pixel, the stronger one last: its neighbours see other things, or a
+ * shadow's edge is near. Near such an edge rays agree by chance, on one side of it or the other, so
+ * that four equal rays are no reason to stop.
  */
 enum cause { CAUSE_NONE, CAUSE_THINGS, CAUSE_SHADOW };
 
-/* Whether, and why, two neighbours make one look closer at the first. */
+/* Returns the reason, if any, why a difference to its neighbour makes a pixel need refinement. */
 static enum cause differ(const struct orl_cell *cell, const struct orl_cell *other, bool other_made)
 {
     const double luma = orl_luma(shade_of(cell).radiance);
@@ -65,10 +67,10 @@ static enum cause wants_more(const struct orl_tile_cells *mosaic, int x, int y)
     return cause;
 }
 
-/* What the rays of one pixel have found that the pixels about cannot tell. */
+/* Results of one pixel's rays that the neighbouring pixels do not have. */
 struct found {
     uint64_t way;
-    double x, y; /* in the pixel */
+    double x, y; /* position in the pixel */
     struct orl_vec3 on_surface;
     struct orl_smooth smooth;
     struct orl_rgb lobes;
@@ -77,15 +79,15 @@ struct found {
 struct finds {
     struct found list[ORL_PIXEL_MOST_RAYS];
     uint32_t count;
-    bool is_new; /* one of them nobody about has seen */
-    /* Luma of the direct light of rays that go the pixel's own way. */
+    bool is_new; /* true if one of them has a path signature that no pixel about has */
+    /* Range of the direct light's luma over rays with the pixel's own signature. */
     double least_direct, most_direct;
 };
 
-/* The nearest of the pixels about a place of one that see the same, and how far their lumas reach.
- */
+/* The neighbouring pixel nearest to a position that sees the same, and the range of luma of all
+ * such pixels. */
 struct kin {
-    const struct orl_cell *nearest; /* NULL: there is none */
+    const struct orl_cell *nearest; /* NULL if there is none */
     double least, most;
 };
 
@@ -113,7 +115,7 @@ static struct kin kin_of(const struct orl_tile_cells *mosaic, int x, int y, cons
     return kin;
 }
 
-/* The first surface that a ray saw, where it saw any. */
+/* Returns the point of the first surface that a ray saw, or the origin. */
 static struct orl_vec3 surface_of(const struct orl_shaded *shaded)
 {
     return shaded->n_vertices > 0 ? shaded->vertices[0].on_surface : orl_v3(0, 0, 0);
@@ -125,7 +127,7 @@ static bool is_within(struct orl_vec3 a, struct orl_vec3 b, double reach)
     return orl_dot(way, way) < reach * reach;
 }
 
-/* Whether what one ray has found will do for another of the pixel. */
+/* Returns true if the result of one ray can stand for another ray of the pixel. */
 static bool will_do(const struct found *known, const double place[2],
                     const struct orl_shaded *shaded)
 {
@@ -137,7 +139,7 @@ static bool will_do(const struct found *known, const double place[2],
                                          shared_within * known->smooth.reach);
 }
 
-/* The nearest in the pixel that sees the same; NULL where none does. */
+/* Returns the nearest result in the pixel with the same signature, or NULL. */
 static const struct found *nearest_known(const struct finds *finds, const double place[2],
                                          uint64_t way)
 {
@@ -158,7 +160,7 @@ static const struct found *nearest_known(const struct finds *finds, const double
 static const struct found *known_for(const struct finds *finds, uint32_t ray, const double place[2],
                                      const struct orl_shaded *shaded)
 {
-    /* Rays beyond the usual ones are there for what is stark: coverage, and shadows. */
+    /* Rays beyond the usual ones serve sharp contrasts: coverage and shadows. */
     if (ray >= ORL_PIXEL_RAYS)
         return nearest_known(finds, place, shaded->way);
     for (uint32_t i = 0; i < finds->count; i++)
@@ -167,7 +169,7 @@ static const struct found *known_for(const struct finds *finds, uint32_t ray, co
     return NULL;
 }
 
-/* What is smooth and what lobes show, worked out for a ray, or for one close by. */
+/* Returns the smooth part and the lobes for a ray, computed for it or for a ray close by. */
 static const struct found *find(const struct orl_tile_cells *mosaic, int x, int y, uint32_t ray,
                                 const double place[2], struct orl_shaded *shaded,
                                 struct orl_random *random, struct finds *finds)
@@ -191,10 +193,10 @@ static const struct found *find(const struct orl_tile_cells *mosaic, int x, int 
     return found;
 }
 
-/* Whether the nearest may speak for a ray that sees the same. */
+/* Returns true if the nearest pixel's values hold for a ray that sees the same. */
 static bool is_close(const struct kin *kin, const struct orl_shaded *shaded)
 {
-    /* Lobes change within a pixel of what frames them. */
+    /* Lobes vary within a pixel with the geometry that frames them. */
     if (!kin->nearest || shaded->has_lobes || kin->most - kin->least > sharp_difference * kin->most)
         return false;
     if (shaded->n_vertices == 0)
@@ -203,7 +205,7 @@ static bool is_close(const struct kin *kin, const struct orl_shaded *shaded)
                      shared_about * kin->nearest->smooth.reach);
 }
 
-/* What one more ray sees. */
+/* Returns the radiance of one more ray. */
 static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, int y, uint32_t ray,
                                   struct finds *finds)
 {
@@ -238,8 +240,8 @@ static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, in
     return shade_of(&seen);
 }
 
-/* A pixel by more rays, at least so many. ret_cause: why those about it are to be looked at as
- * well, for these have seen something that no ray about has, or a shadow's edge. */
+/* Returns a pixel from at least that many rays. *ret_cause: why its neighbours need refinement as
+ * well: a ray has a new path signature, or crosses a shadow's edge. */
 static struct orl_pixel refine(const struct orl_tile_cells *mosaic, int x, int y, uint32_t rays,
                                enum cause *ret_cause)
 {
@@ -274,7 +276,7 @@ static void set(const struct orl_tile_cells *mosaic, int x, int y, const struct 
                  mosaic->tile->y0 + (uint32_t)y, pixel, &mosaic->search->health);
 }
 
-/* Pixels to be refined. */
+/* Stack of pixels to be refined. */
 struct refining {
     struct {
         int x, y;
@@ -294,10 +296,10 @@ static void put(const struct orl_tile_cells *mosaic, int x, int y, enum cause ca
     refining->stack[refining->depth++].cause = cause;
 }
 
-/* Refines a pixel, and those about it for as long as something new comes up, or a shadow ends. */
+/* Refines a pixel, and its neighbours while new things or shadow edges are found. */
 static void refine_about(const struct orl_tile_cells *mosaic, int x, int y, enum cause cause)
 {
-    struct refining refining; /* not its stack, which is large */
+    struct refining refining; /* its stack stays uninitialised, because it is large */
     refining.depth = 0;
     put(mosaic, x, y, cause, &refining);
     while (refining.depth > 0) {

@@ -1,15 +1,16 @@
 #include "render/image/mosaic_cells.h"
 
-/* What chance may be of a pixel's gloss, as a share of the pixel: as if rays were drawn by it. They
- * are spread evenly, so that it is about half of that. */
+/* Tolerated noise of a pixel's gloss, as a share of the pixel. It is computed as if rays were
+ * random; they are stratified, so that the noise is about half of that. */
 static const double tolerance = 0.04;
 
-/* Rays that gloss takes besides the first few; pixels about, to either side, that say how many. */
+/* Limits of the additional gloss rays; distance, and least number, of the pixels that determine
+ * them. */
 enum { LEAST_MORE = 8, MOST_MORE = 64, ABOUT = 2, FEWEST_ABOUT = 4 };
 
-/* What the pixels about one say of its gloss. */
+/* Gloss statistics of the pixels about one. */
 struct hearsay {
-    double variance, luma; /* sums */
+    double variance, luma; /* sums over the pixels */
     uint32_t count;
 };
 
@@ -19,7 +20,7 @@ static struct orl_rgb radiance_of(const struct orl_cell *cell)
                        orl_rgb_add(cell->lobes, cell->smooth.radiance));
 }
 
-/* Of the pixels that see the same way, or of all with lobes. */
+/* Collects the statistics of the pixels with the same path signature, or of all with lobes. */
 static struct hearsay hear(const struct orl_tile_cells *mosaic, int x, int y, bool same)
 {
     const uint64_t way = orl_cell_at(mosaic, x, y)->way;
@@ -39,10 +40,8 @@ static struct hearsay hear(const struct orl_tile_cells *mosaic, int x, int y, bo
     return heard;
 }
 
-/*
- * How many more rays a pixel is to have, by what those about it have seen by chance. Its own rays
- * have no say: for where few things are bright, those that have missed them would be believed.
- */
+/* Returns the number of additional rays, by the noise of the pixels about. The pixel's own rays do
+ * not decide: if few things are bright, rays that missed them would show too little noise. */
 static uint32_t more_for(const struct orl_tile_cells *mosaic, int x, int y)
 {
     struct hearsay heard = hear(mosaic, x, y, true);

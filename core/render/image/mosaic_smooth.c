@@ -1,14 +1,14 @@
 #include "render/image/mosaic_cells.h"
 
-/* Pixels across the widest squares. */
+/* Width of the largest squares, in pixels. */
 enum { WIDEST = 8 };
 
-/* What is carried over may be off by the first share of a pixel; or by its standard error, but no
- * more than by the second. */
+/* Tolerated interpolation error: the first share of the pixel, or its standard error, but at most
+ * the second share. */
 static const double tolerance = 0.02, most_tolerance = 0.06;
 
-/* Squares whose corners differ by more than that share of their mean are not borne out by a middle
- * that is as they say: where light ends at once, somewhere, it may be so by chance. */
+/* Squares whose corners differ by more than this share of their mean are divided even if the centre
+ * agrees: near an abrupt end of light it may agree by chance. */
 static const double steep = 0.5;
 
 static void make_exact(const struct orl_tile_cells *mosaic, int x, int y)
@@ -22,12 +22,12 @@ static void make_exact(const struct orl_tile_cells *mosaic, int x, int y)
     cell->made = cell->exact = true;
 }
 
-/* Corners of a square of pixels, all of them in it. */
+/* Inclusive corners of a square of pixels. */
 struct square {
     int x0, y0, x1, y1;
 };
 
-/* Adds a share of one to another. */
+/* Adds a share of one estimate to another. */
 static void add_smooth(struct orl_smooth *sum, const struct orl_smooth *more, double share)
 {
     sum->radiance = orl_rgb_add(sum->radiance, orl_rgb_scale(more->radiance, share));
@@ -36,7 +36,7 @@ static void add_smooth(struct orl_smooth *sum, const struct orl_smooth *more, do
     sum->reach = fmin(sum->reach, more->reach);
 }
 
-/* Between the corners, by shares of the way across and down. */
+/* Interpolates between the corners, by shares of the way across and down. */
 static struct orl_smooth between(const struct orl_tile_cells *mosaic, const struct square *s,
                                  double across, double down)
 {
@@ -53,7 +53,8 @@ static double share_of(int at, int from, int to)
     return to > from ? (double)(at - from) / (to - from) : 0;
 }
 
-/* Whether corners and middle see alike, and the corners say what the middle is. */
+/* Returns true if corners and centre see the same, and the corners' interpolation agrees with the
+ * centre. */
 static bool is_smooth(const struct orl_tile_cells *mosaic, const struct square *s)
 {
     const int x = (s->x0 + s->x1) / 2, y = (s->y0 + s->y1) / 2;
@@ -132,7 +133,7 @@ static int lesser(int a, int b)
     return a < b ? a : b;
 }
 
-/* Squares share their corners, also with those of the tiles beside: hence the margin. */
+/* Squares share their corners, also with those of neighbouring tiles: hence the margin. */
 void orl_mosaic_fill(const struct orl_tile_cells *mosaic)
 {
     const int last_x =
