@@ -7,7 +7,7 @@
 
 /* ---- As bytes -------------------------------------------------------------------------------- */
 
-/* What lies in front of the arrays. */
+/* Fixed-size header before the arrays. */
 struct head {
     uint64_t paths, n_directions, xml_size;
     struct orl_bsdf_share diffuse[2][2];
@@ -43,7 +43,7 @@ static size_t errors_size(const struct head *h)
     return h->has_errors ? h->n_directions * h->n_directions * sizeof(float) : 0;
 }
 
-/* In whole words, the text with at least one 0 at its end. */
+/* Returns the size in whole words; the text ends with at least one 0. */
 static size_t size_of(const struct head *h)
 {
     return sizeof *h + directions_size(h) + PARTS * errors_size(h) +
@@ -77,7 +77,7 @@ static void *copy(const char **from, size_t size)
     return to;
 }
 
-/* False: it is of another shape, or there is no memory. */
+/* Returns false if the data are malformed or memory is exhausted. */
 static bool unpack(const char *data, size_t size, struct orl_bsdf_made *ret_made)
 {
     enum { MOST_DIRECTIONS = 4096 };

@@ -11,7 +11,7 @@
 
 enum { LEAST_BYTES = 1 << 20 };
 
-/* What is kept depends on the XML and on how it is kept. */
+/* Makes the key from the XML and the storage format. */
 static void make_key(const unsigned char content[ORL_COMPILED_DIGEST],
                      char ret_key[ORL_DIGEST_HEX + 1])
 {

@@ -9,10 +9,10 @@
 struct picture {
     uint32_t width, height;
     const unsigned char *rgb;
-    int bits; /* a channel */
+    int bits; /* per channel */
 };
 
-/* libpng reports failure by jumping back here. */
+/* Encodes a picture. libpng reports failure by a jump back to here. */
 static int encode(const struct picture *picture, FILE *stream)
 {
     errno = 0;

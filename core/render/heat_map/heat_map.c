@@ -8,7 +8,7 @@
 #include "render/heat_map/quad.h"
 #include "render/heat_map/section.h"
 
-/* The page, in pixels. */
+/* Layout of the page, in page units. */
 enum { SIDE = 760, MARGIN = 14, HEAD = 46, FOOT = 54, LEAST_WIDTH = 420, LETTERS = 8 };
 
 static const unsigned char ink[3] = {26, 26, 26}, paper[3] = {255, 255, 255};
@@ -17,10 +17,10 @@ struct page {
     const struct orl_heat_map *map;
     struct orl_scale scale;
     struct orl_canvas *canvas;
-    double low[2], high[2]; /* what is shown, u and v */
-    double pixels;          /* a scene unit */
-    double x, y;            /* the upper left corner */
-    double left, bottom;    /* where low is */
+    double low[2], high[2]; /* area shown, u and v */
+    double pixels;          /* page units per scene unit */
+    double x, y;            /* upper left corner of the map */
+    double left, bottom;    /* position of `low` on the page */
     double width, height;
 };
 
@@ -40,7 +40,8 @@ static void write(const struct page *page, double x, double y, enum orl_canvas_a
 
 /* ---- Layout ---------------------------------------------------------------------------------- */
 
-/* What of a piece is within the frame (Liang and Barsky 1984); false: nothing. */
+/* Clips a segment to the frame (Liang and Barsky 1984); ret: the part inside. Returns false if
+ * there is none. */
 static bool clip(const struct page *page, const double from[2], const double to[2], double ret[2])
 {
     ret[0] = 0;
@@ -59,7 +60,7 @@ static bool clip(const struct page *page, const double from[2], const double to[
     return ret[0] < ret[1];
 }
 
-/* How far the plan reaches in the frame. */
+/* The extent of the plan within the frame. */
 struct extent {
     const struct page *frame;
     double low[2], high[2];
@@ -79,7 +80,8 @@ static void reach(void *ctx, const double from[2], const double to[2])
         }
 }
 
-/* The cells, and of an eighth more to every side what has walls in it, with some paper about. */
+/* Sets the area shown: the cells, plus the parts with walls up to an eighth more on every side,
+ * plus a margin. */
 static void lay_out(struct page *page, double side)
 {
     const struct orl_sensor_plane *plane = page->map->plane;
@@ -105,7 +107,7 @@ static void lay_out(struct page *page, double side)
     page->bottom = page->y + HEAD + down;
 }
 
-/* What 99 of 100 sensors of the plane stay below. */
+/* Makes the scale. Its top covers 99 of 100 sensors of the plane. */
 static int make_scale(struct page *page)
 {
     const struct orl_sensor_plane *plane = page->map->plane;
@@ -154,7 +156,7 @@ static bool is_dark(const unsigned char rgb[3])
     return 3 * rgb[0] + 6 * rgb[1] + rgb[2] < 1200;
 }
 
-/* Whether the numbers of all cells have room in them. */
+/* Returns true if the numbers of all cells fit into them. */
 static bool has_room(const struct page *page)
 {
     const struct orl_sensor_plane *plane = page->map->plane;
@@ -250,7 +252,7 @@ static void draw_head(struct page *page)
     write(page, page->x + MARGIN, page->y + 34, ORL_CANVAS_LEFT, ink, text);
 }
 
-/* A length of 1, 2 or 5 times a power of ten, some hundred pixels long. */
+/* Draws a scale bar of 1, 2 or 5 times a power of ten, some hundred page units long. */
 static void draw_length(struct page *page, double right, double y)
 {
     const char *unit = page->map->how->length_unit[0] ? page->map->how->length_unit : "m";

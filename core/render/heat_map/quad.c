@@ -7,7 +7,8 @@ struct orl_quad orl_quad_of(double x0, double y0, double x1, double y1)
     return (struct orl_quad){{x0, x1, x1, x0}, {y0, y0, y1, y1}};
 }
 
-/* How far a point lies within the edge that starts at corner k, of a quad that turns that way. */
+/* Returns the distance of a point inside the edge that starts at corner k, times the edge's length;
+ * turn: sign of the quad's orientation. */
 static double within(const struct orl_quad *q, int k, double turn, double x, double y)
 {
     const int n = (k + 1) % 4;
@@ -27,7 +28,7 @@ static void bounds_of(const double v[4], double *ret_low, double *ret_high)
     *ret_high = fmax(fmax(v[0], v[1]), fmax(v[2], v[3]));
 }
 
-/* The part of the line x + y = sum, from (x0, sum - x0) along (1, -1), that is within all edges. */
+/* Clips the line x + y = sum, from (x0, sum - x0) along (1, -1), to the quad. */
 static void clip(const struct orl_quad *q, double x0, double sum, double *from, double *to)
 {
     const double turn = turn_of(q);

@@ -7,10 +7,10 @@
 
 #include "render/film/png.h"
 
-/* What becomes of the geometric mean of luminances, in proportion: middle gray. */
+/* Display value of the geometric mean of luminances, relative to white: middle gray. */
 static const double middle_gray = 0.18;
 
-/* Adds up what the geometric mean is of. */
+/* Adds a film's logarithms for the geometric mean. */
 static void add_logarithms(const struct orl_film *film, double *sum, double *lit)
 {
     for (size_t i = 0; i < (size_t)film->width * film->height; i++) {
@@ -27,7 +27,7 @@ static double factor_for_mean(double sum, double lit)
     return lit > 0 ? middle_gray / exp(sum / lit) : middle_gray;
 }
 
-/* What the eye takes in of the film; nothing for the other tones. */
+/* Makes the foveal samples of the film; does nothing for other tones. */
 static int take_in(struct orl_shown *shown, const struct orl_film *film,
                    const struct orl_view *view, const struct orl_display *how)
 {
@@ -115,9 +115,9 @@ int orl_shown_init_in_common(struct orl_shown *shown, const struct orl_film *fil
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
 /*
- * Colours fade between the luminances where the eye's cones and where its rods see alone. Scotopic
- * luminance by the paper's approximation from X, Y and Z, in Radiance's primaries; white is as
- * bright by either.
+ * Desaturates colours between the luminances of purely photopic and purely scotopic vision.
+ * Scotopic luminance is the paper's approximation from X, Y and Z, in Radiance's primaries; white
+ * is equally bright by both.
  */
 static void fade(float rgb[3])
 {
@@ -132,7 +132,7 @@ static void fade(float rgb[3])
         rgb[c] = (float)(color * (double)rgb[c] + (1 - color) * gray);
 }
 
-/* Brings a colour of that brightness, which is at most 1, within the display's. */
+/* Moves a colour of that brightness, at most 1, into the display's gamut. */
 static void keep_within(float rgb[3], double brightness)
 {
     const double most = fmax((double)rgb[0], fmax((double)rgb[1], (double)rgb[2]));
@@ -174,8 +174,8 @@ uint16_t orl_srgb(double linear, uint16_t white)
     return (uint16_t)lrint(white * s);
 }
 
-/* To 8 bits: the least linear value of each byte, and the byte of every so many-th part of 1, from
- * where the search goes up. */
+/* Table of the 8-bit curve: the least linear value of each byte, and the byte at every 1/PARTS,
+ * from which the search proceeds upwards. */
 enum { PARTS = 1024 };
 struct curve {
     double least[257];
@@ -219,7 +219,7 @@ void orl_shown_bytes(const struct orl_shown *shown, unsigned char *ret_rgb)
         }
 }
 
-/* PNG has the more significant byte first. */
+/* Writes 16-bit words, the more significant byte first as in PNG. */
 static void to_words(const struct orl_shown *shown, unsigned char *ret_rgb)
 {
     for (uint32_t y = 0; y < shown->film->height; y++)

@@ -7,7 +7,7 @@
 #include "base/kth.h"
 #include "render/picture/legend.h"
 
-/* The scale: what its ends show. */
+/* Ends of the scale. */
 static const double least = 1e-3, most = 1;
 
 static double luma_of(const struct orl_film *film, size_t pixel)
@@ -33,7 +33,7 @@ double orl_film_relative_error(const struct orl_film *film, size_t pixel, double
 
 /* ---- Smoothing ------------------------------------------------------------------------------- */
 
-/* Whether two pixels differ by no more than chance would have it. */
+/* Returns true if two pixels differ by no more than their noise explains. */
 static bool alike(const struct orl_film *film, size_t a, size_t b)
 {
     const double off = luma_of(film, a) - luma_of(film, b);
@@ -105,7 +105,7 @@ static void draw_pixels(const struct orl_film *film, const struct orl_sheet *she
                 orl_sheet_at(sheet, x, y));
 }
 
-/* "median 1.4 %, 95 % of pixels below 6.1 %". Returns 0 or ORL_ERR_NOMEM. */
+/* Writes "median 1.4 %, 95 % of pixels below 6.1 %". Returns 0 or ORL_ERR_NOMEM. */
 static int say_how_large(const struct orl_film *film, char *ret_text, size_t size)
 {
     const size_t n = (size_t)film->width * film->height;

@@ -44,7 +44,7 @@ static int draw_shown(const struct orl_shown *shown, const struct orl_sheet *she
     return 0;
 }
 
-/* Bands about the levels, a tenth of the step to the next ones wide to either side. */
+/* Draws bands about the levels, each a tenth of the step to the next levels wide to either side. */
 static void draw_bands(const struct orl_film *film, const struct orl_scale *scale,
                        const struct orl_sheet *sheet)
 {
@@ -68,7 +68,7 @@ static void draw_bands(const struct orl_film *film, const struct orl_scale *scal
 
 enum { TEXT_UNITS = 8 };
 
-/* On false colours: black on light, white on dark. */
+/* Returns a pen for lines on false colours: black on light, white on dark. */
 static struct orl_pen plain_pen(const struct orl_scale *scale, size_t level, double unit)
 {
     unsigned char under[3];
@@ -79,7 +79,7 @@ static struct orl_pen plain_pen(const struct orl_scale *scale, size_t level, dou
     return pen;
 }
 
-/* On the picture: in the level's colour. */
+/* Returns a pen for lines on the picture: in the level's colour. */
 static struct orl_pen colored_pen(const struct orl_scale *scale, size_t level, double unit)
 {
     struct orl_pen pen = {.size = TEXT_UNITS * unit, .weight = 1.8 * unit};

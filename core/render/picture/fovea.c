@@ -4,8 +4,8 @@
 
 #include <oriel/units.h>
 
-/* The share of what an eye takes in that it scatters (the 0.087 of Holladay's formula, less what
- * falls beyond the picture; as Radiance's pcond has it). */
+/* Share of the light that the eye scatters (the 0.087 of Holladay's formula, less the part that
+ * falls beyond the picture; as in Radiance's pcond). */
 static const double scattered = 0.08;
 
 void orl_view_degrees(const struct orl_view *view, double *ret_width, double *ret_height)
@@ -28,7 +28,7 @@ static uint32_t side_of(double degrees, uint32_t pixels)
     return (uint32_t)fmax(fmin(round(degrees), most), 1);
 }
 
-/* The pixels that sample i of n covers, of so many. */
+/* Returns the first pixel of sample i of n. */
 static uint32_t edge_of(uint32_t i, uint32_t n, uint32_t pixels)
 {
     return (uint32_t)((uint64_t)i * pixels / n);
@@ -75,7 +75,8 @@ void orl_fovea_done(struct orl_fovea *fovea)
 
 /* ---- Veil ------------------------------------------------------------------------------------ */
 
-/* Directions of the samples; zero where the view sees nothing. NULL: out of memory. */
+/* Returns the directions of the samples, zero where the view shows nothing; NULL if out of memory.
+ * The caller frees them. */
 static struct orl_vec3 *look(const struct orl_fovea *fovea, const struct orl_view *view)
 {
     struct orl_vec3 *ways = calloc((size_t)fovea->width * fovea->height, sizeof *ways);
@@ -89,8 +90,8 @@ static struct orl_vec3 *look(const struct orl_fovea *fovea, const struct orl_vie
     return ways;
 }
 
-/* What is scattered into a sample from all others: they weigh cos t / t^2, where twice the versine
- * of t stands for t^2. */
+/* Computes the light scattered into a sample from all others. Their weight is cos t / t^2, with t^2
+ * approximated by twice the versine of t. */
 static void scatter(struct orl_fovea *fovea, const struct orl_vec3 *ways, size_t at)
 {
     const size_t n = (size_t)fovea->width * fovea->height;
@@ -125,7 +126,7 @@ int orl_fovea_add_veil(struct orl_fovea *fovea, const struct orl_view *view)
     return ways && fovea->veil ? 0 : ORL_ERR_NOMEM;
 }
 
-/* Samples and weights about a place along one side. */
+/* Returns the samples and weights about a position along one side. */
 static void between(double at, uint32_t count, uint32_t *ret_low, uint32_t *ret_high,
                     double *ret_share)
 {

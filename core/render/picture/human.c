@@ -4,12 +4,13 @@
 
 #include <oriel/units.h>
 
-/* Of the display and of the eye, cd/m2. */
+/* Ranges of the display and of the eye, cd/m2. */
 static const double display_most = 100, display_range = 100;
 static const double least_seen = 1e-7, most_seen = 1e7;
-/* Trimming ends when it takes less than this share; as little is left where all goes. */
+/* Trimming ends when it removes less than this share of the histogram; if less than that is left,
+ * all has been trimmed. */
 static const double tolerance = 0.025;
-/* Of a histogram with a flat ceiling trimming would go on for ever. */
+/* Limit of the iterations: with a flat ceiling trimming would not end. */
 enum { MOST_ROUNDS = 200 };
 
 double orl_luminance(const float rgb[3])
@@ -58,7 +59,8 @@ void orl_human_look(struct orl_human_tally *h, const struct orl_film *film,
         widen(h, orl_luminance(fovea->pixels[i]));
 }
 
-/* A bin below the range is the first one's again, so that the darkest are not black. */
+/* The range has one bin below the least luminance, which orl_human_settle fills from the next one,
+ * so that the darkest pixels are not black. */
 bool orl_human_find_range(struct orl_human_tally *h)
 {
     const double most = fmin(1.01 * h->most, most_seen);
@@ -96,7 +98,7 @@ void orl_human_count(struct orl_human_tally *h, const struct orl_film *film,
 
 /* ---- The curve ------------------------------------------------------------------------------- */
 
-/* Shares below each bin, of a histogram; returns its total. */
+/* Sets the share of a histogram below each bin; returns its total. */
 static double accumulate(const double bins[ORL_HUMAN_BINS], double share[ORL_HUMAN_BINS + 1])
 {
     double total = 0, sum = 0;
@@ -110,7 +112,7 @@ static double accumulate(const double bins[ORL_HUMAN_BINS], double share[ORL_HUM
     return total;
 }
 
-/* The logarithm of what the display shows of b, which is one too. */
+/* Returns the logarithm of the displayed luminance for that of a scene luminance. */
 static double display_of(const struct orl_human *human, double b)
 {
     const double low = log(display_most / display_range), high = log(display_most);
@@ -125,8 +127,8 @@ static double display_of(const struct orl_human *human, double b)
     return low + share * (high - low);
 }
 
-/* No bin may hold more than what the eye would tell apart in it (equation 7 of the paper). False:
- * next to nothing is left, for the scene asks for less than the display has. */
+/* Trims each bin to the contrast that the eye could see in it (equation 7 of the paper). Returns
+ * false if almost nothing is left, because the scene needs less than the display's range. */
 static bool trim(struct orl_human *human, const struct orl_human_tally *h)
 {
     double bins[ORL_HUMAN_BINS], cut = INFINITY, total = h->total;
@@ -151,7 +153,7 @@ static bool trim(struct orl_human *human, const struct orl_human_tally *h)
     return true;
 }
 
-/* In proportion, such that middling luminances are seen as well as they would be in place. */
+/* Returns the factor of a linear mapping that keeps the visibility of average luminances. */
 static double proportion(const struct orl_human_tally *h)
 {
     const double middle = display_most / sqrt(display_range);

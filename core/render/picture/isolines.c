@@ -5,10 +5,10 @@
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-/* Shares of the scale, as they are and smoothed. */
+/* Values as shares of the scale, original and smoothed. */
 struct field {
     uint32_t width, height;
-    uint32_t reach;        /* of the smoothing, pixels */
+    uint32_t reach;        /* radius of the smoothing, pixels */
     float *sharp, *smooth; /* owned */
 };
 
@@ -18,7 +18,7 @@ static void field_done(struct field *field)
     free(field->smooth);
 }
 
-/* Means of a pixel and its neighbours along one way, 1 2 1: from `from` to `to`. */
+/* Filters a pixel and its neighbours along one axis by 1 2 1. */
 static void blur_along(const float *from, float *to, const struct field *f, bool upright)
 {
     const size_t step = upright ? f->width : 1;
@@ -62,8 +62,8 @@ struct segment {
     double x0, y0, x1, y1;
 };
 
-/* Where a line enters and leaves the square whose corners are about pixel (x, y) and the next ones:
- * up to two segments. */
+/* Finds the segments, up to two, of a level in the square between pixel (x, y) and the next ones.
+ * Returns their number. */
 static int cross(const struct field *f, uint32_t x, uint32_t y, double level,
                  struct segment ret_segments[2])
 {
@@ -86,7 +86,7 @@ static int cross(const struct field *f, uint32_t x, uint32_t y, double level,
     return n / 2;
 }
 
-/* Whether there is the edge of a thing about a square: a leap over more than one step. */
+/* Returns true if an object's edge is near a square: a jump by more than one step. */
 static bool is_edge(const struct field *f, uint32_t x, uint32_t y, double step)
 {
     float least = INFINITY, most = -INFINITY;
@@ -106,7 +106,7 @@ static bool is_edge(const struct field *f, uint32_t x, uint32_t y, double step)
 
 enum { MOST_TEXTS = 1024 };
 
-/* Texts that stand. */
+/* Positions of the texts so far. */
 struct texts {
     struct {
         double x, y, turn;
@@ -129,8 +129,8 @@ void orl_letters_on_anything(const struct orl_raster *raster, const struct orl_p
     orl_letters_draw(raster, pen, left, base, text);
 }
 
-/* A text along a segment, where none is near: the same number not within a third of the picture,
- * another not where it would be covered. */
+/* Places a text along a segment, unless one is near: the same number within a third of the picture,
+ * or another that it would overlap. */
 static void try_text(struct texts *texts, const struct field *f, const struct segment *s,
                      size_t level, double size)
 {
@@ -151,8 +151,8 @@ static void try_text(struct texts *texts, const struct field *f, const struct se
     texts->at[texts->n++].level = level;
 }
 
-/* A line followed from a segment's end, over so many pixels at the most: how far it goes, and where
- * to. What leaves the picture is as long as one may ask. */
+/* Follows a line from a segment's end over at most `reach` pixels. Returns its length and sets its
+ * end. A line that leaves the picture has length `reach`. */
 static double follow(const struct field *f, const struct segment *s, double level, double step,
                      double reach, double ret_end[2])
 {
@@ -182,7 +182,7 @@ static double follow(const struct field *f, const struct segment *s, double leve
     return length;
 }
 
-/* The lengths of line to both sides of a segment, and its ends. */
+/* Returns the lengths of the line on both sides of a segment, and its ends. */
 static void follow_both(const struct field *f, const struct segment *s, double level, double step,
                         double reach, double ret_lengths[2], struct segment *ret_whole)
 {
@@ -193,10 +193,10 @@ static void follow_both(const struct field *f, const struct segment *s, double l
     *ret_whole = (struct segment){ends[0][0], ends[0][1], ends[1][0], ends[1][1]};
 }
 
-/* Shorter lines are specks, in units. */
+/* Lines shorter than this many units are specks. */
 static const double shortest = 16;
 
-/* A level's lines, once as their rim and once as themselves; texts find their places. */
+/* Draws a level's lines, first as rims and then as lines, and places their texts. */
 static void draw_level(const struct orl_raster *raster, const struct field *f,
                        const struct orl_scale *scale, size_t level, const struct orl_pen *pen,
                        double unit, struct texts *texts)
@@ -233,7 +233,7 @@ static struct orl_pen rim_of(const struct orl_pen *pen)
     return rim;
 }
 
-/* Texts keep off marks and what is written to their right. */
+/* Keeps texts off marks and off the labels to their right. */
 static void keep_off(struct texts *texts, const struct orl_false_color *how, double unit)
 {
     for (uint32_t i = 0; i < how->n_points; i++)

@@ -12,16 +12,16 @@
 
 static const double usual_frame_s = 0.5;
 
-/* What is done with every picture in turn. */
+/* State of a pass over all pictures. */
 struct passage {
     const struct orl_sequence *sequence;
-    uint32_t width, height; /* of the first */
+    uint32_t width, height; /* size of the first picture */
     struct orl_common common;
     struct orl_contact_sheet sheet;
     struct orl_apng *animation;
-    struct orl_raster frame; /* a picture with its strip; owned */
+    struct orl_raster frame; /* a picture with its strip; its pixels are owned */
     size_t brightest;
-    double most; /* its light, the sum of its luminances; 0: all are black */
+    double most; /* light of the brightest picture: sum of its luminances; 0: all are black */
     bool begins_black;
 };
 
@@ -119,7 +119,7 @@ static int find_exposure(struct passage *p, struct orl_error *err)
 
 /* ---- What is shown --------------------------------------------------------------------------- */
 
-/* The picture, without its strip. */
+/* Tone-maps the picture, without its strip. */
 static int expose(struct passage *p, const struct orl_hdr_picture *picture, struct orl_error *err)
 {
     struct orl_shown shown;

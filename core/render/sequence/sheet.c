@@ -8,7 +8,7 @@
 
 #include "render/picture/display.h"
 
-/* In units, of which a picture has 240 across; a unit is a pixel at the least. */
+/* Sizes in units. A picture is UNITS_ACROSS units wide; a unit is at least a pixel. */
 enum { UNITS_ACROSS = 240, USUAL_WIDTH = 240, STRIP_ACROSS = 400 };
 enum { MARGIN = 14, TITLE = 30, GAP = 12, LINE = 14, TITLE_SIZE = 11, TEXT_SIZE = 8 };
 enum { STRIP = 20, STRIP_SIZE = 9 };
@@ -22,7 +22,7 @@ static double unit_of(double width, double across)
 
 /* ---- Where all stands ------------------------------------------------------------------------ */
 
-/* Columns that make the sheet about as wide as high. */
+/* Returns the number of columns for a sheet that is about square. */
 static uint32_t columns_for(const struct orl_contact_sheet *sheet, size_t count)
 {
     const double cell = (double)sheet->step_y / sheet->step_x;
@@ -56,7 +56,7 @@ static bool is_too_large(const struct orl_contact_sheet *sheet)
            (uint64_t)sheet->raster.width * sheet->raster.height > ORL_LIMIT_IMAGE_PIXELS;
 }
 
-/* A text no wider than that, standing on y. */
+/* Draws a text no wider than that; y: its baseline. */
 static void write_line(const struct orl_raster *raster, double x, double y, double width,
                        double size, const char *text)
 {
@@ -103,7 +103,7 @@ void orl_contact_sheet_done(struct orl_contact_sheet *sheet)
 
 /* ---- Pictures made smaller ------------------------------------------------------------------- */
 
-/* Adds a row of the picture to sums, so many for each pixel across. */
+/* Adds a row of the picture to the sums of the reduced row's pixels. */
 static void add_row(const struct orl_contact_sheet *sheet, const unsigned char *row, uint32_t width,
                     double weight, double *sums)
 {
