@@ -23,15 +23,15 @@ static void make_key(const unsigned char content[ORL_COMPILED_DIGEST],
     sodium_bin2hex(ret_key, ORL_DIGEST_HEX + 1, digest, sizeof digest);
 }
 
-/* One BSDF that is asked for. */
+/* A request for one BSDF. */
 struct request {
     struct orl_run_state *state;
     const struct orl_bsdf_xml *xml;
     const unsigned char *content;
-    struct orl_bsdf *bsdf; /* once it is there */
+    struct orl_bsdf *bsdf; /* result, once loaded */
 };
 
-/* Where the digest was told and not worked out, the XML may be another by now. */
+/* Verifies the XML if its digest was supplied by the caller: it may have changed since. */
 static int check_content(const struct request *r, struct orl_error *err)
 {
     unsigned char content[ORL_COMPILED_DIGEST];

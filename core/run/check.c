@@ -70,7 +70,8 @@ int orl_prepare_thread(struct orl_error *err)
     return orl_geometry_prepare_thread(err);
 }
 
-/* *ret_scene is the caller's, or NULL. swaps: materials that shades give windows; or NULL. */
+/* Reads a scene; the caller owns *ret_scene, which may be NULL. swaps: materials that shades give
+ * windows, or NULL. */
 static int read_swapped(const char *const *main_files, size_t n_files,
                         const struct orl_files *files, const struct orl_swaps *swaps,
                         const atomic_bool *cancel, struct orl_scene **ret_scene,

@@ -4,7 +4,7 @@
 
 #include "plan/decide.h"
 
-static const double least_effective = 30; /* samples */
+static const double least_effective = 30; /* effective number of samples */
 /* A difference counts beyond so many joint standard errors, and such a share of the light. */
 static const double differs_in_errors = 5, differs_by = 0.1;
 /* A difference of a class counts if it is such a share of the class's light, in those groups in
@@ -15,9 +15,10 @@ static const double bound_in_errors = 2;
 /* A group beside what the technique found for the same sensors. */
 struct compared {
     const struct orl_plain_group *group;
-    double lx;    /* sum of the values that the technique found */
-    double error; /* sum of the standard errors that the intervals imply: those of neighbours are
-                     taken to be correlated */
+    double lx; /* sum of the technique's values */
+    /* sum of the standard errors implied by the intervals; those of neighbours are assumed
+     * correlated */
+    double error;
 };
 
 static struct compared compare(const struct orl_result *r, const struct orl_plain_groups *groups,

@@ -32,10 +32,10 @@ struct orl_plain_groups {
     const struct orl_plain_group *groups;
     size_t count, stride;
     uint32_t paths; /* of each sensor that was traced */
-    bool find_all;  /* paths find all light, and often */
+    bool find_all;  /* true if paths find all light, with a sufficient probability */
 };
 
-/* Fills the result's cross_check, and widens, marks and warns. */
+/* Sets the result's cross_check, widens intervals, marks sensors and warns. */
 void orl_cross_check_judge(struct orl_run_state *state, const struct orl_plain_groups *groups);
 
 #endif

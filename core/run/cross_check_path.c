@@ -7,9 +7,9 @@
 enum { SURE_BOUNCES = 2 };
 
 struct trip {
-    struct orl_eye_path eye; /* first: what sinks are given */
+    struct orl_eye_path eye; /* must be first: sinks receive a pointer to it */
     struct orl_health *health;
-    uint32_t reflections, most_reflections; /* diffuse ones */
+    uint32_t reflections, most_reflections; /* number of diffuse reflections, and its limit */
     /* Radiance that the path has found before its first diffuse reflection: what surfaces on the
      * way reflect diffusely of suns and lamps, and the rest. The rest is set at that reflection. */
     struct orl_rgb lit, unreflected;
@@ -43,7 +43,7 @@ static struct orl_rgb lit_by_lights(struct orl_eye_path *p, struct orl_rgb albed
                          1 / ORL_PI);
 }
 
-/* Adds what the surface shines, and reflects of suns and lamps. */
+/* Adds the light that the surface emits, and that it reflects of suns and lamps. */
 static enum orl_lobes shade_hit(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct trip *t = trip_of(p);

@@ -1,7 +1,5 @@
-/*
- * What an accuracy takes, before a job is paid for: two small rounds of it by its technique, of
- * some of its sensors and of coarse pictures, and the model of cost.h from there on.
- */
+/* Predicts the cost of an accuracy before a job is started: two small rounds by its technique, with
+ * some of its sensors and coarse pictures, extrapolated by the model of cost.h. */
 #include "run/curve.h"
 
 #include <math.h>
@@ -14,13 +12,15 @@
 #include "scene/material/lobed.h"
 
 enum { MOST_SENSORS = 64, MOST_PIXELS = 4096, MOST_PIXELS_OF_MAPS = 16384 };
-/* Nobody gets there: a pilot ends by its rounds. */
+/* An unreachable accuracy: a pilot ends by its number of rounds. */
 static const double aim = 1e-4, usual_share = 0.95;
-/* A final gather's time goes as that power of pixels: most of it is for records, of which larger
- * pictures have fewer a pixel. An office through glass and through panels, from 4 thousand to 260
- * thousand pixels: 8.7 and 7.7 times as long. */
+/*
+ * Exponent of a final gather's time over pixels: most of it is for records, of which larger
+ * pictures have fewer per pixel. An office through glass and through panels, from 4 thousand to 260
+ * thousand pixels, took 8.7 and 7.7 times as long.
+ */
 static const double gather_power = 0.55;
-/* Photons of a round by maps may take so long; fewest samples that these go with. */
+/* Maximum time for the photons of a round by maps, and the minimum samples for them. */
 static const double photons_s = 1, fewest_samples = 256;
 
 static int take_some_sensors(struct orl_run_state *state, struct orl_pilot *pilot,
@@ -56,7 +56,9 @@ static uint32_t shrink(uint32_t side, double by)
     return (uint32_t)fmax(ceil(side * by), 1);
 }
 
-/* All of them, with so many pixels together. Nothing is made of them: no metrics, no files. */
+/*
+ * Replaces the job's views by small ones with that many pixels in total, without metrics and files.
+ */
 static int take_small_views(struct orl_job *job, struct orl_pilot *pilot, struct orl_error *err)
 {
     const double all = pixels_of(job), most = job->technique == ORL_TECHNIQUE_BACKWARD
@@ -79,7 +81,7 @@ static int take_small_views(struct orl_job *job, struct orl_pilot *pilot, struct
     return 0;
 }
 
-/* Of a round by photon maps; 0 by paths. */
+/* Returns the samples of a round by photon maps; 0 for paths. */
 static double samples_of(const struct orl_run_state *state)
 {
     const double all = state->cost_s[ORL_STAGE_PHOTONS], unit = ORL_MAP_BATCHES;

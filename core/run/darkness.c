@@ -1,11 +1,11 @@
-/* Results without light: of some places a warning, of all an error that nobody overlooks. */
+/* Results without light: a warning if some are black, an error if all are. */
 #include <stdio.h>
 
 #include "run/stages.h"
 
-/* What came out black. */
+/* Numbers of black results. */
 struct darkness {
-    size_t sensors, views; /* how many */
+    size_t sensors, views; /* number of black sensors and views */
     size_t first_sensor, first_view;
 };
 

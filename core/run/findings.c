@@ -64,7 +64,7 @@ void orl_findings_done(struct orl_findings *findings)
     *findings = (struct orl_findings){0};
 }
 
-/* A round's picture: a luma, and perhaps its error, for every pixel; and the colours. */
+/* Adds a round's picture: the luma of every pixel, its error if known, and the colours. */
 int orl_findings_add_film(struct orl_findings *findings, size_t view, const struct orl_film *film,
                           double effort, struct orl_error *err)
 {

@@ -1,4 +1,5 @@
-/* What comes after a round: how large the next one is, by the job's goal, and what is left to do.
+/*
+ * Decides what follows a round: the size of the next one by the job's goal, and the remaining work.
  */
 #include "run/goals.h"
 
@@ -9,9 +10,9 @@
 #include "run/deadline.h"
 #include "run/goal_guess.h"
 
-/* Work is given up when this much more than what is allowed would be needed. */
+/* A job ends early if it would need this multiple of the allowed work. */
 static const double hopeless = 2;
-/* Of a job for an error of DGP. */
+/* For a goal of a DGP error. */
 enum { LEAST_ROUNDS = 4 };
 
 double orl_rounds_guess_wanted(const struct orl_rounds *r)
@@ -28,7 +29,8 @@ void orl_rounds_foresee(struct orl_rounds *r)
     const double samples = r->samples, done = r->pace.samples + samples;
     state->after_s = 0;
     if (r->pace.rounds > 0) {
-        const double beside = r->pace.beside_s / r->pace.rounds; /* after its last progress */
+        /* After its last progress report. */
+        const double beside = r->pace.beside_s / r->pace.rounds;
         orl_pace_foresee(&r->pace, &r->work, samples, foreseen);
         foreseen[ORL_STAGE_RENDER] -= beside;
         state->after_s = beside;
@@ -60,7 +62,7 @@ static void end(struct orl_rounds *r, bool met, const char *format, ...)
     r->ended = true;
 }
 
-/* After a round of a job for an accuracy: how large is the next one, if any. */
+/* Decides after a round of a job for an accuracy. */
 static void go_on_for_error(struct orl_rounds *r, const struct orl_parts *parts)
 {
     const double target = r->state->job->goal.relative_error, done = r->pace.samples;
@@ -89,7 +91,7 @@ static void go_on_for_error(struct orl_rounds *r, const struct orl_parts *parts)
     r->wanted = fmin(wanted, limit);
 }
 
-/* Half the widest interval of DGP of a view that asks for metrics; NaN: not known. */
+/* Returns half the widest DGP interval of the views with metrics; NaN if unknown. */
 static double dgp_error(const struct orl_run_state *state)
 {
     double widest = 0;
@@ -106,8 +108,8 @@ static double dgp_error(const struct orl_run_state *state)
     return widest;
 }
 
-/* After a round of a job for an error of DGP. Rounds are equal until there are as many as batches
- * are kept apart; then pairs of these are one, and rounds are as large as they. */
+/* Decides after a round of a job for a DGP error. Rounds are equal until there are as many as
+ * batches are kept. Pairs of batches are then merged, and rounds grow to that size. */
 static void go_on_for_dgp(struct orl_rounds *r)
 {
     const double target = r->state->job->goal.dgp_error, limit = orl_work_limit();
@@ -128,7 +130,7 @@ static void go_on_for_dgp(struct orl_rounds *r)
         r->wanted = fmax(r->wanted, LEAST_ROUNDS * r->samples);
 }
 
-/* After a round of a job for a deadline. */
+/* Decides after a round of a job for a deadline. */
 static void go_on_for_time(struct orl_rounds *r)
 {
     const double deadline = r->state->job->goal.deadline_s;

@@ -17,7 +17,7 @@ static bool read_kept(const struct orl_kept_bsdf *bsdf, const char *path, const 
     return found;
 }
 
-/* Whether it is there now; what fails leaves it to be made by whoever wants it next. */
+/* Stores the BSDF. Returns false on failure; the next job then makes it again. */
 static bool put(const struct orl_kept_bsdf *bsdf, const struct orl_map_store *store,
                 const char *path, struct orl_map_info *info)
 {
@@ -64,7 +64,7 @@ int orl_kept_bsdf_get(const struct orl_kept_bsdf *bsdf, const struct orl_bsdf_ma
                            (atomic_bool *)(uintptr_t)env->cancel, path, &hit, &found, NULL);
         if (code == ORL_ERR_CANCELLED)
             return orl_error_set(err, code, "cancelled");
-        if (code < 0) { /* it is made for this job alone */
+        if (code < 0) { /* it is made for this job only */
             path[0] = '\0';
             break;
         }

@@ -18,8 +18,8 @@ struct header {
     uint32_t version, byte_order;
     char key[ORL_DIGEST_HEX], family[ORL_DIGEST_HEX];
     uint64_t target, rays;
-    uint64_t words, coded;                      /* in all, and as the file has them */
-    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* of all after the header */
+    uint64_t words, coded;                      /* number of words, decoded and encoded */
+    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* checksum of all after the header */
     unsigned char of_header[ORL_CHECKSUM_BYTES];
 };
 _Static_assert(sizeof(struct header) == 208, "without holes");
@@ -36,7 +36,7 @@ static size_t count_zeros(const uint32_t *words, size_t at, size_t n)
     return at - from;
 }
 
-/* Up to the next zeros that are worth a run. */
+/* Returns the number of words before the next zeros that are worth a run. */
 static size_t count_others(const uint32_t *words, size_t at, size_t n)
 {
     const size_t from = at;
@@ -49,7 +49,7 @@ static size_t count_others(const uint32_t *words, size_t at, size_t n)
     return at - from;
 }
 
-/* Returns how many words; NULL: they are only counted. */
+/* Encodes the words; returns their encoded number. ret_coded: NULL only counts. */
 static size_t encode(const uint32_t *words, size_t n, uint32_t *ret_coded)
 {
     size_t used = 0;
@@ -153,7 +153,7 @@ static int check_header(const char *path, const struct header *h, uint64_t bytes
     return 0;
 }
 
-/* *ret_file is to be closed where that succeeds. */
+/* Opens a file and checks its header. The caller closes *ret_file on success. */
 static int open_file(const char *path, struct header *h, struct orl_kept_about *ret_about,
                      FILE **ret_file, struct orl_error *err)
 {

@@ -15,12 +15,12 @@ enum { LEAST_SURFACES = 10000, LEAST_BYTES = 1 << 18 };
 struct reading {
     struct orl_run_state *state;
     struct orl_bsdf_loader loader;
-    struct orl_sources sources;                /* main files, once they are opened */
-    struct orl_description *description;       /* of the caller's */
-    unsigned char content[ORL_SEALED_CONTENT]; /* what it is of */
+    struct orl_sources sources;                /* main files, once opened */
+    struct orl_description *description;       /* owned by the caller */
+    unsigned char content[ORL_SEALED_CONTENT]; /* digest of all that the scene depends on */
 };
 
-/* Sources, unless they are there. */
+/* Initialises the sources unless they exist. */
 static void begin(struct reading *r)
 {
     if (!r->sources.arena)
@@ -29,7 +29,7 @@ static void begin(struct reading *r)
 
 /* ---- What it goes by ------------------------------------------------------------------------- */
 
-/* Whether the text names other files of surfaces: then its size says little. */
+/* Returns true if the text names other files of surfaces, so that its size says little. */
 static bool names_more(const struct orl_file *file)
 {
     static const char *const endings[] = {".rad", ".oct", ".rtm",  ".obj",
@@ -40,7 +40,7 @@ static bool names_more(const struct orl_file *file)
     return false;
 }
 
-/* The scene's own files, as far as the job names them; *ret_large: it may be worth keeping. */
+/* Hashes the scene's own files that the job names; *ret_large: the scene may be worth storing. */
 static int digest_files(struct reading *r, struct orl_sha256 *hash, bool *ret_large)
 {
     const struct orl_job *const job = r->state->job;
@@ -64,7 +64,7 @@ static int digest_files(struct reading *r, struct orl_sha256 *hash, bool *ret_la
     return code;
 }
 
-/* False: it is not to be kept. */
+/* Computes the key. Returns false if the scene is not to be stored. */
 static bool identify(struct reading *r)
 {
     static const char start[] = "oriel scene";

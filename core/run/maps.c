@@ -6,7 +6,8 @@
 #include "run/map_keys.h"
 #include "run/pieces.h"
 
-/* One photon of so many emissions, and so many of these, are worth a word. */
+/* Warn if fewer than one photon per FEW_PHOTONS emissions is stored and there were more than
+ * MANY_EMISSIONS. */
 enum { FEW_PHOTONS = 16, MANY_EMISSIONS = 10000000 };
 
 struct map_work {
@@ -15,18 +16,18 @@ struct map_work {
     char path[4096];
     struct orl_map_name name;
     struct orl_map_info info;
-    struct orl_photon_map *earlier; /* smaller, of the same family: to be topped up; or NULL */
+    struct orl_photon_map *earlier; /* smaller map of the same family, which is extended; or NULL */
     struct orl_map_info earlier_info;
 };
 
-/* Where maps are kept; NULL: nowhere, they go with the run, as a pilot's do. */
+/* Returns the store, or NULL if maps stay with the run, as a pilot's do. */
 static const struct orl_map_store *store_of(const struct orl_run_state *state)
 {
     return state->pilot ? NULL : state->env->store;
 }
 
-/* Opens what the store had; without a store there is nothing. A damaged file is dropped and asked
- * for once more, then to be built. */
+/* Opens the stored map; without a store there is none. A damaged file is dropped and requested once
+ * more, then for building. */
 static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                    struct orl_error *err)
 {
@@ -67,10 +68,8 @@ static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct m
                          name);
 }
 
-/*
- * Looks for a smaller map to top up, the largest that is whole. A damaged one is left where it is:
- * it is dropped by the job that asks for its key.
- */
+/* Looks for a smaller map to extend, the largest that is intact. A damaged one is left in place;
+ * the job that requests its key drops it. */
 static int find_earlier(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                         struct orl_error *err)
 {
@@ -115,7 +114,7 @@ static void stage_progress(void *ctx, double fraction)
     orl_run_progress(ctx, fraction);
 }
 
-/* Of the maps' stage, its second half. */
+/* Reports progress of the second half of the maps stage. */
 static void records_progress(void *ctx, double fraction)
 {
     orl_run_progress(ctx, 0.5 + 0.5 * fraction);
@@ -138,16 +137,16 @@ static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KIN
     return code;
 }
 
-/* What there is to write: photons, or records, and what they took. */
+/* Photons or records to be written, and their cost. */
 struct harvest {
-    const struct orl_photon *photons; /* of no more use once they are written */
+    const struct orl_photon *photons; /* not used any more after writing */
     size_t count;
     uint64_t emitted;
     double seconds;
     const struct orl_record_note *notes; /* of records */
 };
 
-/* Writes one map and opens it; without a store it stays in memory. */
+/* Writes one map and opens it; without a store the map stays in memory. */
 static int make_map(struct orl_run_state *state, enum orl_map_kind kind,
                     const struct map_work *work, const struct harvest *harvest,
                     const struct orl_map_build *build, struct orl_error *err)
