@@ -160,7 +160,7 @@ static int make_map(struct orl_run_state *state, enum orl_map_kind kind,
     return code < 0 ? code : orl_photon_map_open(work->path, false, &state->maps[kind], err);
 }
 
-/* Makes one map and hands it to the store. */
+/* Makes one map and commits it to the store. */
 static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                 const struct harvest *harvest, struct orl_error *err)
 {
@@ -196,7 +196,7 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
     return store_of(state) ? env->store->commit(env->store->ctx, &work->info, err) : 0;
 }
 
-/* Of a map of that kind, made or found; once. */
+/* Warns once of too few photons in a map, made or found. */
 static void warn_of_photons(struct orl_run_state *state, enum orl_map_kind kind, uint64_t target,
                             uint64_t stored, uint64_t emitted)
 {
@@ -216,7 +216,7 @@ static void warn_of_photons(struct orl_run_state *state, enum orl_map_kind kind,
                           found, sent);
 }
 
-/* Of what maps are made of, whoever has made them. */
+/* Warns about the maps' photons and lights, for maps made here and maps found. */
 static int warn_of_light(struct orl_run_state *state, const struct map_work *work,
                          struct orl_error *err)
 {
@@ -252,7 +252,7 @@ static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct
     return keep(state, kind, work, &harvest, err);
 }
 
-/* Irradiance from the global map, which is in state->maps by now. */
+/* Precomputes irradiance from the global map, which is in state->maps already. */
 static int precompute(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
@@ -277,7 +277,8 @@ static int precompute(struct orl_run_state *state, struct map_work *work, struct
     return code;
 }
 
-/* Photon time of one kind: the pass is one, so it is told apart by the rays each kind took. */
+/* Returns one kind's share of the photon time. A single pass traces all kinds, so that the time is
+ * divided by the rays of each. */
 static double share_of_rays(const struct orl_shot *shots, int kind, double seconds)
 {
     const double all =
@@ -290,7 +291,7 @@ static bool is_missing(const struct map_work *work)
     return work->target > 0 && !work->hit;
 }
 
-/* What there is to shoot of one kind: all, or what a smaller map has not. */
+/* Sets up the photons to trace for one kind: all, or those that a smaller map lacks. */
 static int plan_shot(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                      struct orl_shot *shot, struct orl_error *err)
 {
@@ -337,10 +338,8 @@ static int build_missing(struct orl_run_state *state, struct map_work *work, str
     return code;
 }
 
-/*
- * Asks the store for what the technique reads. Precomputed irradiance comes first: only where it is
- * missing the global map is needed.
- */
+/* Requests the maps that the technique reads from the store. Precomputed irradiance comes first:
+ * the global map is only needed if it is missing. */
 static int acquire_all(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     static const enum orl_map_kind order[ORL_MAP_KINDS] = {ORL_MAP_PRECOMPUTED, ORL_MAP_GLOBAL,
@@ -365,7 +364,7 @@ static void tell_share(void *ctx, double share)
     orl_run_progress(ctx, share);
 }
 
-/* Of a run that is shared: maps that are wanting others may make. */
+/* Distributed runs: asks other processes to build the missing maps. */
 static int share_missing(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     const struct orl_map_store *store = store_of(state);
@@ -373,7 +372,7 @@ static int share_missing(struct orl_run_state *state, struct map_work *work, str
     struct orl_piece pieces[ORL_MAP_KINDS];
     const struct orl_pieces_watch watch = {tell_share, state};
     bool here[ORL_MAP_KINDS] = {false};
-    /* Each takes all photons: both kinds come of the same paths. */
+    /* Each map costs the tracing of all photons, because both kinds come from the same paths. */
     const double core_s = (state->cost_s[ORL_STAGE_PHOTONS] + state->cost_s[ORL_STAGE_MAPS]) *
                           orl_crew_size(state->env->crew);
     size_t n = 0;
@@ -397,8 +396,8 @@ static int share_missing(struct orl_run_state *state, struct map_work *work, str
     return code < 0 ? code : acquire_all(state, work, err);
 }
 
-/* What making maps has counted, and warned of, kept by the keys of them all: whoever finds one
- * counts it, too, as if it were its own. first_warning: of the result's, those that are of maps. */
+/* Stores the counters and warnings of a build under each map's key, so that a run which reuses a
+ * map reports the same ones. first_warning: index of the first warning about maps in the result. */
 static void keep_notes(const struct orl_run_state *state, const struct map_work *work,
                        const struct orl_health *health, size_t first_warning)
 {
@@ -419,7 +418,7 @@ static void add_notes(struct orl_run_state *state, const struct map_work *work)
         }
 }
 
-/* Of a run that is shared: its maps are found, or made here. */
+/* Distributed runs: finds the maps or makes them here. */
 static int build_shared(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     struct orl_health before, of_searches, health = state->result->health;
@@ -465,7 +464,7 @@ int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
     }
     if (code == 0)
         code = warn_of_light(state, work, err);
-    /* A build that failed leaves nothing behind. */
+    /* A failed build leaves nothing behind. */
     for (int k = 0; k < ORL_MAP_KINDS && code < 0; k++) {
         if (state->held[k] && !work[k].hit && !work[k].info.kind[0]) {
             env->store->abandon(env->store->ctx, orl_map_kind_name((enum orl_map_kind)k),

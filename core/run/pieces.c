@@ -7,7 +7,7 @@
 
 #include "run/kept_file.h"
 
-/* Raised when what pieces are made of changes, or how they lie in their files. */
+/* Version of the pieces' content and file layout; raised when either changes. */
 static const char recipe[] = "oriel pieces 4";
 
 bool orl_run_is_shared(const struct orl_run_state *state)
@@ -58,7 +58,7 @@ void orl_pieces_foresee(const struct orl_run_state *state, struct orl_piece_work
 
 /* ---- Pieces ---------------------------------------------------------------------------------- */
 
-/* Takes it where the store has it whole. */
+/* Takes a piece from the store if it is there and intact. */
 static int find(const struct orl_run_env *env, const struct orl_piece_work *work, size_t index,
                 bool *ret_found, struct orl_error *err)
 {
@@ -94,7 +94,7 @@ static int keep(const struct orl_run_env *env, const struct orl_piece *piece, co
     bool hit = false;
     int code =
         store->acquire(store->ctx, piece->kind, piece->key, env->cancel, path, &hit, &info, err);
-    if (code < 0 || hit) { /* somebody else was quicker */
+    if (code < 0 || hit) { /* another process has stored it first */
         if (code == 0)
             store->release(store->ctx, piece->kind, piece->key);
         return code;
@@ -125,10 +125,10 @@ static int make(const struct orl_run_env *env, const struct orl_piece_work *work
     return code;
 }
 
-/* Those that are wanting, and which of them are to be made here. */
+/* Missing pieces, and which of them are made here. */
 struct wanting {
     struct orl_piece *pieces;
-    size_t *places; /* in the work */
+    size_t *places; /* their indices in the work */
     bool *here, *settled;
     size_t n;
 };
@@ -158,7 +158,7 @@ static int look(const struct orl_run_env *env, const struct orl_piece_work *work
     return code;
 }
 
-/* Asks who makes them, and makes the run's own. */
+/* Divides the missing pieces among processes and makes this run's own. */
 static int share_out(const struct orl_run_env *env, const struct orl_piece_work *work,
                      struct wanting *w, struct orl_error *err)
 {
@@ -242,7 +242,7 @@ bool orl_run_add_counts(struct orl_run_state *state, const char *key)
     return found;
 }
 
-/* Each with its end, and ends more, to whole words. */
+/* Packs NUL-terminated warnings, padded with zeros to whole words. */
 void orl_run_keep_warnings(const struct orl_run_state *state, const char *key, size_t first)
 {
     const struct orl_piece piece = note_of("warned", key);

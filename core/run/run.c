@@ -29,7 +29,7 @@ static int load_sensors(struct orl_run_state *state, struct orl_error *err)
     return code;
 }
 
-/* An accuracy is not promised where draws miss parts of what they are to find. */
+/* Refuses an accuracy goal for materials whose lobes are too narrow to sample reliably. */
 static int admit_goal(const struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_goal *const goal = &state->job->goal;
@@ -47,7 +47,7 @@ static int admit_goal(const struct orl_run_state *state, struct orl_error *err)
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* Mist is for paths. */
+/* Refuses mist with techniques that do not support it. */
 static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_scene *const scene = state->world->scene;
@@ -67,7 +67,7 @@ static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* What a job and its plan have in common: everything before photons. */
+/* Runs everything before photons, for jobs and plans alike. */
 static int prepare(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_job *job = state->job;
@@ -86,7 +86,7 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
         return code;
     orl_run_enter(state, ORL_STAGE_PLAN);
     code = orl_run_plan(state, err);
-    if (code == 0 && !state->pilot) /* of a plan it is told, orl_run_pilot */
+    if (code == 0 && !state->pilot) /* a plan reports it by orl_run_pilot */
         code = admit_goal(state, err);
     if (code == 0)
         code = admit_mist(state, err);
@@ -95,7 +95,7 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
                : code;
 }
 
-/* Renders what the job asks for, in rounds or in one piece. */
+/* Renders the job, in rounds or without. */
 static int render(struct orl_run_state *state, struct orl_error *err)
 {
     if (orl_goal_is_set(&state->job->goal) || orl_run_batches(state) > 1)
@@ -103,7 +103,7 @@ static int render(struct orl_run_state *state, struct orl_error *err)
     return orl_run_technique(state, err);
 }
 
-/* Predicts the cost of more accuracy for a job in one piece; rounds predict it themselves. */
+/* Predicts the cost of more accuracy for a job without rounds; rounds predict it themselves. */
 static void tell_cost(struct orl_run_state *state)
 {
     orl_run_leave(state);
@@ -111,7 +111,7 @@ static void tell_cost(struct orl_run_state *state)
         orl_run_cost(state);
 }
 
-/* Compares what was found with photons and with plain path tracing. */
+/* Compares the sensors with photons and with plain path tracing. */
 static int check_sensors(struct orl_run_state *state, struct orl_error *err)
 {
     const size_t warnings = state->result->n_warnings;
@@ -178,13 +178,14 @@ static int try_stages(struct orl_run_state *state, struct orl_error *err)
     return code == 0 ? orl_run_pilot(state, err) : code;
 }
 
-/* What a run does once it is set up, and what it finds out on the side. */
+/* Stages to run, and an optional pilot to fill in. */
 struct course {
     int (*stages)(struct orl_run_state *state, struct orl_error *err);
     struct orl_pilot *pilot;
 };
 
-/* *scene: the job's, or NULL, and then what is read. */
+/* Runs a job with resolved views. *scene: in: a scene already loaded, or NULL; out: the scene that
+ * was used. */
 static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
                        struct orl_scene **scene, const struct course *course,
                        struct orl_result *ret_result, struct orl_error *err)
@@ -250,7 +251,7 @@ int orl_run_only_sensors(const struct orl_job *job, const struct orl_run_env *en
                        err);
 }
 
-/* The same of a job whose views may be in files. */
+/* Resolves views in files, then runs the job. */
 static int run(const struct orl_job *job, const struct orl_run_env *env, struct orl_scene **scene,
                const struct course *course, struct orl_result *ret_result, struct orl_error *err)
 {

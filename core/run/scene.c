@@ -26,7 +26,8 @@ static void release(void *scene)
 
 static const struct orl_shelf_sharing sharing = {hold, release};
 
-/* By what the caller says that the files are, and which of them are the main ones. */
+/* Makes the key from the caller's id of the files and the names of the main ones. Returns false if
+ * the shelf is not used. */
 static bool shelf_key(const struct orl_run_state *state, char ret_key[ORL_SHELF_KEY])
 {
     unsigned char digest[ORL_SHA256_BYTES];
@@ -50,7 +51,7 @@ static bool shelf_key(const struct orl_run_state *state, char ret_key[ORL_SHELF_
 /* ---- What is wrong with it --------------------------------------------------------------------
  */
 
-/* What of BSDFs with a thickness may not be what is meant. */
+/* Warns of BSDFs with a thickness that may be placed wrongly. */
 static void warn_of_proxies(struct orl_run_state *state)
 {
     const struct orl_scene *scene = state->scene;
@@ -76,8 +77,8 @@ static void warn_of_proxies(struct orl_run_state *state)
     }
 }
 
-/* Sensors and eyes, moved; at most so many sensors of all over the job. *ret_n of them; NULL: out
- * of memory. */
+/* Lists sensors, evenly thinned out, and eyes, in moved coordinates. The caller frees the list;
+ * NULL if out of memory. */
 static struct orl_vec3 *list_places(const struct orl_run_state *state, size_t *ret_n)
 {
     enum { MOST_SENSORS = 4096 };
@@ -97,7 +98,7 @@ static struct orl_vec3 *list_places(const struct orl_run_state *state, size_t *r
     return list;
 }
 
-/* Where rooms are taken for matter: a lining that is left away, or that may stand in the room. */
+/* Warns if rooms are treated as matter: a lining that is removed, or that may stand in the room. */
 static void warn_of_lining(struct orl_run_state *state, size_t antimatter,
                            const struct orl_vec3 *places, size_t n)
 {
@@ -151,7 +152,7 @@ static void tell_faults(struct orl_run_state *state)
 
 /* ---- Reading it ------------------------------------------------------------------------------ */
 
-/* Between steps that cannot be interrupted. */
+/* Returns ORL_ERR_CANCELLED if cancelled; called between steps that cannot be interrupted. */
 static int heed_cancel(const struct orl_run_state *state, struct orl_error *err)
 {
     return orl_crew_cancelled(state->env->crew)
@@ -166,7 +167,7 @@ static int read_files(struct orl_run_state *state, struct orl_description *ret_d
     return code < 0 ? code : heed_cancel(state, err);
 }
 
-/* Ports of no part get materials that nothing but ports has. */
+/* Gives ports that belong to no part materials of their own. */
 static int part_ports(struct orl_scene *scene, struct orl_error *err)
 {
     struct orl_description *d = &scene->description;

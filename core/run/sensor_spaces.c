@@ -9,13 +9,14 @@
 #include "scene/geometry/stand.h"
 
 enum { LEAST_SENSORS = 3, CHUNK = 256 };
-/* A tenth of the sensors in a space without windows, a twentieth in a room: more are on purpose. */
+/* Divisors of a range's sensors: up to a tenth in a space without windows, and a twentieth in
+ * another room, are taken as mistakes. */
 enum { SHARE_IN_SOLIDS = 10, SHARE_IN_ROOMS = 20 };
-/* A floor so many times nearer overhead than the ceiling above it. */
+/* Ratio of the ceiling's distance to that of a floor overhead. */
 static const double much_nearer = 4;
 
-/* Rays of a job's searches: so many, and more for each range and sensor. Those of ranges that lie
- * in one room are enough to check it whatever others have used. */
+/* Limits of rays for a job's searches, and additional ones for each range and sensor. The
+ * additional rays suffice to check ranges within one room, whatever others have used. */
 enum { RAYS_OF_A_JOB = 4000000, RAYS_OF_A_RANGE = 4096, RAYS_OF_A_SENSOR = 16 };
 
 /* A facet may be the floor of a closed room with windows. */
@@ -34,15 +35,15 @@ struct check {
     struct orl_sensor_check *job;
     const struct orl_scene *scene;
     struct orl_ray_budget budget;
-    uint8_t *floors; /* by facet, also placed ones: enum floor; NULL until one is wanted */
-    bool *unchecked; /* by range: its check has reached the limit of rays */
+    uint8_t *floors; /* by facet, including placed ones: enum floor; NULL until needed */
+    bool *unchecked; /* by range: true if its check has reached the limit of rays */
     size_t n_warned;
     /* The range that is checked now: */
     const struct orl_sensor_range *range;
     const struct orl_sensor *sensors;
     struct orl_outlook *places;
     struct orl_enclosures *enclosures;
-    uint8_t *kinds; /* of each sensor: enum misplacement */
+    uint8_t *kinds; /* by sensor: enum misplacement */
 };
 
 /* ---- Words ----------------------------------------------------------------------------------- */
@@ -69,7 +70,7 @@ static void list_numbers(const struct check *c, enum misplacement kind, char *te
         snprintf(text + at, size - at, " and %zu more", more);
 }
 
-/* The surface between a sensor and those in place, or the one above a sensor. */
+/* Finds the surface between a sensor and those in place, or the one above a sensor. */
 static bool find_surface(const struct check *c, enum misplacement kind, size_t index,
                          struct orl_hit *ret_hit)
 {
@@ -133,7 +134,7 @@ static void describe(struct check *c, enum misplacement kind)
     emit(c, text);
 }
 
-/* One warning of all ranges whose check has reached the limit of rays. */
+/* Issues one warning for all ranges whose check has reached the limit of rays. */
 static void describe_unchecked(const struct check *c)
 {
     enum { MOST_NAMES = 5 };
@@ -159,7 +160,7 @@ static void describe_unchecked(const struct check *c)
 
 /* ---- Sensors apart from their grid ----------------------------------------------------------- */
 
-/* Open buildings tell nothing of who is outdoors. */
+/* Classifies a space. In an open building being outdoors is no mistake. */
 static enum misplacement kind_of(const struct orl_enclosure *e, const struct orl_enclosure *most,
                                  size_t n)
 {
@@ -230,7 +231,7 @@ static int is_below_floor(struct check *c, const struct orl_outlook *place, bool
     return look_up_floor(c, &hit, &above, ret_below);
 }
 
-/* A range that is outdoors as a whole. */
+/* Classifies the sensors of a range whose largest space is outdoors as below a floor or not. */
 static int sort_below(struct check *c)
 {
     const struct orl_enclosures *e = c->enclosures;

@@ -8,7 +8,7 @@
 
 enum { NUMBERS = 6, POLL_LINES = 4096 };
 
-/* The sensor of a line; *ret_any: it is not empty, nor a remark alone. */
+/* Reads the sensor of a line; *ret_any: false if the line is empty or only a comment. */
 static int read_line(const struct orl_scanner *scanner, struct orl_slice line, double ret[NUMBERS],
                      bool *ret_any, struct orl_error *err)
 {

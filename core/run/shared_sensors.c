@@ -1,11 +1,12 @@
-/* Stretches of sensors as pieces of a job that is shared. */
+/* Distributes stretches of sensors as pieces of a job. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "run/rendering.h"
 
-/* A stretch in its file: this, what came of each and, in rounds by backward, its groups. */
+/* Layout of a stretch's file: this header, the results of the sensors and, in rounds by backward,
+ * their groups. */
 struct stretch_head {
     struct orl_health health;
 };

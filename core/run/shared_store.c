@@ -33,7 +33,7 @@ static int owe(struct orl_shared_store *state, const char *kind, const char *key
     return 0;
 }
 
-/* Was it owed? It is not any more. */
+/* Removes an entry from the list of owed files. Returns true if it was owed. */
 static bool settle(struct orl_shared_store *state, const char *kind, const char *key)
 {
     for (size_t i = state->n_owed; i-- > 0;)
@@ -52,7 +52,7 @@ static int shared_acquire(void *ctx, const char *kind, const char *key, atomic_b
 {
     struct orl_shared_store *state = ctx;
     struct stat st;
-    (void)cancel; /* two that make the same do not wait for each other */
+    (void)cancel; /* processes that make the same file do not wait for each other */
     int code = name_file(state, kind, key, false, ret_path, err);
     if (code < 0)
         return code;
@@ -84,7 +84,7 @@ static int shared_commit(void *ctx, const struct orl_map_info *info, struct orl_
     return code;
 }
 
-/* What was owed is given up; else what was found is damaged. */
+/* Deletes an owed file under construction, or else a damaged file that was found. */
 static void shared_abandon(void *ctx, const char *kind, const char *key)
 {
     struct orl_shared_store *state = ctx;

@@ -1,17 +1,17 @@
-/* Views as pieces of a job that is shared. */
+/* Distributes views as pieces of a job. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "run/rendering.h"
 
-/* Views on their way. */
+/* Context of the piece callbacks. */
 struct shared {
     struct orl_rendering *rendering;
     const size_t *views;
 };
 
-/* A picture in its file: this, pixels, and their errors. */
+/* Layout of a picture's file: this header, pixels, and their errors. */
 struct head {
     struct orl_health health;
     double seconds;

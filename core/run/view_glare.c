@@ -6,10 +6,10 @@
 #include "metrics/view_batches.h"
 #include "run/stages.h"
 
-/* A view that holds less than this share of the hemisphere lacks light at the eye. */
+/* A view that covers less than this share of the hemisphere lacks light at the eye. */
 static const double almost_all = 0.98;
 
-/* Once a view, whatever the number of rounds. */
+/* Warns once for a view, for any number of rounds. */
 static void warn_of_field(struct orl_run_state *state, const struct orl_view_request *request,
                           const struct orl_glare *glare)
 {
