@@ -1,7 +1,7 @@
 /*
- * Light that the backward technique has missed. The technique is unbiased, but a sun seen by a
- * curved mirror, a lens, or mirrors that face very many ways is hit by one path in a hundred
- * thousand. With fewer samples the value lacks that light, and the error, which follows from what
+ * Light that the backward technique has missed. The technique is unbiased, but some suns are hit by
+ * one path in a hundred thousand: those seen by a curved mirror, a lens, or mirrors that face very
+ * many ways. With fewer samples the value lacks that light, and the error, which follows from what
  * was found, does not include it. Photons find such light easily. If the plan has such paths,
  * photons are traced past the sensors (render/gather/air.h). Intervals are widened to include the
  * light that they carry. A warning names sensors that lack more than their intervals allow, and
@@ -24,17 +24,19 @@ enum { MOST_FLIGHTS = 1 << 18, MOST_RAYS = 1 << 19 };
 
 /* Number of hits from which light is in the value, and its scatter in the error. */
 static const double often = 16;
-/* Light is missed if it exceeds the sensor's interval by this many of its standard errors ... */
+/*
+ * Light counts as missed if it exceeds the sensor's interval by this many of its standard errors.
+ */
 static const double certain = 3;
 /* The 97.5th percentile of Student's t with the degrees of freedom of 16 batches. */
 static const double bound_in_errors = 2.13;
-/* ... and by this share of the sensor's light. For views, the share is weighted by the brightness
- * where the light lands. */
+/* It must also exceed this share of the sensor's light. For views, the share is weighted by the
+ * brightness where the light lands. */
 static const double tolerable = 2e-3, tolerable_of_view = 1e-3;
 
 struct missed {
     size_t sensors, worst;
-    double lx, share; /* of the worst sensor */
+    double lx, share; /* lack of the worst sensor: illuminance, and share of its light */
 };
 
 static double brightest_sun(const struct orl_world *world)

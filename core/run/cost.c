@@ -29,18 +29,18 @@ static const double sensors_of_lamps = 57, least_lamps = 0.25;
  */
 static const double evenness = 1.15;
 /*
- * growth: maximum samples of a round relative to all before, because early errors are inaccurate.
- * While little is done, a round stays below the wanted number; a later one, with better known
- * errors, exceeds it slightly.
+ * Growth limit: maximum samples of a round relative to all before, because early errors are
+ * inaccurate. While little is done (`far`), a round aims below the wanted number (`approach`). A
+ * later one, with better known errors, exceeds it slightly (`margin`).
  */
 static const double growth = 8, approach = 0.6, far = 0.35, margin = 1.02;
 
 /*
  * With a deadline, views by a final gather have rays in proportion to a round's samples, like
- * photons, so that rounds can have any length. Measured in an office of 800x600 through glass and
- * through a panel, with a quarter of the usual rays to 2.25 times as many, by one map: the error
- * falls as the square root, from 6.5 to 2.3 and from 8.6 to 3.4 %, and half of the usual time is
- * proportional to the rays. Beyond 2.25 hemispheres reach their maximum of rows (gather.h).
+ * photons, so that rounds can have any length. Measured in an office of 800x600 pixels by one map,
+ * with 0.25 to 2.25 times the usual rays: the error falls as their square root, from 6.5 to 2.3 %
+ * through glass and from 8.6 to 3.4 % through a panel. Half of the usual time is proportional to
+ * the rays. Beyond 2.25 hemispheres reach their maximum of rows (gather.h).
  */
 static const double part_by_rays = 0.5, most_rays = 2.25;
 

@@ -24,8 +24,8 @@ struct orl_work {
     bool shares;
     uint64_t photons[ORL_SHOT_KINDS]; /* chosen by the planner */
     double least, most;               /* limits of a round's samples */
-    /* for views by maps: the part of their usual time that is proportional to samples, because
-     * their rays are; 0: it is constant for every round */
+    /* For views by maps: the part of their usual time that is proportional to samples, because
+     * their rays are. 0: the time is constant for every round. */
     double by_rays;
 };
 

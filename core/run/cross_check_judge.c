@@ -7,17 +7,17 @@
 static const double least_effective = 30; /* effective number of samples */
 /* A difference counts beyond so many joint standard errors, and such a share of the light. */
 static const double differs_in_errors = 5, differs_by = 0.1;
-/* A difference of a class counts if it is such a share of the class's light, in those groups in
- * which it is also such a share of all light. */
+/* A difference of a class counts if it is this share of the class's light. It is attributed to
+ * groups in which it is also this share of all light. */
 static const double differs_by_class = 0.25, matters = 0.05;
 static const double bound_in_errors = 2;
 
-/* A group beside what the technique found for the same sensors. */
+/* A group, with the technique's result for the same sensors. */
 struct compared {
     const struct orl_plain_group *group;
     double lx; /* sum of the technique's values */
-    /* sum of the standard errors implied by the intervals; those of neighbours are assumed
-     * correlated */
+    /* Sum of the standard errors implied by the intervals; those of neighbours are assumed
+     * correlated. */
     double error;
 };
 
@@ -94,8 +94,8 @@ const char *orl_light_class_name(enum orl_light_class light)
 
 /* ---- Groups ---------------------------------------------------------------------------------- */
 
-/* Widens the group's intervals to include that sum, each sensor's in proportion to its value, or
- * where none has any light by the mean; and marks its sensors. */
+/* Widens the group's intervals to include `sum` and marks its sensors. Each sensor's bound is in
+ * proportion to its value, or the mean if none has any light. */
 static void widen(struct orl_run_state *state, const struct compared *c, double sum)
 {
     struct orl_result *r = state->result;

@@ -10,8 +10,8 @@ struct trip {
     struct orl_eye_path eye; /* must be first: sinks receive a pointer to it */
     struct orl_health *health;
     uint32_t reflections, most_reflections; /* number of diffuse reflections, and its limit */
-    /* Radiance that the path has found before its first diffuse reflection: what surfaces on the
-     * way reflect diffusely of suns and lamps, and the rest. The rest is set at that reflection. */
+    /* Radiance before the first diffuse reflection: suns and lamps that surfaces on the path
+     * reflect diffusely (lit), and the rest, which is set at that reflection. */
     struct orl_rgb lit, unreflected;
 };
 

@@ -22,7 +22,7 @@ enum orl_deadline_step {
 
 struct orl_deadline_next {
     enum orl_deadline_step step;
-    double samples; /* of the round */
+    double samples; /* samples of the next round */
     bool last;      /* true if it fills nearly all of the time left */
     double least_s; /* estimated seconds of the smallest round */
 };

@@ -20,8 +20,8 @@ struct orl_finding_part {
     double *noise;
     struct orl_rays *rays; /* contributions of single rays to sensors' means, owned */
     double floor;
-    struct orl_film film; /* of a view: mean colours */
-    bool rated;           /* true if its glare is computed: */
+    struct orl_film film; /* mean colours of a view */
+    bool rated;           /* true if its glare is computed, from batches */
     struct orl_view_batches batches;
 };
 

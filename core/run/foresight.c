@@ -14,8 +14,11 @@ static double most_in_air_s(const struct orl_run_state *state)
     return (double)orl_run_most_in_air(state) * f->seconds[1] / f->emitted[1];
 }
 
-/* Predicts the job's time. It stays unknown for pixels and paths, for photons if a pilot found too
- * few, and if the early end of photons to sensors in mid-air makes too large a difference. */
+/*
+ * Predicts the job's time. It stays unknown for pixels and paths, and for photons if a pilot found
+ * too few. It is also unknown if the early end of photons to sensors in mid-air makes too large a
+ * difference.
+ */
 void orl_run_foresee(struct orl_run_state *state)
 {
     const double most_apart = 3.5;

@@ -69,7 +69,7 @@ uint64_t orl_run_most_in_air(const struct orl_run_state *state)
 }
 
 /* Returns the ray budget for photons that change no sensor: at most the cost of building and
- * reading the global map, in which each photon takes a ray of its own and is indexed and read. */
+ * reading the global map. There each photon takes a ray of its own and is indexed and read. */
 static double rays_not_felt(const struct orl_run_state *state)
 {
     const struct orl_plan *plan = &state->result->plan;

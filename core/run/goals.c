@@ -62,7 +62,7 @@ static void end(struct orl_rounds *r, bool met, const char *format, ...)
     r->ended = true;
 }
 
-/* Decides after a round of a job for an accuracy. */
+/* Handles the end of a round of a job for an accuracy. */
 static void go_on_for_error(struct orl_rounds *r, const struct orl_parts *parts)
 {
     const double target = r->state->job->goal.relative_error, done = r->pace.samples;
@@ -108,7 +108,7 @@ static double dgp_error(const struct orl_run_state *state)
     return widest;
 }
 
-/* Decides after a round of a job for a DGP error. Rounds are equal until there are as many as
+/* Handles the end of a round of a job for a DGP error. Rounds are equal until there are as many as
  * batches are kept. Pairs of batches are then merged, and rounds grow to that size. */
 static void go_on_for_dgp(struct orl_rounds *r)
 {
@@ -130,7 +130,7 @@ static void go_on_for_dgp(struct orl_rounds *r)
         r->wanted = fmax(r->wanted, LEAST_ROUNDS * r->samples);
 }
 
-/* Decides after a round of a job for a deadline. */
+/* Handles the end of a round of a job for a deadline. */
 static void go_on_for_time(struct orl_rounds *r)
 {
     const double deadline = r->state->job->goal.deadline_s;

@@ -1,5 +1,5 @@
-/* State shared by rounds.c, which runs the rounds, and goals.c, which chooses the size of the next
- * one or ends them, and estimates the remaining work. */
+/* State shared by rounds.c, which runs the rounds, and goals.c, which decides whether and how they
+ * continue. */
 #ifndef ORL_RUN_GOALS_H
 #define ORL_RUN_GOALS_H
 
@@ -39,8 +39,8 @@ double orl_rounds_guess_wanted(const struct orl_rounds *r);
  * reports. */
 void orl_rounds_foresee(struct orl_rounds *r);
 
-/* Decides after a round of a job with a goal: sets r->samples of the next one, or r->ended and the
- * outcome. */
+/* Handles the end of a round of a job with a goal: sets r->samples of the next one, or r->ended and
+ * the outcome. */
 void orl_rounds_go_on(struct orl_rounds *r, const struct orl_parts *parts);
 
 #endif

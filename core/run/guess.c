@@ -7,9 +7,10 @@
 #include "run/pieces.h"
 
 /*
- * Rough costs, microseconds on one core: of a photon traced (without a pilot), a virtual light, a
- * photon indexed, a photon of a map that records are made of; of a gather ray, its first reads of
- * the map, at most of all photons in it; of a path by backward, for a sensor and for a pixel.
+ * Rough costs in microseconds on one core. Photons: one traced (without a pilot), one virtual light
+ * traced, one photon indexed, and one made into records. Gather rays: one ray, its first reads of
+ * the map, and one read of each photon as the limit of these. Paths by backward: for a sensor, and
+ * for a pixel.
  */
 static const double photon_us = 0.5, lamp_us = 0.8, index_us = 0.28, record_us = 0.3,
                     gather_us = 2.2, first_us = 15, leaf_us = 0.7, path_us = 7.5,

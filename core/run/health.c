@@ -82,8 +82,11 @@ bool orl_run_is_dark(struct orl_run_state *state)
 {
     const struct orl_world *world = state->world;
     size_t count = 0;
-    /* Skipped if light has a port to enter by, if there is no light at all (a cheap case), and for
-     * views that see from everywhere (parallel) or through surfaces (-bv-). */
+    /*
+     * The test is skipped if light has a port to enter by, or if there is no light at all (a cheap
+     * case). It is also skipped for views that see from everywhere (parallel) or through surfaces
+     * (-bv-).
+     */
     if (world->n_ports > 0 || world->n_suns + world->n_domes + world->n_emitters == 0)
         return false;
     for (size_t i = 0; i < state->job->n_views; i++) {

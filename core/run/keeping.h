@@ -11,10 +11,10 @@
 #include "run/stages.h"
 
 struct orl_keepable {
-    const char *kind, *key;  /* as in the store */
+    const char *kind, *key;  /* names in the store */
     const char *what, *name; /* "BSDF", "pane.xml", for messages */
-    /* true if it also depends on files that the key does not include, so that ORL_ERR_VERSION
-     * causes no warning */
+    /* True if it also depends on files that the key does not include, so that ORL_ERR_VERSION
+     * causes no warning. */
     bool outdates;
     void *ctx;
     int (*open)(void *ctx, const char *path, struct orl_error *err);

@@ -143,7 +143,7 @@ struct harvest {
     size_t count;
     uint64_t emitted;
     double seconds;
-    const struct orl_record_note *notes; /* of records */
+    const struct orl_record_note *notes; /* additional data of records */
 };
 
 /* Writes one map and opens it; without a store the map stays in memory. */

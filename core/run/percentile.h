@@ -10,15 +10,15 @@
  * distribution is computed; otherwise its quantile is Cornish and Fisher's, with skewness.
  *
  * Standard errors are estimates as well, some too small and some too large. Their scatter makes the
- * mixture of many wider than the true errors are. The probability of each to be beyond x is
- * therefore the unbiased estimate by a standard error with a number of degrees of freedom
- * (Kolmogorov 1950; Lieberman and Resnikoff 1955, Journal of the American Statistical Association
- * 50, 457). Its distribution is that of one of as many normal values over the root of their sum of
- * squares, a transformed Student's t, here in Wallace's approximation (1959, Annals of Mathematical
+ * mixture of many wider than the true errors are. The probability that one is beyond x is therefore
+ * an unbiased estimate that accounts for the degrees of freedom of its standard error (Kolmogorov
+ * 1950; Lieberman and Resnikoff 1955, Journal of the American Statistical Association 50, 457). It
+ * uses the distribution of one of n normal values over the root of their sum of squares, a
+ * transformed Student's t. Here that is Wallace's approximation (1959, Annals of Mathematical
  * Statistics 30, 1121).
  *
- * Of more than a few thousand estimates, usually pixels, some thousand evenly spaced ones are used.
- * They count as independent, which neighbouring pixels are not.
+ * If there are more than a few thousand estimates, usually pixels, some thousand evenly spaced ones
+ * are used. They count as independent, which neighbouring pixels are not.
  */
 #ifndef ORL_RUN_PERCENTILE_H
 #define ORL_RUN_PERCENTILE_H

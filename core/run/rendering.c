@@ -18,8 +18,8 @@ void orl_tell_sensors(const struct orl_rendering *rendering)
     tell_taken(rendering, fmax((double)atomic_load(&rendering->taken), rendering->elsewhere));
 }
 
-/* Estimates the progress when the lead has finished a sensor: other members have had the same time,
- * so that they have done about as much and are within one sensor of it. */
+/* Reports progress when the lead has finished a sensor. Other members have had the same time. They
+ * have therefore done about as much, and are within one sensor of it. */
 static void tell_under_way(const struct orl_rendering *rendering, double samples)
 {
     const double members = orl_crew_size(rendering->state->env->crew);

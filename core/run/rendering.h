@@ -28,7 +28,7 @@ struct orl_rendering {
     size_t stride;  /* stride of the permutation */
     uint64_t samples;
     atomic_uint_fast64_t taken; /* samples of sensors done so far */
-    double by_lead;             /* of these, samples done by the crew's lead */
+    double by_lead;             /* part of taken that the crew's lead did */
     double elsewhere;           /* samples done, including those of other processes */
     struct orl_view_progress *views;
     struct orl_sensor_found found[ORL_STRETCH];

@@ -86,7 +86,8 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
         return code;
     orl_run_enter(state, ORL_STAGE_PLAN);
     code = orl_run_plan(state, err);
-    if (code == 0 && !state->pilot) /* a plan reports it by orl_run_pilot */
+    if (code == 0 &&
+        !state->pilot) /* a pilot reports it as the reason for no curve (orl_run_pilot) */
         code = admit_goal(state, err);
     if (code == 0)
         code = admit_mist(state, err);

@@ -190,8 +190,8 @@ static size_t count_doubts(const struct orl_result *result)
     return n;
 }
 
-/* Returns true if a second run is allowed. It is not with a deadline, which leaves no time, and not
- * if views have an accuracy to meet, because the outcome then belongs to both. */
+/* Returns true if a second run is allowed. A deadline leaves no time for one. If views have an
+ * accuracy to meet, the outcome belongs to both, and a second run is not allowed either. */
 static bool may_run_again(const struct orl_run_state *state)
 {
     const struct orl_job *job = state->job;

@@ -1,7 +1,7 @@
 /*
- * Sensors whose technique differs from the views' (orl_plan.sensor_technique) are rendered first,
- * by a run of their own with its own plan and world, of the same scene. The job's run then
- * continues with the views alone, and both results are joined.
+ * Sensors whose technique differs from the views' (orl_plan.sensor_technique) are rendered first.
+ * Their run has its own plan and world, of the same scene. The job's run then continues with the
+ * views alone, and both results are joined.
  */
 #ifndef ORL_RUN_SENSOR_RUN_H
 #define ORL_RUN_SENSOR_RUN_H
@@ -15,7 +15,7 @@ struct orl_sensor_run {
     size_t n_sensors;              /* sensors of the whole job, while the state has none */
     struct orl_job views;          /* the job without its sensors */
     struct orl_run_env env;        /* for the views: their part of the run's progress */
-    /* Of the sensors; their values are moved to the state's result. */
+    /* Result of the sensors; their values are moved to the state's result. */
     struct orl_result result;
     double seconds; /* time that the sensors took */
 };
@@ -29,8 +29,8 @@ int orl_sensor_run_make(struct orl_run_state *state, struct orl_sensor_run *ret_
 void orl_sensor_run_join(struct orl_run_state *state, struct orl_sensor_run *run);
 
 /*
- * After the cross-check: sensors that differ from plain path tracing are rendered again by the
- * other of the techniques gather and backward, if the job leaves the technique to the planner. The
+ * After the cross-check: renders sensors that differ from plain path tracing again, if the job
+ * leaves the technique to the planner. The technique is the other one of gather and backward. The
  * result has the values of the one that leaves fewer sensors unreliable. first_warning: the number
  * of the result's warnings before its checks, which are dropped with the values that they are
  * about.

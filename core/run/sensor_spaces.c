@@ -1,5 +1,5 @@
-/* Sensors in another space than most of their grid: outdoors, in a solid, a wall or another room;
- * and sensors that lie below the floor of a room, though their whole grid may. */
+/* Finds sensors in another space than most of their grid: outdoors, in a solid, a wall or another
+ * room. Also finds sensors below the floor of a room, even if their whole grid is. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -38,7 +38,7 @@ struct check {
     uint8_t *floors; /* by facet, including placed ones: enum floor; NULL until needed */
     bool *unchecked; /* by range: true if its check has reached the limit of rays */
     size_t n_warned;
-    /* The range that is checked now: */
+    /* The fields below belong to the range that is checked now. */
     const struct orl_sensor_range *range;
     const struct orl_sensor *sensors;
     struct orl_outlook *places;

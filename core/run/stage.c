@@ -54,7 +54,7 @@ void orl_run_progress(const struct orl_run_state *state, double fraction)
     const double left = left_s(state, fraction, now);
     const double *spent = state->result->timings_s;
     struct orl_told *told = state->told;
-    /* Assume that as much follows. */
+    /* If the number of rounds is unknown, as much work again is assumed. */
     const double unknown = told->open ? now - state->started_s + left : 0;
     told->share = orl_ahead_share(told->share, now - told->at_s, left + unknown);
     told->at_s = now;

@@ -30,7 +30,7 @@ struct orl_pilot;
 struct orl_run_state {
     const struct orl_job *job;
     const struct orl_run_env *env;
-    struct orl_result *result;  /* being filled */
+    struct orl_result *result;  /* result, being filled */
     struct orl_sensor *sensors; /* the job's, or read from its file; owned if sensors_owned */
     size_t n_sensors;
     bool sensors_owned;
@@ -39,9 +39,10 @@ struct orl_run_state {
     bool only_plan;                /* true if only a plan is requested, without rendering */
     struct orl_pilot *pilot;       /* set if the accuracy curve is requested (curve.h); else NULL */
     const struct orl_swaps *swaps; /* changed materials of the scene; NULL: none */
-    struct orl_scene *scene;       /* held, like the next two */
+    /* Reference-counted, released at the end of the run, like lights. */
+    struct orl_scene *scene;
     struct orl_lights *lights;
-    struct orl_world *world;       /* of the scene and the lights, by the plan; owned */
+    struct orl_world *world;       /* made of scene and lights by the plan; owned */
     struct orl_emission *emission; /* set when photons are first needed, for all rounds */
     /* Likewise, for that technique; its virtual lights are each round's. */
     struct orl_backward *backward;
@@ -90,8 +91,8 @@ void orl_run_progress(const struct orl_run_state *state, double fraction);
 void orl_run_phase(const struct orl_run_state *state, double from, double to);
 /* Begins the work of a stage after its set-up. */
 void orl_run_begin_work(const struct orl_run_state *state);
-/* Reports progress. The share and the seconds, elapsed and left, are those of the run itself, which
- * may be a part of something larger. */
+/* Values for a report of progress: the share and the seconds, elapsed and left, of the run itself,
+ * which may be a part of something larger. */
 struct orl_run_report {
     double share, elapsed_s, left_s;
 };
@@ -160,7 +161,7 @@ struct orl_sensor_check {
     const struct orl_sensor_range *ranges;
     size_t n_ranges;
     struct orl_crew *crew;
-    /* Called with the numbers of such sensors, at most 20 times, and once more with the names of
+    /* Called at most 20 times with the numbers of such sensors. Called once more with the names of
      * ranges that are not checked in full because the limit of rays was reached. */
     void (*warn)(void *ctx, const char *text);
     void *ctx;

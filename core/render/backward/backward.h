@@ -1,9 +1,9 @@
 /*
- * The backward technique (xxx in Schregle et al. 2015): unbiased, without a cache or
- * a density estimate. Irradiance at a place is the mean of samples. Each sample adds up
+ * The backward technique (xxx in Schregle et al. 2015): unbiased, without a cache or a density
+ * estimate. Irradiance at a place is the mean of samples. Each sample adds up
  * - direct light: one shadow ray to every sun and lamp, and to their images in flat mirrors;
- * - importance-sampled rays (aim.h): what they see of sky and glow, and of suns and lamps through
- *   the lobes of the surfaces they meet, BSDF panes above all;
+ * - importance-sampled rays (aim.h): they see sky and glow, and suns and lamps through the lobes of
+ *   the surfaces they meet, mainly BSDF panes;
  * - connections to a few virtual point lights (vpl.h): light from all diffuse surfaces.
  * Every light path belongs to exactly one of the three.
  *

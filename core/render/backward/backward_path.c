@@ -4,13 +4,13 @@
 #include "scene/material/hemisphere.h"
 
 enum { SURE_BOUNCES = 3 };
-/* Weight below which paths undergo Russian roulette; of the first bounces, which were importance
- * sampled, a smaller one. */
+/* Weights below which paths undergo Russian roulette: in general, and in the first bounces, which
+ * were importance sampled. */
 static const double certain_weight = 0.25, dimmest_aimed = 0.002;
 /*
- * Weight below which surfaces met are lit with a probability only. It is low because a patch of sun
- * can be a thousand times as bright as its surroundings: seen in a pane by few such paths, it would
- * be an outlier.
+ * Weight below which surfaces that a path meets are lit only with a probability. It is low because
+ * a patch of sun can be a thousand times as bright as its surroundings. If few such paths saw it in
+ * a pane, it would be an outlier.
  */
 static const double dimmest_lit = 0.02;
 
@@ -140,8 +140,8 @@ static bool note_event(struct orl_eye_path *p, const struct orl_scatter *s)
     return true;
 }
 
-/* Continues the path outdoors. Virtual lights do not account for light outdoors (vpl.c). Shadow
- * rays account for all suns, as shadow rays to mirror images do. */
+/* Continues the path outdoors, where virtual lights account for nothing (vpl.c). Shadow rays to
+ * mirror images account for the suns there. */
 static bool come_back(struct orl_eye_path *p)
 {
     struct walk *w = walk_of(p);

@@ -10,7 +10,7 @@
 #include "base/letters.h"
 #include "render/film/pdf.h"
 #include "render/film/png.h"
-/* widths of strokes, as a share of the letters' size */
+/* Widths of strokes, as a share of the letters' size. */
 
 static const double usual_weight = 0.13, bold_weight = 0.17;
 /* Width of the rim about letters, page units. */
@@ -123,7 +123,7 @@ static void print_corners(FILE *svg, size_t n, const double x[], const double y[
 struct shape {
     size_t n;
     const double *x, *y;
-    double scale, turn; /* sign of its orientation */
+    double scale, turn; /* turn: sign of the orientation */
 };
 
 static double area_of(const struct shape *s)

@@ -24,7 +24,7 @@ void orl_rgbe_encode(const float rgb[3], unsigned char ret_rgbe[4])
     memset(ret_rgbe, 0, 4);
     if (most < 1e-32F)
         return;
-    /* Most is below 2^exponent, and at least half of that; it is not denormal. */
+    /* `most` is below 2^exponent, and at least half of that; it is not denormal. */
     memcpy(&bits, &most, sizeof bits);
     const int exponent = (int)(bits >> 23) - 126;
     const double scale = ldexp(256, -exponent);

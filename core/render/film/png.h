@@ -1,7 +1,7 @@
 /*
  * PNG: 8 or 16 bits a channel, sRGB. Rows are filtered by Paeth's predictor and coded in runs
- * (zlib's Z_RLE). Compared to zlib's full search, a picture of a room is a fourth larger, an error
- * map a fifteenth, in a fourth and a sixth of the time.
+ * (zlib's Z_RLE). Compared to zlib's full search, a picture of a room is a fourth larger and takes
+ * a fourth of the time. An error map is a fifteenth larger and takes a sixth.
  */
 #ifndef ORL_RENDER_FILM_PNG_H
 #define ORL_RENDER_FILM_PNG_H

@@ -7,8 +7,8 @@
  *   at a small mirror or lens (targets.h).
  * A place draws some rays by each strategy. If several strategies could have made a ray, its weight
  * has the sum of their densities, each times its number of rays: the multi-sample balance heuristic
- * of Veach and Guibas 1995. The last three strategies count only if the ray first meets what it was
- * aimed at, so that no density is needed of a port behind a wall.
+ * of Veach and Guibas 1995. The last three strategies count only if the ray first meets its goal.
+ * No density is therefore needed for a port behind a wall.
  */
 #ifndef ORL_RENDER_GATHER_AIM_H
 #define ORL_RENDER_GATHER_AIM_H

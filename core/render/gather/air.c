@@ -10,8 +10,11 @@ enum { WIDTHS = 8, TASK = 8192, FIRST_ROUND = ORL_AIR_FEWEST, TASKS_A_ROUND = 64
 /* Radius of the widest disc: in radii of a search among caustic photons, and the most as a share of
  * the scene's radius. */
 static const double wider = 4, widest_of_scene = 0.1;
-/* Without a search radius: the widest disc as a share of the distance to the surroundings, and the
- * disc's height above a surface that the sensor may lie on, as a share of the disc's radius. */
+/*
+ * Without a search radius: the widest disc's radius as a share of the distance to the surroundings.
+ * above: the disc's height above a surface that the sensor may lie on, as a share of the disc's
+ * radius.
+ */
 static const double widest_of_distance = 0.2, above = 1e-3;
 enum { LOOKS = 64 };
 
@@ -112,7 +115,9 @@ static double distance_about(const struct orl_geometry *g, const struct orl_plac
     return n > 0 ? met[n / 2] : INFINITY;
 }
 
-/* Returns true if light close to it may vary more than discs can tell: a lens or curved mirror. */
+/*
+ * Returns true if light close to it may vary more than discs can resolve: a lens or curved mirror.
+ */
 static bool focuses(const struct orl_world *world, const struct orl_hit *hit)
 {
     const struct orl_material *m = orl_world_material(world, hit);

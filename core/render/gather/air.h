@@ -23,16 +23,16 @@
 
 struct orl_air;
 
-/* Returns true if anything redirects suns or lamps in that world, as it is simulated. */
+/* Returns true if some caustics in mid-air need photons, in that world as it is simulated. */
 bool orl_air_may_be_lit(const struct orl_world *world);
 
 /*
- * Returns true if all such light is of suns by flat mirrors, so that their images give it exactly.
+ * Returns true if all caustics are of suns by flat mirrors, so that their images give them exactly.
  */
 bool orl_air_is_by_images(const struct orl_world *world);
 
-/* Creates the estimator for a number of sensors. *ret_air is NULL if nothing redirects suns or
- * lamps. Returns 0 or ORL_ERR_NOMEM. */
+/* Creates the estimator for a number of sensors. *ret_air is NULL if no caustics in mid-air need
+ * photons. Returns 0 or ORL_ERR_NOMEM. */
 int orl_air_new(const struct orl_gather *gather, size_t sensors, struct orl_air **ret_air);
 
 /*

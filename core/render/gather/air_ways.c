@@ -1,4 +1,4 @@
-/* Tests whether anything redirects suns and lamps into mid-air. */
+/* Tests whether caustics in mid-air need photons. */
 #include "render/gather/air.h"
 #include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"

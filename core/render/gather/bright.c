@@ -120,7 +120,7 @@ struct look {
     struct splat splats[ORL_BRIGHT_SPOTS];
     uint16_t room[ROOM]; /* lists of the splats in a cell, one after another */
     double light;        /* sum over all splats */
-    double variance;     /* of even rays: for one ray, in units of the squared light */
+    double variance;     /* even rays' variance for one ray, in units of the squared light */
 };
 
 struct area {

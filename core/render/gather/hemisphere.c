@@ -6,10 +6,11 @@
 enum { AHEAD = 16 };
 
 /*
- * Strata whose neighbours differ by more than these multiples of the mean of all get this many rays
- * across and down. The noise of a stratum's only ray is up to half of its neighbours' difference.
- * With some hundred strata, ten that differ by 20 give the mean to a third. With sixteen rays each,
- * only the edge of a window is left to chance, and they give it to some hundredths.
+ * Strata get CLOSER or CLOSEST rays across and down if their neighbours differ by more than
+ * `contrast` or `much_contrast` times the mean of all strata. The noise of a stratum's only ray is
+ * up to half of its neighbours' difference. If ten of some hundred strata differ by 20, one ray
+ * each gives the mean to a third. Sixteen rays each leave only the edge of a window to chance, and
+ * give the mean to some hundredths.
  */
 enum { CLOSER = 2, CLOSEST = 4 };
 static const double contrast = 5, much_contrast = 20;

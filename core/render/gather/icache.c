@@ -59,8 +59,8 @@ static int exponent_of(double value)
     return exponent;
 }
 
-/* Limit of about this many bits for the coordinates of cells. Smaller cells would hold no more than
- * one place, and their coordinates would overflow. */
+/* Approximate limit, in bits, of cells' coordinates. Smaller cells would hold no more than one
+ * place, and their coordinates would overflow. */
 enum { CELL_BITS = 40 };
 
 static int level_of(const struct orl_icache *cache, const struct orl_record *record)
@@ -278,9 +278,8 @@ static void join(struct joined *joined, const struct orl_icache *cache,
 
 /*
  * Computes the interpolated value and its error. The interpolation error is the records' scatter
- * beyond their rays' noise: the error of each extrapolation is the curvature of the light times its
- * squared distance, which differs between records about as much as it is large. It does not average
- * out over records.
+ * beyond their rays' noise. Each extrapolation errs by the curvature of the light times its squared
+ * distance. These errors differ between records by about their own size, and do not average out.
  */
 static bool settle(const struct joined *joined, struct orl_cached *ret_cached)
 {

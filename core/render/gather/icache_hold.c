@@ -33,7 +33,7 @@ struct holding {
     struct sorted *sorted;
     struct node *nodes; /* node i has the children 2 i and 2 i + 1; blocks begin at first_block */
     size_t first_block;
-    double *radii;  /* of each record */
+    double *radii;  /* new radius of each record */
     size_t *looked; /* nodes and records looked at for each record */
 };
 

@@ -4,8 +4,8 @@
 
 #include "base/random.h"
 
-/* Returns the columns of a hemisphere, about three for each row. The number is a multiple of four,
- * so that a wall normal to the place's own ends at a column in rooms aligned with the axes. */
+/* Returns the columns of a hemisphere, about three for each row. The number is a multiple of four.
+ * In rooms aligned with the axes a perpendicular wall then ends at a column. */
 static uint32_t columns_of(uint32_t rows)
 {
     return (3 * rows + 2) / 4 * 4;

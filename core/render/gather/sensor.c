@@ -20,7 +20,7 @@ enum { SHARE_CHECKED = 16, LEAST_CHECKED = 128 };
 /* Limits for a significant difference: in joint standard errors, which are large because the rays'
  * error has three degrees of freedom, and as a share of the light. */
 static const double differs_in_errors = 5, differs_by = 0.15;
-/* A sun within this many of its radii from the sensor's plane. */
+/* Distance of a grazing sun from the sensor's plane, in the sun's radii. */
 static const double grazing_discs = 2;
 
 /* Sequence names, all distinct for any seed. */
@@ -198,8 +198,8 @@ static struct orl_rgb gather_group(const struct orl_gather *gather, const struct
 
 /*
  * Estimates the hemisphere by few groups. A Sobol sequence of n rays has an error of about
- * n^(-3/4), so that G groups of n / G have G^(1/4) times that: 16 would double it. Four give their
- * own error with three degrees of freedom, to which the photons add theirs.
+ * n^(-3/4). G groups of n / G rays have G^(1/4) times that: 16 groups would double it. Four groups
+ * give their own error with three degrees of freedom, to which the photons add theirs.
  */
 static struct orl_estimate gather_evenly(const struct orl_gather *gather,
                                          const struct orl_place *place, uint32_t samples,

@@ -284,7 +284,8 @@ double orl_target_density(const struct orl_target_sphere *target, struct orl_vec
 {
     const struct orl_vec3 way = orl_sub(target->center, point);
     const double opening = opening_of(target, way), d2 = orl_dot(way, way);
-    /* By the distance at which the ray passes the centre, which is exact for narrow cones. */
+    /* The test uses the distance at which the ray passes the centre, which is exact for narrow
+     * cones. */
     const double ahead = orl_dot(way, direction), past2 = d2 - ahead * ahead;
     if (opening < 1 && !(ahead > 0 && past2 <= target->radius * target->radius * (1 + 1e-9)))
         return 0;

@@ -17,7 +17,7 @@ struct orl_heat_map {
     const struct orl_geometry *geometry; /* borrowed, like all other pointers */
     const struct orl_sensor_plane *plane;
     const char *quantity, *unit; /* "Illuminance", "lx" */
-    const double *values;        /* of all sensors of the job, indexed by the plane, in the unit */
+    const double *values; /* one for each of the job's sensors, in the unit; plane has indices */
     const double (*intervals)[2];
     const struct orl_heat_map_request *how; /* thresholds are in the unit */
 };

@@ -7,7 +7,7 @@
 enum { MOST_TRIED = 64 };
 /* Tolerances of a plane and of a grid line, as shares of the extent of all sensors. */
 static const double plane_width = 1e-4, line_width = 1e-3;
-/* Cosine of the angle within which normals of one plane differ. */
+/* Least cosine between normals of one plane. */
 static const double alike = 0.9999;
 
 static double extent_of(const struct orl_sensor *sensors, size_t n)

@@ -46,8 +46,8 @@ static bool is_small(const struct orl_painting *painting, const struct orl_sun *
     if (!is_of_a_point(painting->view))
         return false;
     const double sr = 2 * ORL_PI * (1 - sun->cos_half_angle);
-    /* a sun outside the picture, or at its border, also counts as small: only its visible rays are
-     * added */
+    /* A sun outside the picture, or at its border, also counts as small: only its visible rays are
+     * added. */
     return !place_of(painting, sun->frame.n, &x, &y) || sr < most_pixels * pixel_sr(painting, x, y);
 }
 

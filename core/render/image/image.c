@@ -11,7 +11,7 @@ enum { LAMP_RAYS = 4 };
  * errors. */
 enum { PANE_SAMPLES = 28, FEWER_PANE_SAMPLES = 12, GLOSS_SAMPLES = 4 };
 static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
-/* A lobe that sends on less than this share of its radiance. */
+/* Weight in the pixel below which a lobe is faint. */
 static const double faint_lobe = 0.1;
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 

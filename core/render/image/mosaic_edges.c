@@ -11,7 +11,7 @@ static const double sharp_difference = 0.15, no_difference = 0.02, steep_differe
 static const double close_by = 0.3;
 
 /* Multiples of its reach within which the smooth part is shared: among the rays of a pixel, whose
- * mean counts; and, if the neighbours agree, by the whole pixel. */
+ * mean counts; and between neighbouring pixels, if the neighbours agree. */
 static const double shared_within = 1, shared_about = 4;
 
 static struct orl_shade shade_of(const struct orl_cell *cell)
@@ -26,8 +26,8 @@ static struct orl_shade shade_of(const struct orl_cell *cell)
 
 /*
  * The reason to refine a pixel, the stronger one last: its neighbours see other things, or a
- * shadow's edge is near. Near such an edge rays agree by chance, on one side of it or the other, so
- * that four equal rays are no reason to stop.
+ * shadow's edge is near. Rays near such an edge agree by chance, on one side of it or the other.
+ * Four equal rays are therefore no reason to stop.
  */
 enum cause { CAUSE_NONE, CAUSE_THINGS, CAUSE_SHADOW };
 

@@ -28,7 +28,7 @@ struct orl_painting {
     const struct orl_geometry *geometry; /* rays are in its coordinates */
     const struct orl_view *view;         /* in the coordinates of the files */
     struct orl_film *film;
-    bool irradiance; /* true: irradiance of the surfaces seen, W/m2, instead of radiance */
+    bool irradiance; /* if true, pixels are irradiances of the surfaces seen, W/m2 */
     /* offset of all rays, in pixels right and down: pictures with different offsets are combined,
      * so that features between fixed rays appear in one of them */
     double shift[2];

@@ -1,15 +1,15 @@
 /*
  * A pixel's rays: their positions, their number, and their mean.
  *
- * A pixel that its neighbours leave in doubt (mosaic.h) sends rays through four by four positions,
- * in sets of four with one ray in every row and column. All sixteen differ in height and in
- * breadth, so that each adds information about a horizontal or a vertical edge (as in Chiu, Shirley
- * and Wang 1994, shuffled to resolve slanting edges as well). Four suffice if they agree; if not,
- * as on edges, or where a shadow ends, all sixteen are sent. Of bright things beside dark ones,
- * such as a sunlit ledge thinner than a pixel, even sixteen are off by a tenth of the contrast. If
- * that is more than twice the pixel's own light, 48 more follow, on a golden-ratio lattice.
- * Positions are not jittered: beside a sky hundreds of times brighter, random coverage frays an
- * edge.
+ * A pixel that its neighbours leave in doubt (mosaic.h) sends rays through a grid of four by four
+ * positions. They form sets of four with one ray in every row and column. All sixteen differ in
+ * height and in breadth, so that each adds information about a horizontal or a vertical edge (as in
+ * Chiu, Shirley and Wang 1994). Their order is shuffled to resolve slanting edges as well. Four
+ * suffice if they agree; if not, as on edges, or where a shadow ends, all sixteen are sent. Even
+ * sixteen are off by a tenth of the contrast for bright things beside dark ones, such as a sunlit
+ * ledge thinner than a pixel. If that is more than twice the pixel's own light, 48 more follow, on
+ * a golden-ratio lattice. Positions are not jittered: beside a sky hundreds of times brighter,
+ * random coverage frays an edge.
  *
  * Threads: plain values, not shared.
  */

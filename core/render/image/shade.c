@@ -238,7 +238,7 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
     add_mean(look, at->path.weight, &scattered, is_gloss);
 }
 
-/* Pushes both branches of what is not scattered. */
+/* Pushes the branches of light that is mirrored, goes straight or is bent. */
 static void split(struct look *look, const struct branch *at, const struct orl_hit *hit,
                   const struct orl_material *m)
 {
@@ -307,8 +307,8 @@ static void meet_for_irradiance(struct look *look, const struct branch *at,
         look->shaded->vertices[i].weight = orl_gray(1);
 }
 
-/* Adds the light scattered by mist and attenuates the branch. Returns false if the branch ends,
- * with one sampled path continued. */
+/* Adds the light scattered by mist and attenuates the branch. Returns false if the branch ends in
+ * the mist; one sampled path then continues it. */
 static bool passes_mist(struct look *look, struct branch *at, double distance)
 {
     const struct orl_world *const world = look->shader->world;

@@ -53,7 +53,7 @@ typedef struct orl_rgb orl_shade_radiance(const void *ctx, const struct orl_lobe
 enum orl_suns {
     ORL_SUNS_SEEN,  /* all */
     ORL_SUNS_APART, /* none: rays of their own add them (discs.h) */
-    ORL_SUNS_ALONE, /* only these, and nothing else: for such a ray */
+    ORL_SUNS_ALONE, /* only suns, and nothing else: for a ray of a sun */
     ORL_LAMP_ALONE  /* only one lamp: for a ray of that lamp */
 };
 
@@ -68,7 +68,8 @@ struct orl_shader {
     double dimmest;       /* branches below this share of the ray are omitted */
     bool by_lot;          /* true if those undergo Russian roulette instead, without bias */
     bool backs_unseen;    /* true if backs of opaque surfaces are invisible */
-    /* true: irradiance of the first diffuse surface, also behind glass, instead of radiance */
+    /* If true, the result is the irradiance of the first diffuse surface, also behind glass,
+     * instead of radiance. */
     bool irradiance;
     enum orl_suns suns;
     const bool *lamps_apart; /* by facet: lamps not shown when seen directly; NULL: none */

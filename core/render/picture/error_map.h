@@ -7,10 +7,10 @@
  * leaves out or blurs for any seed.
  *
  * As HDR: gray, W/sr/m2, the same view and format as the image. As PNG: in false colours, relative
- * to the pixel or to a tenth of the image's mean, if that is more (a dark pixel's error is
- * invisible next to bright ones; oriel/study.h uses the same measure). A legend below shows colours
- * in even steps of lightness from 0.1 % to 100 %, the same for all images, and the median and 95th
- * percentile of this one. Pixels without any error get the darkest colour.
+ * to the pixel or to a tenth of the image's mean, if that is more. (A dark pixel's error is
+ * invisible next to bright ones; oriel/study.h uses the same measure.) Colours go in even steps of
+ * lightness from 0.1 % to 100 %, the same for all images. A legend below shows them with the median
+ * and 95th percentile of this image. Pixels without any error get the darkest colour.
  */
 #ifndef ORL_RENDER_PICTURE_ERROR_MAP_H
 #define ORL_RENDER_PICTURE_ERROR_MAP_H
@@ -23,8 +23,8 @@
  * Smooths errors estimated from few samples: a pixel's squared error becomes the mean of those of
  * the 3 x 3 pixels about it. Neighbours that differ by more than two standard errors show another
  * object and are left out. A rare bright sample in one pixel could also occur in its neighbours.
- * With n groups of samples a single estimate of the variance is off by sqrt(2 / (n - 1)), the mean
- * of nine by a third of that. Returns 0 or ORL_ERR_NOMEM.
+ * With n groups of samples a single estimate of the variance is off by sqrt(2 / (n - 1)). The mean
+ * of nine is off by a third of that. Returns 0 or ORL_ERR_NOMEM.
  */
 int orl_film_smooth_errors(struct orl_film *film);
 

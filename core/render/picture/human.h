@@ -7,8 +7,8 @@
  * The display has a range of 100 to 1, up to 100 cd/m2. If the scene's range is no larger, or
  * nothing must be trimmed, the mapping is linear.
  *
- * The histogram, in logarithms of luminance, is that of the foveal samples and, with equal weight,
- * that of all pixels, so that small bright things are represented.
+ * The histogram is in logarithms of luminance. Foveal samples and pixels enter with equal total
+ * weight, so that small bright things are represented.
  */
 #ifndef ORL_RENDER_PICTURE_HUMAN_H
 #define ORL_RENDER_PICTURE_HUMAN_H

@@ -2,7 +2,7 @@
  * Draws lines of equal value over a picture, labelled with their values.
  *
  * Lines are found by marching squares between the pixels' centres (Lorensen and Cline 1987, in two
- * dimensions), on slightly smoothed values so that noise draws no lines. Where values jump by more
+ * dimensions). Values are smoothed slightly so that noise draws no lines. Where values jump by more
  * than a step of the levels between pixels there is the edge of an object, and no line is drawn.
  */
 #ifndef ORL_RENDER_PICTURE_ISOLINES_H

@@ -23,7 +23,7 @@ static void even(double share, unsigned char ret_srgb[3])
                                            (at - low) * (points[low + 1][c] - points[low][c]));
 }
 
-/* Falsecolor's default palette: linear values at 23 evenly spaced points. */
+/* The default palette of falsecolor: linear values at 23 evenly spaced points. */
 static void tabled(double x, double ret[3])
 {
     static const double points[][3] = {
