@@ -24,9 +24,8 @@ enum { MOST_FLIGHTS = 1 << 18, MOST_RAYS = 1 << 19 };
 
 /* Number of hits from which light is in the value, and its scatter in the error. */
 static const double often = 16;
-/*
- * Light counts as missed if it exceeds the sensor's interval by this many of its standard errors.
- */
+/* Light counts as missed if it exceeds the sensor's interval by this many of its standard
+ * errors. */
 static const double certain = 3;
 /* The 97.5th percentile of Student's t with the degrees of freedom of 16 batches. */
 static const double bound_in_errors = 2.13;

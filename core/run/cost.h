@@ -31,9 +31,8 @@ struct orl_work {
 
 struct orl_work orl_work_of(const struct orl_run_state *state);
 
-/*
- * Return the photons of a kind, and the samples of a pixel, that correspond to samples of a sensor.
- */
+/* Return the photons of a kind, and the samples of a pixel, that correspond to samples of a
+ * sensor. */
 uint64_t orl_work_photons(const struct orl_work *work, int kind, double samples);
 uint32_t orl_work_pixel_samples(double samples);
 

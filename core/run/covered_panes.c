@@ -1,6 +1,5 @@
-/*
- * Finds panes that lie on an opaque surface, such as panes drawn before a wall without an opening.
- */
+/* Finds panes that lie on an opaque surface, such as panes drawn before a wall without an
+ * opening. */
 #include <stdio.h>
 
 #include "base/random.h"

@@ -23,9 +23,8 @@ enum { MOST_GROUPS = 16, MOST_PATHS = 1 << 14, LEAST_PATHS = 1 << 11 };
 /* Maximum of shadow rays, with those to all lights at one surface of each path: more lights reduce
  * the number of paths. */
 enum { MOST_SHADOW_RAYS = 1 << 17, PATHS_OF_USE = 256, LEAST_PATHS_A_SENSOR = 4 };
-/*
- * One path for this many samples of the technique, so that the check takes at most 2 % of its time.
- */
+/* One path for this many samples of the technique, so that the check takes at most 2 % of its
+ * time. */
 enum { SAMPLES_A_PATH = 64 };
 
 /* ---- Groups of sensors ----------------------------------------------------------------------- */

@@ -56,9 +56,8 @@ static uint32_t shrink(uint32_t side, double by)
     return (uint32_t)fmax(ceil(side * by), 1);
 }
 
-/*
- * Replaces the job's views by small ones with that many pixels in total, without metrics and files.
- */
+/* Replaces the job's views by small ones with that many pixels in total, without metrics and
+ * files. */
 static int take_small_views(struct orl_job *job, struct orl_pilot *pilot, struct orl_error *err)
 {
     const double all = pixels_of(job), most = job->technique == ORL_TECHNIQUE_BACKWARD

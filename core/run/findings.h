@@ -46,9 +46,8 @@ int orl_findings_add_film(struct orl_findings *findings, size_t view, const stru
 /* Computes the errors. */
 void orl_findings_judge(struct orl_findings *findings);
 
-/*
- * Copies means and errors to the result and writes the views' files; call orl_findings_judge first.
- */
+/* Copies means and errors to the result and writes the views' files; call orl_findings_judge
+ * first. */
 int orl_findings_show(struct orl_findings *findings, struct orl_run_state *state,
                       struct orl_error *err);
 

@@ -1,6 +1,5 @@
-/*
- * Decides what follows a round: the size of the next one by the job's goal, and the remaining work.
- */
+/* Decides what follows a round: the size of the next one by the job's goal, and the remaining
+ * work. */
 #include "run/goals.h"
 
 #include <math.h>

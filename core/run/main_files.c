@@ -42,9 +42,8 @@ static size_t folder_length(const char *name)
     return slash ? (size_t)(slash - name) + 1 : 0;
 }
 
-/*
- * Handles a name in a command: it is relative to the file that contains it, or to the top folder.
- */
+/* Handles a name in a command: it is relative to the file that contains it, or to the top
+ * folder. */
 static void read_word(struct reading *r, const char *word, size_t length)
 {
     const char *holder = r->names[r->holder];

@@ -61,9 +61,8 @@ double orl_pooled_third(const struct orl_pooled *pool, size_t index);
 /* Returns the degrees of freedom of these errors. */
 double orl_pooled_degrees(const struct orl_pooled *pool);
 
-/*
- * Returns the ratio of the variances between rounds to those that rounds report; 1 with one round.
- */
+/* Returns the ratio of the variances between rounds to those that rounds report; 1 with one
+ * round. */
 double orl_pooled_dispersion(const struct orl_pooled *pool);
 
 #endif

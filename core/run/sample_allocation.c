@@ -49,9 +49,8 @@ static double share_of(const struct noise *noise, size_t i)
     return noise->mean > 0 ? even_part + (1 - even_part) * noise_of(noise, i) / noise->mean : 1;
 }
 
-/*
- * Returns true if the bound is at most the target after a round of `more` samples; errors: scratch.
- */
+/* Returns true if the bound is at most the target after a round of `more` samples; errors:
+ * scratch. */
 static bool would_do(const struct noise *noise, double more, double at, double target,
                      double *errors)
 {

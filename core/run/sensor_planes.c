@@ -7,16 +7,14 @@
 #include "run/stages.h"
 #include "scene/geometry/stand.h"
 
-/*
- * Distance from a surface at which a sensor is clear of it, in units of the geometry's resolution.
- */
+/* Distance from a surface at which a sensor is clear of it, in units of the geometry's
+ * resolution. */
 static const double clear_of_surfaces = 10;
 /* A sensor that faces a surface by more than this cosine is moved off it (stand.h). */
 static const double faces_from = 0.25;
 
-/*
- * Tests for a surface along a direction, from one resolution behind the point to one ahead of it.
- */
+/* Tests for a surface along a direction, from one resolution behind the point to one ahead of
+ * it. */
 static bool touches_along(const struct orl_geometry *g, struct orl_vec3 point,
                           struct orl_vec3 normal, struct orl_vec3 way, struct orl_touch *ret_touch)
 {

@@ -29,9 +29,8 @@ void orl_backward_done(struct orl_backward *backward)
     orl_vpls_done(&backward->vpls);
 }
 
-/*
- * Returns the mean of one group's samples; rays receives each sample's contribution to the sensor.
- */
+/* Returns the mean of one group's samples; rays receives each sample's contribution to the
+ * sensor. */
 static struct orl_rgb sample_group(const struct orl_backward *b, const struct orl_place *place,
                                    const struct orl_span *span, uint32_t group,
                                    struct orl_health *health, struct orl_rays *rays)

@@ -19,9 +19,8 @@
 /* Returns true if a pixel exceeds that, such as a sun. */
 bool orl_exr_exceeds_halves(const struct orl_film *film);
 
-/*
- * Writes to path.part, then sync and rename. Returns 0, ORL_ERR_IO, ORL_ERR_FULL or ORL_ERR_NOMEM.
- */
+/* Writes to path.part, then sync and rename. Returns 0, ORL_ERR_IO, ORL_ERR_FULL or
+ * ORL_ERR_NOMEM. */
 int orl_exr_write(const struct orl_film *film, const struct orl_view *view, bool halves,
                   const char *path, struct orl_error *err);
 

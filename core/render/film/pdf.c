@@ -12,9 +12,8 @@
 
 /* Height of capitals, and the unit of letter widths, relative to the font size. */
 static const double capitals = 0.72, thousandth = 1e-3;
-/*
- * Line width around filled polygons; without it antialiasing readers show seams between neighbours.
- */
+/* Line width around filled polygons; without it antialiasing readers show seams between
+ * neighbours. */
 static const double seam = 0.3;
 
 struct orl_pdf {

@@ -85,9 +85,8 @@ static int check_sizes(const struct orl_view *view, struct orl_error *err)
     return 0;
 }
 
-/*
- * Sets the image axes from direction, up and the angles, with the checks that Radiance makes too.
- */
+/* Sets the image axes from direction, up and the angles, with the checks that Radiance makes
+ * too. */
 static int set_up(struct orl_view *view, struct orl_error *err)
 {
     double h = view->horizontal, v = view->vertical;

@@ -115,9 +115,8 @@ static double distance_about(const struct orl_geometry *g, const struct orl_plac
     return n > 0 ? met[n / 2] : INFINITY;
 }
 
-/*
- * Returns true if light close to it may vary more than discs can resolve: a lens or curved mirror.
- */
+/* Returns true if light close to it may vary more than discs can resolve: a lens or curved
+ * mirror. */
 static bool focuses(const struct orl_world *world, const struct orl_hit *hit)
 {
     const struct orl_material *m = orl_world_material(world, hit);

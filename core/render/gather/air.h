@@ -26,9 +26,8 @@ struct orl_air;
 /* Returns true if some caustics in mid-air need photons, in that world as it is simulated. */
 bool orl_air_may_be_lit(const struct orl_world *world);
 
-/*
- * Returns true if all caustics are of suns by flat mirrors, so that their images give them exactly.
- */
+/* Returns true if all caustics are of suns by flat mirrors, so that their images give them
+ * exactly. */
 bool orl_air_is_by_images(const struct orl_world *world);
 
 /* Creates the estimator for a number of sensors. *ret_air is NULL if no caustics in mid-air need

@@ -181,9 +181,8 @@ struct orl_shaft orl_shaft_of(const struct orl_geometry *geometry, const struct 
     return shaft;
 }
 
-/*
- * Returns the part of a cell's light that may reach a place, given relative to the pane's centre.
- */
+/* Returns the part of a cell's light that may reach a place, given relative to the pane's
+ * centre. */
 static double light_of(const struct orl_shaft *shaft, const struct orl_beam *beam,
                        const struct orl_beam_cells *cells, uint32_t cell, struct orl_vec3 place)
 {

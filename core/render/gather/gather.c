@@ -19,9 +19,8 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/*
- * Returns the radius of k neighbours at the map's own photons, at a percentile over some of them.
- */
+/* Returns the radius of k neighbours at the map's own photons, at a percentile over some of
+ * them. */
 static double typical_radius(const struct orl_photon_map *map, uint32_t k, double percentile,
                              double widest, struct orl_search *search)
 {

@@ -18,9 +18,8 @@ static const enum orl_lobes but_diffuse =
  * it reflects, except near grazing angles. */
 static const double dim = 0.2, clear_glass = 0.5, half = 0.5;
 
-/*
- * Returns the irradiance of a diffuse surface that a ray met, by shadow rays and caustic photons.
- */
+/* Returns the irradiance of a diffuse surface that a ray met, by shadow rays and caustic
+ * photons. */
 static struct orl_rgb lit_again(const struct orl_gather *gather, const struct orl_hit *hit,
                                 const struct orl_footing *footing, struct orl_random *random,
                                 struct orl_search *search, struct orl_tally *tally)

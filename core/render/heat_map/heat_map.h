@@ -26,9 +26,8 @@ struct orl_heat_map {
 int orl_heat_map_write(const struct orl_heat_map *map, enum orl_canvas_kind kind, const char *path,
                        struct orl_error *err);
 
-/*
- * Returns the map's size on a page. side: length of the longer side of the area shown, page units.
- */
+/* Returns the map's size on a page. side: length of the longer side of the area shown, page
+ * units. */
 void orl_heat_map_size(const struct orl_heat_map *map, double side, double *ret_width,
                        double *ret_height);
 /* Draws the map on an open page; (x, y) is its upper left corner. Returns 0 or ORL_ERR_NOMEM. */

@@ -130,9 +130,8 @@ static void want(struct row *row, const struct orl_vertex *v, const struct orl_g
         (struct orl_record){.place = v->place, .least = orl_record_least(grain, v->distance)};
 }
 
-/*
- * Returns true if a place needs no record; in the last round it suffices that a record can be read.
- */
+/* Returns true if a place needs no record; in the last round it suffices that a record can be
+ * read. */
 static bool is_served(const struct painter *p, const struct orl_place *place)
 {
     return p->step > finest_step(p) ? orl_icache_serves(&p->cache, place)

@@ -80,9 +80,8 @@ static struct orl_cached rest_at(const struct orl_lighting *lighting, const stru
     return stray_at(lighting, v, strays, random, search);
 }
 
-/*
- * Returns the distance within which an estimate is nearly constant, because its disc hardly moves.
- */
+/* Returns the distance within which an estimate is nearly constant, because its disc hardly
+ * moves. */
 static double reach_of(const struct orl_density *density)
 {
     return density->radius > 0 ? fmin(0.25 * density->radius, density->clear) : INFINITY;

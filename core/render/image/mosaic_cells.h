@@ -86,9 +86,8 @@ void orl_mosaic_fill(const struct orl_tile_cells *mosaic);
 /* Third step (mosaic_gloss.c): sends more rays for gloss that would be noisy. */
 void orl_mosaic_polish(const struct orl_tile_cells *mosaic);
 
-/*
- * Last step (mosaic_edges.c): writes the tile's pixels to the film, those on edges from more rays.
- */
+/* Last step (mosaic_edges.c): writes the tile's pixels to the film, those on edges from more
+ * rays. */
 void orl_mosaic_settle(const struct orl_tile_cells *mosaic);
 
 #endif

@@ -4,9 +4,8 @@
 #include "light/proxies.h"
 #include "scene/material/texture.h"
 
-/*
- * Cosine of the largest deflection of a ray that counts as direct: a hundredth of a sun's radius.
- */
+/* Cosine of the largest deflection of a ray that counts as direct: a hundredth of a sun's
+ * radius. */
 static const double straight = 1 - 1e-9;
 enum { MOST_SPLITS = 6, MOST_SPLITS_BY_LOT = 64, MOST_BRANCHES = 16 };
 
@@ -40,9 +39,8 @@ static void add(struct look *look, struct orl_rgb weight, struct orl_rgb radianc
     look->shaded->rest = orl_rgb_add(look->shaded->rest, orl_rgb_mul(weight, radiance));
 }
 
-/*
- * Returns true if the view ignores the surface, because it is seen from behind (Radiance's -bv-).
- */
+/* Returns true if the view ignores the surface, because it is seen from behind (Radiance's
+ * -bv-). */
 static bool is_unseen(const struct look *look, const struct orl_hit *hit)
 {
     switch (look->shader->backs_unseen && !hit->front

@@ -30,9 +30,8 @@ void orl_fovea_done(struct orl_fovea *fovea);
  * ORL_ERR_NOMEM. */
 int orl_fovea_add_veil(struct orl_fovea *fovea, const struct orl_view *view);
 
-/*
- * Adds the veil to a pixel of the film; x and y as shares of the picture, 0..1 from the top left.
- */
+/* Adds the veil to a pixel of the film; x and y as shares of the picture, 0..1 from the top
+ * left. */
 void orl_fovea_veil(const struct orl_fovea *fovea, double x, double y, float rgb[3]);
 
 /* Interpolates the samples at a place. */
