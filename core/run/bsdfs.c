@@ -43,14 +43,14 @@ static int check_content(const struct request *r, struct orl_error *err)
     return orl_error_set(err, ORL_ERR_CORRUPT, "the file is damaged in the store");
 }
 
-static int make(void *ctx, struct orl_error *err)
+static int make_bsdf(void *ctx, struct orl_error *err)
 {
     struct request *const r = ctx;
     const int code = check_content(r, err);
     return code < 0 ? code : orl_bsdf_load(r->xml, &r->bsdf, err);
 }
 
-static int keep(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err)
+static int write_bsdf(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err)
 {
     const struct request *const r = ctx;
     struct orl_bsdf_info about;
@@ -79,8 +79,8 @@ static int load(void *ctx, const struct orl_bsdf_xml *given,
                                        .name = given->name,
                                        .ctx = &r,
                                        .open = open_kept,
-                                       .make = make,
-                                       .keep = keep};
+                                       .make = make_bsdf,
+                                       .keep = write_bsdf};
     heeding.cancel = state->env->cancel;
     heeding.crew = state->env->crew;
     orl_run_progress(state, 0);

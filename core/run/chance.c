@@ -70,15 +70,15 @@ static double times_met(const struct orl_world *world, double of_suns, double of
 
 /* Widens the interval to the upper bound of the light that photons measured, if so few paths hit it
  * that their scatter does not show. It then includes the values with and without that light. */
-static void widen(double interval[2], double found_lx, const struct orl_estimate *brought)
+static void widen_interval(double interval[2], double found_lx, const struct orl_estimate *brought)
 {
     const double most =
         orl_luma(brought->value) + fabs(brought->bias) + brought->standard_error * bound_in_errors;
     interval[1] = fmax(interval[1], found_lx + ORL_EFFICACY_LM_PER_W * most);
 }
 
-static void look_at_sensor(struct orl_run_state *state, const struct orl_air *air, size_t i,
-                           struct missed *missed)
+static void judge_sensor(struct orl_run_state *state, const struct orl_air *air, size_t i,
+                         struct missed *missed)
 {
     struct orl_result *r = state->result;
     const double samples = state->samples > 0 ? state->samples : orl_run_sensor_samples(state, i);
@@ -90,7 +90,7 @@ static void look_at_sensor(struct orl_run_state *state, const struct orl_air *ai
         return;
     const bool lacks = lx > certain * ORL_EFFICACY_LM_PER_W * e.standard_error &&
                        found + lx > r->interval_95_lx[i][1] && lx > tolerable * found;
-    widen(r->interval_95_lx[i], found, &e);
+    widen_interval(r->interval_95_lx[i], found, &e);
     if (!lacks)
         return;
     const double share = lx / (lx + found);
@@ -141,7 +141,7 @@ static int judge_sensors(struct orl_run_state *state, const struct orl_shoot_env
         code = orl_air_catch(air, env, &bounds, &state->result->health);
     }
     for (size_t i = 0; i < state->n_sensors && code == 0; i++)
-        look_at_sensor(state, air, i, &missed);
+        judge_sensor(state, air, i, &missed);
     orl_air_free(air);
     if (code == 0 && missed.sensors > 0)
         orl_run_warn(

@@ -89,7 +89,7 @@ static bool paths_find_all(const struct orl_run_state *state)
 }
 
 /* Returns true if the job omits effects on request, which the paths would include. */
-static bool leaves_out_on_demand(const struct orl_job *job)
+static bool omits_on_request(const struct orl_job *job)
 {
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
         if (job->wishes[i] == ORL_WISH_SKIP)
@@ -108,7 +108,7 @@ int orl_run_cross_check(struct orl_run_state *state, struct orl_error *err)
 {
     struct check check = {.state = state};
     const size_t n = state->n_sensors;
-    if (n == 0 || state->result->n_sensors != n || leaves_out_on_demand(state->job) ||
+    if (n == 0 || state->result->n_sensors != n || omits_on_request(state->job) ||
         state->world->scene->mist || orl_world_seen(state->world) != state->world)
         return 0;
     double samples = 0;

@@ -21,8 +21,8 @@ struct compared {
     double error;
 };
 
-static struct compared compare(const struct orl_result *r, const struct orl_plain_groups *groups,
-                               size_t index)
+static struct compared compare_group(const struct orl_result *r,
+                                     const struct orl_plain_groups *groups, size_t index)
 {
     struct compared c = {.group = &groups->groups[index]};
     const size_t end = c.group->first + c.group->count;
@@ -56,7 +56,7 @@ static struct match match_class(const struct orl_result *r, const struct orl_pla
 {
     double product = 0, squares = 0;
     for (size_t g = 0; g < groups->count; g++) {
-        const struct compared c = compare(r, groups, g);
+        const struct compared c = compare_group(r, groups, g);
         const double variance = variance_of(&c), lx = c.group->classes[light];
         if (!is_known(&c) || !(variance > 0))
             continue;
@@ -96,7 +96,7 @@ const char *orl_light_class_name(enum orl_light_class light)
 
 /* Widens the group's intervals to include `sum` and marks its sensors. Each sensor's bound is in
  * proportion to its value, or the mean if none has any light. */
-static void widen(struct orl_run_state *state, const struct compared *c, double sum)
+static void widen_group(struct orl_run_state *state, const struct compared *c, double sum)
 {
     struct orl_result *r = state->result;
     const struct orl_plain_group *group = c->group;
@@ -134,7 +134,7 @@ static bool judge_group(struct orl_run_state *state, const struct compared *c, b
     const double sum = by_itself ? by_paths
                        : way > 0 ? fmax(by_paths, by_class)
                                  : fmin(by_paths, by_class);
-    widen(state, c, sum);
+    widen_group(state, c, sum);
     return true;
 }
 
@@ -174,7 +174,7 @@ void orl_cross_check_judge(struct orl_run_state *state, const struct orl_plain_g
         (verdict.match.share < 0 && !groups->find_all))
         verdict.match.share = 0;
     for (size_t g = 0; g < groups->count; g++) {
-        const struct compared c = compare(r, groups, g);
+        const struct compared c = compare_group(r, groups, g);
         check->paths += (uint64_t)groups->paths * c.group->traced;
         if (!is_known(&c))
             continue;

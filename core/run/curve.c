@@ -23,8 +23,8 @@ static const double gather_power = 0.55;
 /* Maximum time for the photons of a round by maps, and the minimum samples for them. */
 static const double photons_s = 1, fewest_samples = 256;
 
-static int take_some_sensors(struct orl_run_state *state, struct orl_pilot *pilot,
-                             struct orl_error *err)
+static int select_sensors(struct orl_run_state *state, struct orl_pilot *pilot,
+                          struct orl_error *err)
 {
     const size_t all = state->n_sensors, some = all < MOST_SENSORS ? all : MOST_SENSORS;
     struct orl_sensor *sensors = some < all ? malloc(some * sizeof *sensors) : NULL;
@@ -51,14 +51,14 @@ static double pixels_of(const struct orl_job *job)
     return pixels;
 }
 
-static uint32_t shrink(uint32_t side, double by)
+static uint32_t shrink_side(uint32_t side, double by)
 {
     return (uint32_t)fmax(ceil(side * by), 1);
 }
 
 /* Replaces the job's views by small ones with that many pixels in total, without metrics and
  * files. */
-static int take_small_views(struct orl_job *job, struct orl_pilot *pilot, struct orl_error *err)
+static int shrink_views(struct orl_job *job, struct orl_pilot *pilot, struct orl_error *err)
 {
     const double all = pixels_of(job), most = job->technique == ORL_TECHNIQUE_BACKWARD
                                                   ? MOST_PIXELS
@@ -70,8 +70,8 @@ static int take_small_views(struct orl_job *job, struct orl_pilot *pilot, struct
     for (size_t i = 0; i < job->n_views; i++)
         views[i] = (struct orl_view_request){.name = job->views[i].name,
                                              .view = job->views[i].view,
-                                             .width = shrink(job->views[i].width, by),
-                                             .height = shrink(job->views[i].height, by),
+                                             .width = shrink_side(job->views[i].width, by),
+                                             .height = shrink_side(job->views[i].height, by),
                                              .irradiance = job->views[i].irradiance};
     job->views = views;
     pilot->view_times = job->n_views > 0 ? all / pixels_of(job) : 1;
@@ -110,9 +110,9 @@ int orl_run_pilot(struct orl_run_state *state, struct orl_error *err)
         snprintf(pilot->curve->model, sizeof pilot->curve->model, "%s", why);
         return 0;
     }
-    int code = take_some_sensors(state, pilot, err);
+    int code = select_sensors(state, pilot, err);
     if (code == 0)
-        code = take_small_views(&job, pilot, err);
+        code = shrink_views(&job, pilot, err);
     if (code < 0)
         return code;
     const struct orl_job *whole = state->job;

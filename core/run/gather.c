@@ -135,14 +135,15 @@ static bool shelf_key(const struct orl_run_state *state, enum orl_rest rest,
     return state->env->shelf && !state->bandwidths && state->maps[first];
 }
 
-static void let_go(void *kept)
+static void free_gather(void *kept)
 {
     orl_gather_done(kept);
     free(kept);
 }
 
 /* Takes the data of an earlier job from the shelf, or computes them. */
-static int take_up(struct orl_run_state *state, enum orl_rest rest, struct orl_gather *ret_gather)
+static int take_or_make_gather(struct orl_run_state *state, enum orl_rest rest,
+                               struct orl_gather *ret_gather)
 {
     const struct orl_photon_map *maps[ORL_MAP_KINDS];
     char key[ORL_SHELF_KEY];
@@ -166,7 +167,7 @@ static int take_up(struct orl_run_state *state, enum orl_rest rest, struct orl_g
     return code;
 }
 
-static void lay_by(const struct orl_run_state *state, struct orl_gather *gather)
+static void shelve_gather(const struct orl_run_state *state, struct orl_gather *gather)
 {
     char key[ORL_SHELF_KEY];
     struct orl_gather *kept = shelf_key(state, gather->rest, key) ? malloc(sizeof *kept) : NULL;
@@ -176,7 +177,7 @@ static void lay_by(const struct orl_run_state *state, struct orl_gather *gather)
     }
     const uint64_t bytes = orl_gather_pause(gather);
     *kept = *gather;
-    orl_shelf_put(state->env->shelf, key, kept, bytes, let_go);
+    orl_shelf_put(state->env->shelf, key, kept, bytes, free_gather);
 }
 
 int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
@@ -190,7 +191,7 @@ int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
     int code = orl_run_is_dark(state) ? 0 : orl_run_maps(state, err);
     if (code < 0)
         return code;
-    code = take_up(state, rest_of(state->result->plan.technique), &work.gather);
+    code = take_or_make_gather(state, rest_of(state->result->plan.technique), &work.gather);
     if (code == 0)
         code = orl_air_new(&work.gather, state->n_sensors, &work.air);
     if (code == 0 && state->n_sensors > 0) {
@@ -209,6 +210,6 @@ int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
     code = orl_run_render(state, &renderer, err);
     orl_air_free(work.air);
     orl_aim_done(&work.aim);
-    lay_by(state, &work.gather);
+    shelve_gather(state, &work.gather);
     return code;
 }

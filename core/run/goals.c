@@ -48,9 +48,9 @@ void orl_rounds_foresee(struct orl_rounds *r)
     }
 }
 
-static void end(struct orl_rounds *r, bool met, const char *format, ...)
+static void end_rounds(struct orl_rounds *r, bool met, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-static void end(struct orl_rounds *r, bool met, const char *format, ...)
+static void end_rounds(struct orl_rounds *r, bool met, const char *format, ...)
 {
     struct orl_outcome *outcome = &r->state->result->outcome;
     va_list args;
@@ -71,18 +71,20 @@ static void go_on_for_error(struct orl_rounds *r, const struct orl_parts *parts)
         return;
     }
     if (r->error <= target) {
-        end(r, true, "%.3g %% is reached after %u round%s", 100 * r->error, r->count,
-            r->count == 1 ? "" : "s");
+        end_rounds(r, true, "%.3g %% is reached after %u round%s", 100 * r->error, r->count,
+                   r->count == 1 ? "" : "s");
         return;
     }
     const double wanted = done * orl_parts_work(parts, target);
     if (done >= limit)
-        end(r, false,
+        end_rounds(
+            r, false,
             "the limit of %.0f samples' worth of work is reached at %.3g %%; %.3g %% may be had "
             "by several jobs of other seeds, averaged",
             limit, 100 * r->error, 100 * target);
     else if (wanted > hopeless * limit && r->count > 1)
-        end(r, false,
+        end_rounds(
+            r, false,
             "it would take %.2g samples' worth of work, %.0f are allowed: ask for %.2g %% or more",
             wanted, limit, 100 * r->error * sqrt(done / limit) * 1.2);
     else
@@ -116,12 +118,12 @@ static void go_on_for_dgp(struct orl_rounds *r)
     r->state->result->outcome.achieved = found;
     const double wanted = done * (found / target) * (found / target);
     if (r->count >= LEAST_ROUNDS && found <= target)
-        end(r, true, "%.2g is reached after %u rounds", found, r->count);
+        end_rounds(r, true, "%.2g is reached after %u rounds", found, r->count);
     else if (done >= limit || (r->count >= LEAST_ROUNDS && wanted > hopeless * limit))
-        end(r, false,
-            "%.2g is reached after %u rounds; %.2g would take %.2g samples' worth of work, "
-            "%.0f are allowed",
-            found, r->count, target, wanted, limit);
+        end_rounds(r, false,
+                   "%.2g is reached after %u rounds; %.2g would take %.2g samples' worth of work, "
+                   "%.0f are allowed",
+                   found, r->count, target, wanted, limit);
     while (!r->ended && done >= ORL_VIEW_BATCHES * r->samples)
         r->samples *= 2;
     r->wanted = fmin(fmax(wanted, done + r->samples), limit);
@@ -137,8 +139,8 @@ static void go_on_for_time(struct orl_rounds *r)
     const struct orl_deadline_next next = orl_deadline_next(&r->pace, &r->work, deadline, left);
     const char *plural = r->count == 1 ? "" : "s";
     if (r->error <= 0) {
-        end(r, true, "nothing is left to gain after %u round%s: no error is left", r->count,
-            plural);
+        end_rounds(r, true, "nothing is left to gain after %u round%s: no error is left", r->count,
+                   plural);
         return;
     }
     switch (next.step) {
@@ -148,23 +150,25 @@ static void go_on_for_time(struct orl_rounds *r)
             r->state->ends_s = 0;
         break;
     case ORL_DEADLINE_USED_UP:
-        end(r, true, "the time is used up: %u round%s took %.3g s of %.3g s", r->count, plural,
-            deadline - left, deadline);
+        end_rounds(r, true, "the time is used up: %u round%s took %.3g s of %.3g s", r->count,
+                   plural, deadline - left, deadline);
         break;
     case ORL_DEADLINE_NO_ROOM:
-        end(r, true,
+        end_rounds(
+            r, true,
             "no other round fits: %u round%s took %.3g s of %.3g s, and one more takes %.2g s; "
             "%.3g s hold it, or fewer pixels or sensors make it shorter",
             r->count, plural, deadline - left, deadline, next.least_s,
             deadline - left + next.least_s);
         break;
     case ORL_DEADLINE_TOO_LATE:
-        end(r, false,
-            r->count == 1 ? "%u round%s, the smallest there is, took %.3g s of %.3g s: fewer "
-                            "pixels or sensors are quicker"
-                          : "%u round%s took %.3g s of %.3g s: the last one took longer than "
-                            "those before",
-            r->count, plural, deadline - left, deadline);
+        end_rounds(r, false,
+                   r->count == 1
+                       ? "%u round%s, the smallest there is, took %.3g s of %.3g s: fewer "
+                         "pixels or sensors are quicker"
+                       : "%u round%s took %.3g s of %.3g s: the last one took longer than "
+                         "those before",
+                   r->count, plural, deadline - left, deadline);
         break;
     }
 }

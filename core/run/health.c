@@ -141,7 +141,7 @@ void orl_run_judge_views(struct orl_run_state *state)
 
 /* ---- The verdict ----------------------------------------------------------------------------- */
 
-static double share(uint64_t part, uint64_t whole)
+static double share_of(uint64_t part, uint64_t whole)
 {
     return whole > 0 ? (double)part / (double)whole : 0;
 }
@@ -150,7 +150,7 @@ static void judge_leaks(struct orl_run_state *state, const struct orl_health *h)
 {
     const struct orl_vec3 p = h->leak_from, d = h->leak_towards;
     const unsigned long long leaked = h->rays_leaked, rays = h->rays;
-    const double lost = share(h->rays_leaked, h->rays);
+    const double lost = share_of(h->rays_leaked, h->rays);
     char place[160] = "", verdict[160];
     if (!(lost > many_leaks))
         return;
@@ -175,7 +175,7 @@ static void judge_leaks(struct orl_run_state *state, const struct orl_health *h)
 static void judge_sparse(struct orl_run_state *state, const struct orl_health *h)
 {
     const bool shown = state->result->plan.technique == ORL_TECHNIQUE_DIRECT;
-    const double sparse = share(h->sparse, h->estimates);
+    const double sparse = share_of(h->sparse, h->estimates);
     if (!(sparse > many_sparse))
         return;
     orl_run_warn(
@@ -203,12 +203,12 @@ void orl_run_judge_health(struct orl_run_state *state)
                      "photons: surfaces that absorb next to nothing come out too dark",
                      100 * h->flux_capped_w / h->flux_w, (unsigned long long)h->photons_capped,
                      (unsigned long long)h->photons);
-    if (share(h->paths_capped, h->paths) > many_paths)
+    if (share_of(h->paths_capped, h->paths) > many_paths)
         orl_run_warn(state,
                      "%.3g %% of the paths from sensors and views were cut at the bounce "
                      "limit: results are too low, by less than that",
-                     100 * share(h->paths_capped, h->paths));
-    if (share(h->bsdf_clamped, h->bsdf_values) > many_values)
+                     100 * share_of(h->paths_capped, h->paths));
+    if (share_of(h->bsdf_clamped, h->bsdf_values) > many_values)
         orl_run_warn(state, "%llu of %llu values of the BSDFs are negative and were read as zero",
                      (unsigned long long)h->bsdf_clamped, (unsigned long long)h->bsdf_values);
     judge_sparse(state, h);

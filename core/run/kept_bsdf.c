@@ -18,8 +18,8 @@ static bool read_kept(const struct orl_kept_bsdf *bsdf, const char *path, const 
 }
 
 /* Stores the BSDF. Returns false on failure; the next job then makes it again. */
-static bool put(const struct orl_kept_bsdf *bsdf, const struct orl_map_store *store,
-                const char *path, struct orl_map_info *info)
+static bool store_bsdf(const struct orl_kept_bsdf *bsdf, const struct orl_map_store *store,
+                       const char *path, struct orl_map_info *info)
 {
     struct orl_kept_about about = {.rays = 0};
     size_t size = 0;
@@ -41,7 +41,7 @@ static int make_and_put(const struct orl_kept_bsdf *bsdf, const struct orl_bsdf_
     const double began_s = keep->now_s(env->ctx);
     const int code = bsdf->make(bsdf->ctx, err);
     info->seconds = keep->now_s(env->ctx) - began_s;
-    if (code == 0 && path[0] && put(bsdf, store, path, info))
+    if (code == 0 && path[0] && store_bsdf(bsdf, store, path, info))
         store->release(store->ctx, ORL_MADE_KIND, info->key);
     else if (path[0])
         store->abandon(store->ctx, ORL_MADE_KIND, info->key);

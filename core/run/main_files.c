@@ -24,8 +24,8 @@ static bool is_radiance(const char *name, size_t length)
 }
 
 /* Unmarks a file named by a command, unless it contains the command itself. */
-static void strike(struct reading *r, const char *folder, size_t folder_length, const char *word,
-                   size_t length)
+static void unmark_file(struct reading *r, const char *folder, size_t folder_length,
+                        const char *word, size_t length)
 {
     for (size_t i = 0; i < r->count; i++) {
         const char *name = r->names[i];
@@ -54,14 +54,14 @@ static void read_word(struct reading *r, const char *word, size_t length)
         word += 2;
         length -= 2;
     }
-    strike(r, holder, 0, word, length);
+    unmark_file(r, holder, 0, word, length);
     while (folder > 0 && length > 3 && strncmp(word, "../", 3) == 0) {
         for (folder--; folder > 0 && holder[folder - 1] != '/'; folder--)
             ;
         word += 3;
         length -= 3;
     }
-    strike(r, holder, folder, word, length);
+    unmark_file(r, holder, folder, word, length);
 }
 
 /* Reads the commands of a file: lines that begin with '!', with their continuations after a

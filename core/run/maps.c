@@ -28,8 +28,8 @@ static const struct orl_map_store *store_of(const struct orl_run_state *state)
 
 /* Opens the stored map; without a store there is none. A damaged file is dropped and requested once
  * more, then for building. */
-static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
-                   struct orl_error *err)
+static int acquire_map(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
+                       struct orl_error *err)
 {
     const struct orl_map_store *store = store_of(state);
     const char *name = orl_map_kind_name(kind);
@@ -120,8 +120,8 @@ static void records_progress(void *ctx, double fraction)
     orl_run_progress(ctx, 0.5 + 0.5 * fraction);
 }
 
-static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KINDS],
-                 struct orl_error *err)
+static int shoot_photons(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KINDS],
+                         struct orl_error *err)
 {
     int code = orl_run_need_emission(state, err);
     if (code == 0) {
@@ -161,8 +161,8 @@ static int make_map(struct orl_run_state *state, enum orl_map_kind kind,
 }
 
 /* Makes one map and commits it to the store. */
-static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
-                const struct harvest *harvest, struct orl_error *err)
+static int keep_map(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
+                    const struct harvest *harvest, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
     const struct orl_map_build build = {.kind = orl_map_kind_name(kind),
@@ -249,7 +249,7 @@ static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct
 {
     const struct harvest harvest = {shot->photons, shot->count, shot->emitted, seconds, NULL};
     warn_of_photons(state, kind, shot->target, shot->had + shot->count, shot->emitted);
-    return keep(state, kind, work, &harvest, err);
+    return keep_map(state, kind, work, &harvest, err);
 }
 
 /* Precomputes irradiance from the global map, which is in state->maps already. */
@@ -272,7 +272,7 @@ static int precompute(struct orl_run_state *state, struct map_work *work, struct
     harvest.count = records.count;
     harvest.seconds = env->now_s(env->ctx) - started;
     if (code == 0)
-        code = keep(state, ORL_MAP_PRECOMPUTED, work, &harvest, err);
+        code = keep_map(state, ORL_MAP_PRECOMPUTED, work, &harvest, err);
     orl_records_done(&records);
     return code;
 }
@@ -318,7 +318,7 @@ static int build_missing(struct orl_run_state *state, struct map_work *work, str
         missing = missing || shots[k].target > 0;
     }
     if (missing && code == 0)
-        code = shoot(state, shots, err);
+        code = shoot_photons(state, shots, err);
     for (int k = 0; k < ORL_SHOT_KINDS; k++)
         orl_health_add(&state->result->health, &shots[k].health);
     if (!missing)
@@ -354,12 +354,12 @@ static int acquire_all(struct orl_run_state *state, struct map_work *work, struc
         if (order[i] == ORL_MAP_GLOBAL && work[ORL_MAP_PRECOMPUTED].hit)
             work[ORL_MAP_GLOBAL].target = 0;
         if (work[order[i]].target > 0)
-            code = acquire(state, order[i], &work[order[i]], err);
+            code = acquire_map(state, order[i], &work[order[i]], err);
     }
     return code;
 }
 
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     orl_run_progress(ctx, share);
 }
@@ -370,7 +370,7 @@ static int share_missing(struct orl_run_state *state, struct map_work *work, str
     const struct orl_map_store *store = store_of(state);
     const struct orl_pieces *shared = state->env->pieces;
     struct orl_piece pieces[ORL_MAP_KINDS];
-    const struct orl_pieces_watch watch = {tell_share, state};
+    const struct orl_pieces_watch watch = {report_share, state};
     bool here[ORL_MAP_KINDS] = {false};
     /* Each map costs the tracing of all photons, because both kinds come from the same paths. */
     const double core_s = (state->cost_s[ORL_STAGE_PHOTONS] + state->cost_s[ORL_STAGE_MAPS]) *

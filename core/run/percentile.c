@@ -96,7 +96,7 @@ static int has_bias(const struct orl_estimates *e)
 }
 
 /* Computes the mean value. Returns 0 if an error is unknown. */
-static int take_mean(const struct orl_estimates *e, double *ret_mean)
+static int compute_mean(const struct orl_estimates *e, double *ret_mean)
 {
     struct orl_sum sum = {0, 0};
     for (size_t i = 0; i < e->count; i++) {
@@ -132,11 +132,11 @@ static double find_bound(const struct look *look, double at)
 }
 
 /* Selects the estimates to use. Returns 0 if an error is unknown. */
-static int look_at(const struct orl_estimates *estimates, struct look *ret_look)
+static int select_estimates(const struct orl_estimates *estimates, struct look *ret_look)
 {
     const size_t step = (estimates->count + MOST_LOOKED_AT - 1) / MOST_LOOKED_AT;
     double mean;
-    if (estimates->count == 0 || !take_mean(estimates, &mean))
+    if (estimates->count == 0 || !compute_mean(estimates, &mean))
         return 0;
     *ret_look = (struct look){.estimates = estimates,
                               .step = step,
@@ -150,7 +150,7 @@ static int look_at(const struct orl_estimates *estimates, struct look *ret_look)
 double orl_percentile_error(const struct orl_estimates *estimates, double at)
 {
     struct look look;
-    if (!look_at(estimates, &look))
+    if (!select_estimates(estimates, &look))
         return NAN;
     return look.least > 0 ? find_bound(&look, at) : 0;
 }
@@ -158,7 +158,7 @@ double orl_percentile_error(const struct orl_estimates *estimates, double at)
 bool orl_percentile_is_kept(const struct orl_estimates *estimates, double at, double target)
 {
     struct look look;
-    if (!look_at(estimates, &look))
+    if (!select_estimates(estimates, &look))
         return false;
     return !(look.least > 0) || is_bound(&look, target, allowed_of(&look, at));
 }
@@ -168,7 +168,7 @@ double orl_percentile_work(const struct orl_estimates *estimates, double at, dou
     const double now = orl_percentile_error(estimates, at);
     double low = 1e-9, high = 1; /* range of 1 / work */
     struct look look;
-    if (!(now > target) || !look_at(estimates, &look))
+    if (!(now > target) || !select_estimates(estimates, &look))
         return 1;
     if (!has_bias(estimates))
         return now / target *

@@ -58,7 +58,8 @@ static void judge_budget(struct orl_run_state *state, const struct orl_plan *pla
 
 /* Runs a photon pilot if it can change a decision. Runs that request few caustic photons, or an
  * exact number, or need none, do without. */
-static int look_ahead(struct orl_run_state *state, struct orl_plan *plan, struct orl_error *err)
+static int run_photon_pilot(struct orl_run_state *state, struct orl_plan *plan,
+                            struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
     const bool decides =
@@ -135,7 +136,7 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
     struct orl_plan *plan = &state->result->plan;
     int code = orl_plan_make(&request, state->lights, plan, &state->world, err);
     if (code == 0)
-        code = look_ahead(state, plan, err);
+        code = run_photon_pilot(state, plan, err);
     for (int i = 0; i < ORL_EFFECT_COUNT && code == 0; i++)
         if (plan->effects[i].wish == ORL_WISH_SKIP)
             judge_skip(state, orl_effect_name((enum orl_effect)i), &plan->effects[i]);

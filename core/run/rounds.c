@@ -130,7 +130,7 @@ static void take_times(struct orl_rounds *r, const struct orl_result *found_by, 
 }
 
 /* Allocates samples to the sensors by their noise; equal numbers in the first round. */
-static void share_out(struct orl_rounds *r)
+static void allocate_samples(struct orl_rounds *r)
 {
     const double least = ORL_MAP_BATCHES; /* one sample in every group */
     const size_t n = r->state->n_sensors;
@@ -228,7 +228,7 @@ static int run_round(struct orl_rounds *r, struct orl_error *err)
     struct orl_result result;
     struct orl_job job;
     const double started = orl_rounds_now(r);
-    share_out(r);
+    allocate_samples(r);
     make_round(r, &job, &env, &result, &round);
     if (r->count > 0 && env.store && !state->pilot && !orl_run_is_shared(state))
         keep_maps_apart(&env, &folder, &store);
@@ -253,7 +253,7 @@ static int run_round(struct orl_rounds *r, struct orl_error *err)
 }
 
 /* Reports sensors and views as a job without rounds does. */
-static int tell_of_views(struct orl_run_state *state)
+static int report_views(struct orl_run_state *state)
 {
     const struct orl_run_env *env = state->env;
     if (state->n_sensors > 0 && env->sensors_done)
@@ -279,8 +279,8 @@ static void note_course(struct orl_outcome *outcome, double seconds)
 
 /* Handles a round of a pilot: keeps the size of the first round, and predicts the whole job from
  * it. */
-static void settle_pilot(struct orl_rounds *r, const struct orl_work *usual,
-                         const struct orl_parts *parts)
+static void resolve_pilot(struct orl_rounds *r, const struct orl_work *usual,
+                          const struct orl_parts *parts)
 {
     const struct orl_pilot *pilot = r->state->pilot;
     struct orl_pace pace = r->pace;
@@ -303,7 +303,7 @@ static void settle_pilot(struct orl_rounds *r, const struct orl_work *usual,
 }
 
 /* Updates the outcome and decides what follows. */
-static int settle(struct orl_rounds *r, struct orl_error *err)
+static int resolve_round(struct orl_rounds *r, struct orl_error *err)
 {
     struct orl_run_state *state = r->state;
     struct orl_result *result = state->result;
@@ -323,14 +323,14 @@ static int settle(struct orl_rounds *r, struct orl_error *err)
         result->outcome.achieved = r->error;
     }
     if (state->pilot) {
-        settle_pilot(r, &usual, &parts);
+        resolve_pilot(r, &usual, &parts);
         return 0;
     }
     orl_run_predict(state, &r->pace, &usual, &parts);
     const int code = orl_findings_show(&r->findings, state, err);
     r->pace.beside_s += orl_rounds_now(r) - started;
     if (r->planned > 0)
-        return code == 0 ? tell_of_views(state) : code;
+        return code == 0 ? report_views(state) : code;
     orl_rounds_go_on(r, &parts);
     orl_rounds_foresee(r);
     state->told->open = false;
@@ -362,7 +362,7 @@ int orl_run_rounds(struct orl_run_state *state, struct orl_error *err)
         orl_run_enter(state, ORL_STAGE_PHOTONS);
         code = run_round(&r, err);
         if (code == 0)
-            code = settle(&r, err);
+            code = resolve_round(&r, err);
     }
     if (code == 0)
         show_views_at_last(&r);

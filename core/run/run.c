@@ -68,7 +68,7 @@ static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
 }
 
 /* Runs everything before photons, for jobs and plans alike. */
-static int prepare(struct orl_run_state *state, struct orl_error *err)
+static int prepare_run(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_job *job = state->job;
     orl_run_progress(state, 0);
@@ -97,7 +97,7 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
 }
 
 /* Renders the job, in rounds or without. */
-static int render(struct orl_run_state *state, struct orl_error *err)
+static int render_job(struct orl_run_state *state, struct orl_error *err)
 {
     if (orl_goal_is_set(&state->job->goal) || orl_run_batches(state) > 1)
         return orl_run_rounds(state, err);
@@ -105,7 +105,7 @@ static int render(struct orl_run_state *state, struct orl_error *err)
 }
 
 /* Predicts the cost of more accuracy for a job without rounds; rounds predict it themselves. */
-static void tell_cost(struct orl_run_state *state)
+static void predict_cost(struct orl_run_state *state)
 {
     orl_run_leave(state);
     if (!orl_goal_is_set(&state->job->goal) && orl_run_batches(state) == 1)
@@ -128,15 +128,15 @@ static int check_sensors(struct orl_run_state *state, struct orl_error *err)
 
 static int render_and_check(struct orl_run_state *state, struct orl_error *err)
 {
-    int code = render(state, err);
+    int code = render_job(state, err);
     if (code == 0)
         code = check_sensors(state, err);
     if (code == 0)
-        tell_cost(state);
+        predict_cost(state);
     return code;
 }
 
-static int finish(struct orl_run_state *state, struct orl_error *err)
+static int finish_run(struct orl_run_state *state, struct orl_error *err)
 {
     int code = orl_run_judge_darkness(state, err);
     if (code == 0) {
@@ -149,25 +149,25 @@ static int finish(struct orl_run_state *state, struct orl_error *err)
 static int run_stages(struct orl_run_state *state, struct orl_error *err)
 {
     struct orl_sensor_run sensors = {.made = false};
-    int code = prepare(state, err);
+    int code = prepare_run(state, err);
     if (code == 0)
         code = orl_sensor_run_make(state, &sensors, err);
     if (code == 0)
         code = render_and_check(state, err);
     orl_sensor_run_join(state, &sensors);
-    return code == 0 ? finish(state, err) : code;
+    return code == 0 ? finish_run(state, err) : code;
 }
 
 static int sensor_stages(struct orl_run_state *state, struct orl_error *err)
 {
     state->only_sensors = true;
-    const int code = prepare(state, err);
+    const int code = prepare_run(state, err);
     return code == 0 ? render_and_check(state, err) : code;
 }
 
 static int plan_stages(struct orl_run_state *state, struct orl_error *err)
 {
-    const int code = prepare(state, err);
+    const int code = prepare_run(state, err);
     if (code == 0)
         state->result->no_curve = orl_run_why_no_curve(state);
     return code;
@@ -175,7 +175,7 @@ static int plan_stages(struct orl_run_state *state, struct orl_error *err)
 
 static int try_stages(struct orl_run_state *state, struct orl_error *err)
 {
-    const int code = prepare(state, err);
+    const int code = prepare_run(state, err);
     return code == 0 ? orl_run_pilot(state, err) : code;
 }
 
@@ -253,8 +253,9 @@ int orl_run_only_sensors(const struct orl_job *job, const struct orl_run_env *en
 }
 
 /* Resolves views in files, then runs the job. */
-static int run(const struct orl_job *job, const struct orl_run_env *env, struct orl_scene **scene,
-               const struct course *course, struct orl_result *ret_result, struct orl_error *err)
+static int run_job(const struct orl_job *job, const struct orl_run_env *env,
+                   struct orl_scene **scene, const struct course *course,
+                   struct orl_result *ret_result, struct orl_error *err)
 {
     struct orl_job settled = *job;
     int code = orl_run_views(job, env->files, &settled.views, err);
@@ -268,14 +269,15 @@ static int run(const struct orl_job *job, const struct orl_run_env *env, struct 
 int orl_run_of_scene(const struct orl_job *job, const struct orl_run_env *env,
                      struct orl_scene **scene, struct orl_result *ret_result, struct orl_error *err)
 {
-    return run(job, env, scene, &(struct course){.stages = run_stages}, ret_result, err);
+    return run_job(job, env, scene, &(struct course){.stages = run_stages}, ret_result, err);
 }
 
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
             struct orl_error *err)
 {
     struct orl_scene *scene = NULL;
-    const int code = run(job, env, &scene, &(struct course){.stages = run_stages}, ret_result, err);
+    const int code =
+        run_job(job, env, &scene, &(struct course){.stages = run_stages}, ret_result, err);
     orl_scene_release(scene);
     return code;
 }
@@ -285,7 +287,7 @@ int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
 {
     struct orl_scene *scene = NULL;
     const int code =
-        run(job, env, &scene, &(struct course){.stages = plan_stages}, ret_result, err);
+        run_job(job, env, &scene, &(struct course){.stages = plan_stages}, ret_result, err);
     orl_scene_release(scene);
     return code;
 }
@@ -298,7 +300,8 @@ int orl_plan_curve(const struct orl_job *job, const struct orl_run_env *env,
     struct orl_pilot pilot = {.sensor_times = 1, .view_times = 1, .curve = &curve};
     struct orl_result result = {0};
     struct orl_scene *scene = NULL;
-    const int code = run(&tried, env, &scene, &(struct course){try_stages, &pilot}, &result, err);
+    const int code =
+        run_job(&tried, env, &scene, &(struct course){try_stages, &pilot}, &result, err);
     orl_scene_release(scene);
     orl_result_done(&result);
     if (code == 0)

@@ -51,8 +51,8 @@ static double share_of(const struct noise *noise, size_t i)
 
 /* Returns true if the bound is at most the target after a round of `more` samples; errors:
  * scratch. */
-static bool would_do(const struct noise *noise, double more, double at, double target,
-                     double *errors)
+static bool reaches_target(const struct noise *noise, double more, double at, double target,
+                           double *errors)
 {
     struct orl_estimates then = *noise->estimates;
     const double weight = more / (then.samples + more);
@@ -77,7 +77,7 @@ double orl_allocation_work(const struct orl_estimates *estimates, double at, dou
         return NAN;
     for (int i = 0; i < HALVINGS; i++) {
         const double middle = sqrt(low * high);
-        if (would_do(&noise, middle, at, target, errors))
+        if (reaches_target(&noise, middle, at, target, errors))
             high = middle;
         else
             low = middle;

@@ -14,17 +14,17 @@
 
 /* ---- The shelf ------------------------------------------------------------------------------- */
 
-static void *hold(void *scene)
+static void *hold_scene(void *scene)
 {
     return orl_scene_hold(scene);
 }
 
-static void release(void *scene)
+static void release_scene(void *scene)
 {
     orl_scene_release(scene);
 }
 
-static const struct orl_shelf_sharing sharing = {hold, release};
+static const struct orl_shelf_sharing sharing = {hold_scene, release_scene};
 
 /* Makes the key from the caller's id of the files and the names of the main ones. Returns false if
  * the shelf is not used. */
@@ -138,7 +138,7 @@ static void warn_of_linings(struct orl_run_state *state)
     free(places);
 }
 
-static void tell_faults(struct orl_run_state *state)
+static void warn_of_faults(struct orl_run_state *state)
 {
     const struct orl_description *d = &state->scene->description;
     for (size_t i = 0; i < d->n_warnings; i++)
@@ -153,7 +153,7 @@ static void tell_faults(struct orl_run_state *state)
 /* ---- Reading it ------------------------------------------------------------------------------ */
 
 /* Returns ORL_ERR_CANCELLED if cancelled; called between steps that cannot be interrupted. */
-static int heed_cancel(const struct orl_run_state *state, struct orl_error *err)
+static int check_cancel(const struct orl_run_state *state, struct orl_error *err)
 {
     return orl_crew_cancelled(state->env->crew)
                ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while preparing the scene")
@@ -164,7 +164,7 @@ static int read_files(struct orl_run_state *state, struct orl_description *ret_d
                       struct orl_error *err)
 {
     const int code = orl_run_read_scene(state, ret_description, err);
-    return code < 0 ? code : heed_cancel(state, err);
+    return code < 0 ? code : check_cancel(state, err);
 }
 
 /* Gives ports that belong to no part materials of their own. */
@@ -189,12 +189,12 @@ static int part_ports(struct orl_scene *scene, struct orl_error *err)
     return code < 0 ? orl_error_set(err, code, "out of memory") : 0;
 }
 
-static int build(struct orl_run_state *state, struct orl_description *description,
-                 struct orl_error *err)
+static int build_scene(struct orl_run_state *state, struct orl_description *description,
+                       struct orl_error *err)
 {
     int code = orl_scene_new(description, &state->scene, err);
     if (code == 0)
-        code = heed_cancel(state, err);
+        code = check_cancel(state, err);
     if (code == 0)
         code = orl_scene_find_ports(state->scene, state->env->crew, err);
     if (code == 0 && state->swaps && state->swaps->parted)
@@ -228,15 +228,15 @@ int orl_run_load(struct orl_run_state *state, struct orl_error *err)
     }
     orl_run_enter(state, ORL_STAGE_BVH);
     if (!found)
-        code = build(state, &description, err);
+        code = build_scene(state, &description, err);
     if (code < 0)
         return code;
     if (!found && shelved)
         state->scene =
             orl_shelf_put_shared(shelf, key, state->scene, orl_scene_bytes(state->scene), &sharing);
-    tell_faults(state);
+    warn_of_faults(state);
     if (code == 0)
         code = orl_lights_new(state->scene, state->result->sky_given ? &daylight : NULL,
                               &state->lights, err);
-    return code < 0 ? code : heed_cancel(state, err);
+    return code < 0 ? code : check_cancel(state, err);
 }

@@ -232,7 +232,8 @@ static void drop_warnings(struct orl_result *result, size_t first)
 }
 
 /* Replaces values and warnings by those of the second run. */
-static void adopt(struct orl_run_state *state, struct orl_result *second, size_t first_warning)
+static void adopt_second_run(struct orl_run_state *state, struct orl_result *second,
+                             size_t first_warning)
 {
     struct orl_result *result = state->result;
     const size_t off = result->cross_check.sensors_off, n = result->n_sensors;
@@ -271,7 +272,7 @@ int orl_sensor_run_again(struct orl_run_state *state, size_t first_warning, stru
         result->timings_s[i] += second.timings_s[i];
     join_health(&result->health, &second.health);
     if (count_doubts(&second) < count_doubts(result))
-        adopt(state, &second, first_warning);
+        adopt_second_run(state, &second, first_warning);
     orl_result_done(&second);
     return 0;
 }

@@ -94,7 +94,7 @@ static void describe_surface(const struct check *c, enum misplacement kind, size
     snprintf(text, size, " behind '%.80s' (%.80s:%d)", label.name, label.file, label.line);
 }
 
-static void emit(struct check *c, const char *text)
+static void emit_warning(struct check *c, const char *text)
 {
     enum { MOST = 20 };
     if (c->n_warned++ < MOST)
@@ -105,7 +105,7 @@ static void emit(struct check *c, const char *text)
                      "floors: they are not listed");
 }
 
-static void describe(struct check *c, enum misplacement kind)
+static void describe_misplaced(struct check *c, enum misplacement kind)
 {
     static const char in_solid[] = "in closed spaces without windows, as within a solid or a wall, "
                                    "and the others do not";
@@ -131,7 +131,7 @@ static void describe(struct check *c, enum misplacement kind)
              c->range->name ? "': " : "", count, c->range->count, count > 1 ? "lie" : "lies",
              where[kind], count > 1 ? "s" : "", numbers, at.x, at.y, at.z, surface,
              kind == BELOW_FLOOR ? " above it" : ", or give them a grid of their own");
-    emit(c, text);
+    emit_warning(c, text);
 }
 
 /* Issues one warning for all ranges whose check has reached the limit of rays. */
@@ -171,7 +171,7 @@ static enum misplacement kind_of(const struct orl_enclosure *e, const struct orl
     return e->count == 1 || SHARE_IN_ROOMS * e->count <= n ? IN_OTHER_ROOM : IN_PLACE;
 }
 
-static void sort_apart(const struct check *c)
+static void classify_spaces(const struct check *c)
 {
     const struct orl_enclosures *e = c->enclosures;
     const struct orl_enclosure *most = &e->at[e->largest];
@@ -232,7 +232,7 @@ static int is_below_floor(struct check *c, const struct orl_outlook *place, bool
 }
 
 /* Classifies the sensors of a range whose largest space is outdoors as below a floor or not. */
-static int sort_below(struct check *c)
+static int classify_below(struct check *c)
 {
     const struct orl_enclosures *e = c->enclosures;
     if (e->at[e->largest].escaped == 0)
@@ -272,7 +272,7 @@ static void list_places(void *arg, size_t chunk, uint32_t member)
     }
 }
 
-static int sort_range(struct check *c)
+static int classify_range(struct check *c)
 {
     const size_t n = c->range->count;
     int code = orl_crew_try(c->job->crew, (n + CHUNK - 1) / CHUNK, list_places, c);
@@ -280,11 +280,11 @@ static int sort_range(struct check *c)
         code = orl_enclosures_new(c->scene, c->places, n, &c->budget, &c->enclosures);
     if (code < 0)
         return code;
-    sort_apart(c);
-    code = sort_below(c);
+    classify_spaces(c);
+    code = classify_below(c);
     for (int kind = IN_PLACE + 1; kind < MISPLACEMENTS && (code == 0 || code == ORL_ERR_LIMIT);
          kind++)
-        describe(c, (enum misplacement)kind);
+        describe_misplaced(c, (enum misplacement)kind);
     return code;
 }
 
@@ -298,7 +298,7 @@ static int check_range(struct check *c, size_t index)
     c->kinds = calloc(n + 1, sizeof *c->kinds);
     c->budget.left += RAYS_OF_A_RANGE + RAYS_OF_A_SENSOR * (uint64_t)n;
     if (c->places && c->kinds)
-        code = n > 0 ? sort_range(c) : 0;
+        code = n > 0 ? classify_range(c) : 0;
     orl_enclosures_free(c->enclosures);
     free(c->places);
     free(c->kinds);

@@ -104,7 +104,7 @@ static void name_stretch(const struct orl_rendering *rendering, size_t first,
     snprintf(piece->kind, sizeof piece->kind, "sensors");
 }
 
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     struct orl_rendering *rendering = ctx;
     const double taken = (double)atomic_load(&rendering->taken);
@@ -121,7 +121,7 @@ int orl_share_sensors(struct orl_rendering *rendering, struct orl_error *err)
                                   .ctx = rendering,
                                   .make = make_stretch,
                                   .take = take_stretch,
-                                  .told = tell_share};
+                                  .told = report_share};
     work.pieces = calloc(work.n, sizeof *work.pieces);
     if (!work.pieces)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");

@@ -45,7 +45,7 @@ static void name_place(struct orl_error *err, size_t index)
 }
 
 /* Checks every sky and estimates its work. */
-static int look_ahead(struct passage *p, struct orl_error *err)
+static int check_skies(struct passage *p, struct orl_error *err)
 {
     struct orl_run_weather weather = {0};
     double sum = 0;
@@ -115,7 +115,8 @@ static void take_times(struct passage *p, size_t index, const struct orl_result 
 }
 
 /* Estimates a sky's stages from earlier skies; returns the seconds of all later skies. */
-static double foresee(const struct passage *p, size_t index, double ret_stages_s[ORL_STAGE_COUNT])
+static double foresee_sky(const struct passage *p, size_t index,
+                          double ret_stages_s[ORL_STAGE_COUNT])
 {
     const double share = p->shares[index];
     double all = 0;
@@ -138,7 +139,7 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
     env.part_from = p->from + (1 - p->from) * p->before;
     env.part = (1 - p->from) * p->shares[index];
     if (p->ran > 0) {
-        env.part_after_s = foresee(p, index, stages_s);
+        env.part_after_s = foresee_sky(p, index, stages_s);
         env.part_stages_s = stages_s;
     }
     if (p->skies->begins)
@@ -204,7 +205,7 @@ static void name_sky(const struct passage *p, const char *job, size_t index,
 }
 
 /* Reports progress while other processes work, extrapolated from the time so far. */
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     const struct passage *p = ctx;
     const struct orl_run_env *env = p->env;
@@ -223,7 +224,7 @@ static int share_skies(struct passage *p, struct orl_pieces *here, struct orl_ru
     const struct orl_pieces *shared = p->env->pieces;
     const struct orl_run_env *env = p->env;
     struct orl_piece_work work = {
-        .n = p->job.n_skies, .ctx = p, .make = make_sky, .take = take_sky, .told = tell_share};
+        .n = p->job.n_skies, .ctx = p, .make = make_sky, .take = take_sky, .told = report_share};
     work.pieces = calloc(work.n + 1, sizeof *work.pieces);
     if (!work.pieces)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
@@ -255,7 +256,7 @@ int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     code = read_sensors(&p, err);
     if (code == 0)
-        code = look_ahead(&p, err);
+        code = check_skies(&p, err);
     if (code == 0 && env->pieces && env->store)
         code = share_skies(&p, &here, &shared, err);
     for (size_t i = 0; i < job->n_skies && code == 0; i++) {

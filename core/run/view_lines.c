@@ -17,7 +17,7 @@ struct view_line {
 };
 
 /* Returns the text after a leading word, or NULL if it does not begin with it. */
-static const char *after(const char *text, const char *word)
+static const char *skip_word(const char *text, const char *word)
 {
     const size_t length = strlen(word);
     return strncmp(text, word, length) == 0 ? text + length : NULL;
@@ -43,10 +43,10 @@ static bool read_line(const char *text, struct view_line *line)
     text += strspn(text, " \t");
     line->name[0] = '\0';
     for (size_t i = 0; i < sizeof programs / sizeof *programs && !options; i++)
-        options = after(text, programs[i]);
-    if (!options && after(text, "view="))
-        options = take_name(after(text, "view="), line);
-    if (!options && (after(text, "-v") || after(text, "-x") || after(text, "-y")))
+        options = skip_word(text, programs[i]);
+    if (!options && skip_word(text, "view="))
+        options = take_name(skip_word(text, "view="), line);
+    if (!options && (skip_word(text, "-v") || skip_word(text, "-x") || skip_word(text, "-y")))
         options = text;
     if (options)
         snprintf(line->text, sizeof line->text, "%s", options);
@@ -191,8 +191,8 @@ static int check_points(const struct orl_view_request *view, struct orl_error *e
     return 0;
 }
 
-static int settle(const struct orl_files *files, struct orl_view_request *view,
-                  struct orl_error *err)
+static int resolve_view(const struct orl_files *files, struct orl_view_request *view,
+                        struct orl_error *err)
 {
     struct orl_view parsed = {.type = 'v'};
     int code = view->file ? read_view(files, view, err) : 0;
@@ -230,7 +230,7 @@ int orl_run_views(const struct orl_job *job, const struct orl_files *files,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for views");
     memcpy(views, job->views, job->n_views * sizeof *views);
     for (size_t i = 0; i < job->n_views && code == 0; i++)
-        code = settle(files, &views[i], err);
+        code = resolve_view(files, &views[i], err);
     *ret_views = views;
     return code;
 }

@@ -107,7 +107,7 @@ static bool survives(struct walk *w)
 
 /* Adds the light that the surface emits and reflects. The path continues by mirrors, panes and
  * lobes. */
-static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
+static enum orl_lobes shade_surface(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct walk *w = walk_of(p);
     const struct orl_vec3 eye = orl_path_back(&p->path);
@@ -142,7 +142,7 @@ static bool note_event(struct orl_eye_path *p, const struct orl_scatter *s)
 
 /* Continues the path outdoors, where virtual lights account for nothing (vpl.c). Shadow rays to
  * mirror images account for the suns there. */
-static bool come_back(struct orl_eye_path *p)
+static bool continue_outdoors(struct orl_eye_path *p)
 {
     struct walk *w = walk_of(p);
     w->straight = false;
@@ -151,7 +151,7 @@ static bool come_back(struct orl_eye_path *p)
 }
 
 /* Handles scattering by mist, where suns and lamps have been sampled already. */
-static bool scattered(struct orl_eye_path *p)
+static bool handle_mist_event(struct orl_eye_path *p)
 {
     struct walk *w = walk_of(p);
     w->straight = false;
@@ -159,14 +159,14 @@ static bool scattered(struct orl_eye_path *p)
     return survives(w);
 }
 
-static const struct orl_eye_sink sink = {.outdoors = come_back,
+static const struct orl_eye_sink sink = {.outdoors = continue_outdoors,
                                          .escaped = add_sun,
-                                         .met = meet,
-                                         .scattered = scattered,
+                                         .met = shade_surface,
+                                         .scattered = handle_mist_event,
                                          .sent_on = note_event};
 
 /* Follows the path to its end and returns the radiance that it has collected. */
-static struct orl_rgb follow(struct walk *w)
+static struct orl_rgb follow_path(struct walk *w)
 {
     orl_eye_path_follow(&w->eye, &sink, w->tracer->health);
     return w->eye.seen;
@@ -180,7 +180,7 @@ struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 
     w.eye.chance = chance;
     w.eye.outside = outside;
     tracer->health->paths++;
-    return follow(&w);
+    return follow_path(&w);
 }
 
 /* ---- The light of a place -------------------------------------------------------------------- */
@@ -195,8 +195,8 @@ static struct orl_vec3 normal_of(const struct stop *stop)
 enum slot { SLOT_SUN, SLOT_LAMPS, SLOT_WAYS };
 
 /* Returns numbers in [0,1) for the n-th of each sample's draws in that slot. */
-static void numbers(struct orl_tracer *tracer, const struct stop *stop, uint32_t slot,
-                    uint32_t each, uint32_t n, uint32_t count, double *ret_u)
+static void draw_numbers(struct orl_tracer *tracer, const struct stop *stop, uint32_t slot,
+                         uint32_t each, uint32_t n, uint32_t count, double *ret_u)
 {
     const struct orl_sampling *s = stop->sampling;
     if (s)
@@ -218,7 +218,7 @@ static struct orl_rgb direct_light(struct orl_tracer *tracer, const struct stop 
                                            .through_ports = true,
                                            .mirrored = true,
                                            .u = u};
-    numbers(tracer, stop, SLOT_SUN, 1, 0, 2, u);
+    draw_numbers(tracer, stop, SLOT_SUN, 1, 0, 2, u);
     return orl_direct_light(stop->place.proxied ? orl_world_seen(world) : world, &query,
                             &tracer->random);
 }
@@ -226,7 +226,7 @@ static struct orl_rgb direct_light(struct orl_tracer *tracer, const struct stop 
 static struct orl_rgb some_lamps(struct orl_tracer *tracer, const struct stop *stop)
 {
     double u;
-    numbers(tracer, stop, SLOT_LAMPS, 1, 0, 1, &u);
+    draw_numbers(tracer, stop, SLOT_LAMPS, 1, 0, 1, &u);
     return orl_vpl_light(&tracer->backward->vpls, tracer->group, u,
                          stop->sampling ? stop->sampling->lamps : 1, stop->place.point,
                          normal_of(stop));
@@ -234,7 +234,7 @@ static struct orl_rgb some_lamps(struct orl_tracer *tracer, const struct stop *s
 
 /* Reflects a direction about a turned normal that points below the surface back above it. Returns
  * false if the direction is left as it is. */
-static bool fold(const struct stop *stop, struct orl_vec3 *direction)
+static bool fold_direction(const struct stop *stop, struct orl_vec3 *direction)
 {
     const double cosine = orl_dot(*direction, stop->place.normal);
     if (!stop->place.textured || cosine > 0)
@@ -244,8 +244,9 @@ static bool fold(const struct stop *stop, struct orl_vec3 *direction)
 }
 
 /* Returns the contribution of one importance-sampled ray. */
-static struct orl_rgb look(struct orl_tracer *tracer, const struct stop *stop,
-                           const struct orl_effort *effort, enum orl_way way, const double u[3])
+static struct orl_rgb trace_aimed_ray(struct orl_tracer *tracer, const struct stop *stop,
+                                      const struct orl_effort *effort, enum orl_way way,
+                                      const double u[3])
 {
     struct orl_aimed aimed;
     tracer->health->paths++;
@@ -253,7 +254,7 @@ static struct orl_rgb look(struct orl_tracer *tracer, const struct stop *stop,
                         &aimed))
         return orl_gray(0);
     const double cosine = orl_dot(aimed.direction, normal_of(stop));
-    const bool folded = fold(stop, &aimed.direction);
+    const bool folded = fold_direction(stop, &aimed.direction);
     struct walk w = walk_from(tracer, stop->place.point, aimed.direction);
     w.eye.path.weight = orl_gray(aimed.weight / ORL_PI);
     w.importance = stop->importance;
@@ -262,7 +263,7 @@ static struct orl_rgb look(struct orl_tracer *tracer, const struct stop *stop,
     w.straight = !folded; /* virtual lights have not accounted for light from there */
     if (!folded)
         orl_eye_path_foresee(&w.eye, aimed.met ? &aimed.hit : NULL);
-    return orl_rgb_scale(follow(&w), ORL_PI);
+    return orl_rgb_scale(follow_path(&w), ORL_PI);
 }
 
 static struct orl_rgb aimed_light(struct orl_tracer *tracer, const struct stop *stop)
@@ -276,8 +277,8 @@ static struct orl_rgb aimed_light(struct orl_tracer *tracer, const struct stop *
         const uint32_t rays = (uint32_t)whole + more, each = (uint32_t)ceil(wanted);
         for (uint32_t n = 0; n < rays; n++) {
             double u[3];
-            numbers(tracer, stop, SLOT_WAYS + (uint32_t)way, each, n, 3, u);
-            sum = orl_rgb_add(sum, look(tracer, stop, effort, (enum orl_way)way, u));
+            draw_numbers(tracer, stop, SLOT_WAYS + (uint32_t)way, each, n, 3, u);
+            sum = orl_rgb_add(sum, trace_aimed_ray(tracer, stop, effort, (enum orl_way)way, u));
         }
     }
     return sum;
@@ -289,9 +290,9 @@ static struct orl_rgb light_outside(struct orl_tracer *tracer, const struct stop
 {
     const struct orl_world *world = tracer->backward->world;
     double u[3];
-    numbers(tracer, stop, SLOT_WAYS, 1, 0, 3, u);
+    draw_numbers(tracer, stop, SLOT_WAYS, 1, 0, 3, u);
     struct orl_vec3 direction = orl_hemisphere_about(normal_of(stop), u[0], u[1]);
-    fold(stop, &direction);
+    fold_direction(stop, &direction);
     if (stop->place.proxied)
         return orl_rgb_scale(orl_exterior_radiance(orl_world_seen(world), stop->place.point,
                                                    direction, orl_chance_found(), &tracer->random,
@@ -301,7 +302,7 @@ static struct orl_rgb light_outside(struct orl_tracer *tracer, const struct stop
     w.importance = stop->importance;
     w.reflections = stop->reflections;
     w.eye.outside = true;
-    return orl_rgb_scale(follow(&w), ORL_PI);
+    return orl_rgb_scale(follow_path(&w), ORL_PI);
 }
 
 static struct orl_rgb light_at(struct orl_tracer *tracer, const struct stop *stop)

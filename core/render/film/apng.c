@@ -80,7 +80,7 @@ static void write_control(struct orl_apng *apng)
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
-static unsigned char predict(int left, int above, int corner)
+static unsigned char predict_byte(int left, int above, int corner)
 {
     const int p = left + above - corner;
     const int a = abs(p - left), b = abs(p - above), c = abs(p - corner);
@@ -88,14 +88,14 @@ static unsigned char predict(int left, int above, int corner)
 }
 
 /* Filters a row; above: the row before, NULL for the first. */
-static void filter(unsigned char *out, const unsigned char *row, const unsigned char *above,
-                   size_t size)
+static void filter_row(unsigned char *out, const unsigned char *row, const unsigned char *above,
+                       size_t size)
 {
     out[0] = PAETH;
     for (size_t i = 0; i < size; i++) {
         const int left = i < CHANNELS ? 0 : row[i - CHANNELS], up = above ? above[i] : 0;
         const int corner = i < CHANNELS || !above ? 0 : above[i - CHANNELS];
-        out[1 + i] = (unsigned char)(row[i] - predict(left, up, corner));
+        out[1 + i] = (unsigned char)(row[i] - predict_byte(left, up, corner));
     }
 }
 
@@ -121,7 +121,7 @@ static int code_rows(struct orl_apng *apng, z_stream *coder, const unsigned char
     for (uint32_t y = 0; y < apng->height; y++) {
         const unsigned char *row = rgb + size * y;
         const bool last = y + 1 == apng->height;
-        filter(apng->row, row, y > 0 ? row - size : NULL, size);
+        filter_row(apng->row, row, y > 0 ? row - size : NULL, size);
         coder->next_in = apng->row;
         coder->avail_in = (uInt)(size + 1);
         while (state == Z_OK && (coder->avail_in > 0 || last)) {

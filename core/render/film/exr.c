@@ -20,7 +20,7 @@ struct writer {
 };
 
 /* Ignores the library's messages, which are about files; its return codes give the error. */
-static void keep_silent(exr_const_context_t context, exr_result_t code, const char *message)
+static void ignore_message(exr_const_context_t context, exr_result_t code, const char *message)
 {
     (void)context;
     (void)code;
@@ -159,7 +159,7 @@ static exr_result_t write_file(struct writer *w)
 {
     exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
     exr_context_t exr;
-    how.error_handler_fn = keep_silent;
+    how.error_handler_fn = ignore_message;
     how.user_data = w;
     how.write_fn = write_bytes;
     exr_result_t rc = exr_start_write(&exr, w->file->part, EXR_WRITE_FILE_DIRECTLY, &how);

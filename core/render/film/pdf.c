@@ -184,7 +184,7 @@ static struct letter letter_of(uint32_t point, bool bold)
     return (struct letter){DINGBATS, 'o', 762};
 }
 
-static double measure(const char *text, bool bold)
+static double text_width(const char *text, bool bold)
 {
     double sum = 0;
     while (*text)
@@ -221,7 +221,7 @@ void orl_pdf_text(struct orl_pdf *pdf, double x, double y, double most, double r
                   const struct orl_canvas_letters *letters, const char *text)
 {
     static const unsigned char white[3] = {255, 255, 255};
-    const double size = letters->size / capitals, wide = size * measure(text, letters->bold);
+    const double size = letters->size / capitals, wide = size * text_width(text, letters->bold);
     const double squeezed = wide > most && most > 0 ? most / wide : 1;
     const double left = x - 0.5 * (int)letters->align * wide * squeezed;
     for (int pass = letters->rimmed ? 0 : 1; pass < 2; pass++) {
@@ -308,7 +308,7 @@ static void put_file(const struct orl_pdf *pdf, FILE *file, const unsigned char 
 }
 
 /* Returns the compressed page, owned by the caller, or NULL if out of memory. */
-static unsigned char *pack(struct orl_pdf *pdf, unsigned long *ret_bytes)
+static unsigned char *compress_page(struct orl_pdf *pdf, unsigned long *ret_bytes)
 {
     const bool failed = ferror(pdf->page);
     const bool closed = fclose(pdf->page) == 0;
@@ -329,7 +329,7 @@ int orl_pdf_write(struct orl_pdf *pdf, const char *path, struct orl_error *err)
 {
     struct orl_out_file file;
     unsigned long bytes = 0;
-    unsigned char *packed = pack(pdf, &bytes);
+    unsigned char *packed = compress_page(pdf, &bytes);
     if (!packed)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory drawing '%s'", path);
     int code = orl_out_open(&file, path, err);

@@ -87,7 +87,7 @@ static int check_sizes(const struct orl_view *view, struct orl_error *err)
 
 /* Sets the image axes from direction, up and the angles, with the checks that Radiance makes
  * too. */
-static int set_up(struct orl_view *view, struct orl_error *err)
+static int set_image_axes(struct orl_view *view, struct orl_error *err)
 {
     double h = view->horizontal, v = view->vertical;
     struct orl_vec3 right, above;
@@ -239,7 +239,7 @@ int orl_view_parse(const char *text, struct orl_view *ret_view, struct orl_error
         if (!text)
             return err->code;
     }
-    code = set_up(&view, err);
+    code = set_image_axes(&view, err);
     if (code == 0)
         *ret_view = view;
     return code;

@@ -186,9 +186,9 @@ struct goal {
 };
 
 /* Draws a direction by one strategy, and sets what the ray must meet first. */
-static bool draw(const struct orl_aim *aim, enum orl_way way, struct orl_vec3 point,
-                 struct orl_vec3 normal, const double u[3], struct orl_vec3 *ret_direction,
-                 struct goal *ret_goal)
+static bool draw_direction(const struct orl_aim *aim, enum orl_way way, struct orl_vec3 point,
+                           struct orl_vec3 normal, const double u[3],
+                           struct orl_vec3 *ret_direction, struct goal *ret_goal)
 {
     const struct orl_world *world = aim->world;
     const size_t choices[ORL_WAYS] = {1, world->n_ports, aim->n_shafts, aim->targets.n};
@@ -225,7 +225,7 @@ bool orl_aim_draw(const struct orl_aim *aim, enum orl_way way, struct orl_vec3 p
                   struct orl_vec3 normal, const double u[3], struct orl_aimed *ret_aimed)
 {
     struct goal goal;
-    if (!draw(aim, way, point, normal, u, &ret_aimed->direction, &goal) ||
+    if (!draw_direction(aim, way, point, normal, u, &ret_aimed->direction, &goal) ||
         !(orl_dot(ret_aimed->direction, normal) > 0))
         return false;
     ret_aimed->met = orl_geometry_intersect(aim->world->geometry, point, ret_aimed->direction,

@@ -117,7 +117,7 @@ static double distance_about(const struct orl_geometry *g, const struct orl_plac
 
 /* Returns true if light close to it may vary more than discs can resolve: a lens or curved
  * mirror. */
-static bool focuses(const struct orl_world *world, const struct orl_hit *hit)
+static bool may_focus(const struct orl_world *world, const struct orl_hit *hit)
 {
     const struct orl_material *m = orl_world_material(world, hit);
     const enum orl_surface_kind kind = orl_facet_kind(world->geometry, hit->facet);
@@ -146,7 +146,7 @@ static void make_disc(const struct orl_air *air, const struct orl_place *place,
         const bool ends = orl_geometry_intersect(g, ret_disc->center, out, radius, &hit);
         const double reach = ends ? fmin(hit.distance, radius) : radius;
         ret_disc->reach2[i] = (float)(reach * reach);
-        if (ends && focuses(air->world, &hit))
+        if (ends && may_focus(air->world, &hit))
             ret_disc->curved = fminf(ret_disc->curved, (float)hit.distance);
     }
 }
@@ -170,7 +170,7 @@ bool orl_air_is_needed(const struct orl_air *air)
 }
 
 /* Moves the discs that exist to the front and allocates their rings. */
-static int gather_in(struct orl_air *air)
+static int compact_discs(struct orl_air *air)
 {
     air->n_discs = 0;
     for (size_t i = 0; i < air->n_sensors; i++) {
@@ -191,7 +191,7 @@ struct round {
     struct orl_deposits deposits[TASKS_A_ROUND];
 };
 
-static void fly(void *arg, size_t index, uint32_t member)
+static void trace_task(void *arg, size_t index, uint32_t member)
 {
     struct round *round = arg;
     const uint64_t first = round->first + index * TASK;
@@ -209,7 +209,7 @@ static double width2(int width)
     return 1.0 / (1 << (WIDTHS - 1 - width));
 }
 
-static void count(struct orl_air *air, const struct orl_pass *pass)
+static void add_pass(struct orl_air *air, const struct orl_pass *pass)
 {
     const double radius = air->discs[pass->disc].radius;
     const struct orl_rgb flux = {(double)pass->flux[0], (double)pass->flux[1],
@@ -224,14 +224,14 @@ static void count(struct orl_air *air, const struct orl_pass *pass)
 }
 
 /* Traces a round. Tasks are added in order, so that sums do not depend on the crew. */
-static int fly_round(struct orl_air *air, struct round *round, const struct orl_discs *discs,
-                     struct orl_health *health)
+static int trace_round(struct orl_air *air, struct round *round, const struct orl_discs *discs,
+                       struct orl_health *health)
 {
     const size_t tasks = (round->end - round->first + TASK - 1) / TASK;
     int code = 0;
     for (size_t i = 0; i < tasks; i++)
         round->deposits[i] = (struct orl_deposits){.discs = discs, .by_chance = !air->gather};
-    orl_crew_for(round->env->crew, tasks, fly, round);
+    orl_crew_for(round->env->crew, tasks, trace_task, round);
     if (orl_is_cancelled(round->env->cancel))
         code = ORL_ERR_CANCELLED;
     for (size_t i = 0; i < tasks; i++) {
@@ -246,7 +246,7 @@ static int fly_round(struct orl_air *air, struct round *round, const struct orl_
         if (deposits->passes.out_of_memory)
             code = ORL_ERR_NOMEM;
         for (size_t k = 0; k < deposits->passes.count && code == 0; k++)
-            count(air, &deposits->passes.passes[k]);
+            add_pass(air, &deposits->passes.passes[k]);
         free(deposits->passes.passes);
         free(deposits->photons);
     }
@@ -397,7 +397,7 @@ struct orl_estimate orl_air_caught(const struct orl_air *air, size_t sensor, dou
 
 /* Returns true if the light through the sensor's disc is known well enough. *ret_felt: it changes
  * the sensor's estimate. */
-static bool is_content(const struct sensor *s, const struct reading *more, bool *ret_felt)
+static bool is_accurate(const struct sensor *s, const struct reading *more, bool *ret_felt)
 {
     const double luma = orl_luma(more->irradiance), scatter = sqrt(more->variance);
     *ret_felt = luma > felt * hypot(s->rest.standard_error, scatter);
@@ -407,7 +407,7 @@ static bool is_content(const struct sensor *s, const struct reading *more, bool 
 
 /* Returns true if no further round is needed: almost all sensors are known well enough. Beyond
  * rays_not_felt it also suffices that no sensor with a large error is changed by the light. */
-static bool is_enough(const struct orl_air *air, double rays_not_felt)
+static bool rounds_suffice(const struct orl_air *air, double rays_not_felt)
 {
     size_t content = 0, feeling = 0;
     for (size_t i = 0; i < air->n_sensors; i++) {
@@ -416,7 +416,7 @@ static bool is_enough(const struct orl_air *air, double rays_not_felt)
         if (s->disc == NONE)
             continue;
         const struct reading more = read_disc(air, s->disc);
-        const bool is = is_content(s, &more, &feels);
+        const bool is = is_accurate(s, &more, &feels);
         content += is;
         feeling += feels && !is;
     }
@@ -429,7 +429,7 @@ int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env,
 {
     struct orl_discs *discs = NULL;
     struct round *round = malloc(sizeof *round);
-    int code = round ? gather_in(air) : ORL_ERR_NOMEM;
+    int code = round ? compact_discs(air) : ORL_ERR_NOMEM;
     if (code == 0)
         code = orl_discs_new(air->discs, air->n_discs, &discs);
     const uint64_t most = bounds->emissions - bounds->emissions % ORL_MAP_BATCHES;
@@ -439,9 +439,9 @@ int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env,
         round->env = env;
         round->first = air->emitted;
         round->end = wanted < largest ? wanted : largest;
-        code = fly_round(air, round, discs, health);
+        code = trace_round(air, round, discs, health);
         if (code == 0 && air->emitted == wanted) {
-            if (is_enough(air, bounds->rays_not_felt))
+            if (rounds_suffice(air, bounds->rays_not_felt))
                 break;
             wanted = 2 * wanted < most ? 2 * wanted : most;
         }

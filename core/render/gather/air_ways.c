@@ -33,7 +33,7 @@ static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_face
  * in one plane redirect light once. For suns sensor.c samples such light, as it does any number of
  * flat mirrors alone.
  */
-static bool may_send_on(const struct orl_world *world)
+static bool caustics_need_photons(const struct orl_world *world)
 {
     const struct orl_geometry *g = world->geometry;
     const bool lamps = has_lamps(world);
@@ -62,7 +62,8 @@ static bool may_send_on(const struct orl_world *world)
 
 bool orl_air_may_be_lit(const struct orl_world *world)
 {
-    return !(world->omit.mirror_caustics && world->omit.lobe_caustics) && may_send_on(world);
+    return !(world->omit.mirror_caustics && world->omit.lobe_caustics) &&
+           caustics_need_photons(world);
 }
 
 bool orl_air_is_by_images(const struct orl_world *world)
@@ -71,5 +72,5 @@ bool orl_air_is_by_images(const struct orl_world *world)
     for (struct orl_kept_walk walk = orl_kept_walk(g); orl_kept_next(&walk);)
         if (orl_material_has_lobes(&world->materials[orl_facet_material(g, walk.facet)]))
             return false;
-    return !may_send_on(world);
+    return !caustics_need_photons(world);
 }

@@ -10,7 +10,7 @@ static const double drawn_share =
     0.8; /* share of the table that comes from samples; the rest comes from evaluations */
 
 /* Returns the index of a level's first cell. */
-static uint32_t first_of(uint32_t level)
+static uint32_t first_cell_of(uint32_t level)
 {
     return ((1U << 2 * level) - 1) / 3;
 }
@@ -35,7 +35,7 @@ void orl_beam_cells_init(struct orl_beam_cells *cells)
         const uint32_t side = 1U << level;
         for (uint32_t y = 0; y < side; y++)
             for (uint32_t x = 0; x < side; x++) {
-                const uint32_t cell = first_of(level) + interleave(x, y);
+                const uint32_t cell = first_cell_of(level) + interleave(x, y);
                 const struct orl_vec3 middle = direction_at(x + 0.5, y + 0.5, side);
                 double reach = 0;
                 for (uint32_t corner = 0; corner < 4; corner++) {
@@ -100,7 +100,7 @@ static void sample_row(void *arg, size_t row, uint32_t member)
 
 /* Fills the finest level: samples resolve narrow lobes, evaluations include directions too dim to
  * be sampled. */
-static void fill(const struct samples *s, double *finest)
+static void fill_finest(const struct samples *s, double *finest)
 {
     double drawn = 0, valued = 0;
     for (uint32_t i = 0; i < DRAWS; i++) {
@@ -136,17 +136,18 @@ int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, struct o
     samples->hit = orl_hit_anywhere(beam->normal, false);
     const int code = orl_crew_try(crew, ORL_BEAM_SIDE, sample_row, samples);
     if (code == 0)
-        fill(samples, finest);
+        fill_finest(samples, finest);
     free(samples);
     if (code < 0)
         return code;
     memset(beam->light, 0, sizeof beam->light);
     for (uint32_t i = 0; i < ORL_BEAM_SIDE * ORL_BEAM_SIDE; i++)
-        beam->light[first_of(last) + i] = (float)finest[i];
+        beam->light[first_cell_of(last) + i] = (float)finest[i];
     for (uint32_t level = last; level-- > 0;)
         for (uint32_t i = 0; i < 1U << 2 * level; i++)
             for (uint32_t k = 0; k < 4; k++)
-                beam->light[first_of(level) + i] += beam->light[first_of(level + 1) + 4 * i + k];
+                beam->light[first_cell_of(level) + i] +=
+                    beam->light[first_cell_of(level + 1) + 4 * i + k];
     return 0;
 }
 
@@ -200,9 +201,9 @@ static double light_of(const struct orl_shaft *shaft, const struct orl_beam *bea
 }
 
 /* Computes the light of the four quarters that begin at cell `first`; returns their sum. */
-static double quarters(const struct orl_shaft *shaft, const struct orl_beam *beam,
-                       const struct orl_beam_cells *cells, uint32_t first, struct orl_vec3 place,
-                       double ret_light[4])
+static double light_of_quarters(const struct orl_shaft *shaft, const struct orl_beam *beam,
+                                const struct orl_beam_cells *cells, uint32_t first,
+                                struct orl_vec3 place, double ret_light[4])
 {
     double sum = 0;
     for (uint32_t k = 0; k < 4; k++) {
@@ -223,7 +224,8 @@ bool orl_shaft_draw(const struct orl_shaft *shaft, const struct orl_beam *beam,
         return false;
     for (uint32_t level = 1; level < ORL_BEAM_LEVELS; level++) {
         double light[4];
-        const double sum = quarters(shaft, beam, cells, first_of(level) + 4 * index, place, light);
+        const double sum =
+            light_of_quarters(shaft, beam, cells, first_cell_of(level) + 4 * index, place, light);
         if (!(sum > 0))
             return false;
         /* Choose the column first, then the row in it. */
@@ -255,8 +257,8 @@ double orl_shaft_density(const struct orl_shaft *shaft, const struct orl_beam *b
     for (uint32_t level = 1; level < ORL_BEAM_LEVELS; level++) {
         const uint32_t cell = finest >> 2 * (ORL_BEAM_LEVELS - 1 - level);
         double light[4];
-        const double sum =
-            quarters(shaft, beam, cells, first_of(level) + (cell & ~3U), place, light);
+        const double sum = light_of_quarters(shaft, beam, cells,
+                                             first_cell_of(level) + (cell & ~3U), place, light);
         if (!(light[cell & 3] > 0))
             return 0;
         density *= light[cell & 3] / sum;

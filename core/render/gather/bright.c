@@ -159,8 +159,8 @@ static double overlap(const struct splat *s, const struct area *a, int axis)
 
 /* Appends the splats of a list that overlap an area to the list at `to`; returns their number and
  * sets their light there. */
-static uint32_t pick(struct look *look, uint32_t first, uint32_t count, uint32_t to,
-                     const struct area *area, double *ret_light)
+static uint32_t pick_splats(struct look *look, uint32_t first, uint32_t count, uint32_t to,
+                            const struct area *area, double *ret_light)
 {
     uint32_t n = 0;
     *ret_light = 0;
@@ -185,8 +185,8 @@ static bool is_fine(const struct look *look, uint32_t first, uint32_t count, dou
 }
 
 /* Divides a cell while it contains finer splats. Its mass is the light of its bright parts. */
-static void divide(struct look *look, uint32_t cell, uint32_t first, uint32_t count,
-                   const struct area *area, double light, int depth)
+static void divide_cell(struct look *look, uint32_t cell, uint32_t first, uint32_t count,
+                        const struct area *area, double light, int depth)
 {
     struct orl_bright_view *view = look->view;
     struct orl_bright_cell *here = &view->cells[cell];
@@ -208,8 +208,8 @@ static void divide(struct look *look, uint32_t cell, uint32_t first, uint32_t co
         struct area part = *area;
         double within;
         (half ? part.low : part.high)[axis] = 0.5 * (area->low[axis] + area->high[axis]);
-        const uint32_t n = pick(look, first, count, first + count, &part, &within);
-        divide(look, low + half, first + count, n, &part, within, depth + 1);
+        const uint32_t n = pick_splats(look, first, count, first + count, &part, &within);
+        divide_cell(look, low + half, first + count, n, &part, within, depth + 1);
     }
     here->low = low;
     here->mass = view->cells[low].mass + view->cells[low + 1].mass;
@@ -234,7 +234,7 @@ void orl_bright_look(const struct orl_bright *bright, struct orl_vec3 point, str
     ret_view->count = 1;
     if (!(look.light > 0))
         return;
-    divide(&look, 0, 0, n, &all, look.light, 0);
+    divide_cell(&look, 0, 0, n, &all, look.light, 0);
     ret_view->worth = ret_view->cells[0].mass > 0 && look.variance > tolerated * tolerated * rays;
 }
 

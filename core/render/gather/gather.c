@@ -75,7 +75,7 @@ static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, doub
 }
 
 /* Returns the error code when building from a map has failed. */
-static int reason(const struct orl_crew *crew)
+static int build_error(const struct orl_crew *crew)
 {
     return orl_crew_cancelled(crew) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
 }
@@ -99,7 +99,7 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
         gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], world, gather->k[ORL_MAP_GLOBAL],
                                         gather->max_radius[ORL_MAP_GLOBAL], crew);
         if (!gather->leaves)
-            return reason(crew);
+            return build_error(crew);
     }
     if (rest == ORL_REST_GATHERED && gather->maps[ORL_MAP_GLOBAL]) {
         const int code = orl_bright_init(&gather->bright, maps[ORL_MAP_GLOBAL], crew);
@@ -119,13 +119,13 @@ int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew)
             orl_kernel_density_new(gather->maps[ORL_MAP_CAUSTIC], gather->k[ORL_MAP_CAUSTIC],
                                    gather->max_radius[ORL_MAP_CAUSTIC], crew);
         if (!gather->caustic_widths)
-            return reason(crew);
+            return build_error(crew);
     }
     if (!gather->maps[ORL_MAP_GLOBAL] || gather->rest != ORL_REST_GATHERED || gather->texels)
         return 0;
     gather->texels = orl_texels_new(gather->maps[ORL_MAP_GLOBAL], gather->world,
                                     texel_share * gather->k[ORL_MAP_GLOBAL], crew);
-    return gather->texels ? 0 : reason(crew);
+    return gather->texels ? 0 : build_error(crew);
 }
 
 void orl_gather_done(struct orl_gather *gather)

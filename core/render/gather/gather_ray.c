@@ -20,9 +20,9 @@ static const double dim = 0.2, clear_glass = 0.5, half = 0.5;
 
 /* Returns the irradiance of a diffuse surface that a ray met, by shadow rays and caustic
  * photons. */
-static struct orl_rgb lit_again(const struct orl_gather *gather, const struct orl_hit *hit,
-                                const struct orl_footing *footing, struct orl_random *random,
-                                struct orl_search *search, struct orl_tally *tally)
+static struct orl_rgb relight_surface(const struct orl_gather *gather, const struct orl_hit *hit,
+                                      const struct orl_footing *footing, struct orl_random *random,
+                                      struct orl_search *search, struct orl_tally *tally)
 {
     const struct orl_vec3 lit = footing->normal;
     const struct orl_direct_query query = {.point =
@@ -61,15 +61,15 @@ static struct orl_rgb met_irradiance(const struct orl_gather *gather, const stru
     }
     if (*relit || gather->rest != ORL_REST_GATHERED)
         irradiance =
-            orl_rgb_add(lit_again(gather, hit, &footing, random, search, tally), irradiance);
+            orl_rgb_add(relight_surface(gather, hit, &footing, random, search, tally), irradiance);
     return irradiance;
 }
 
 /* Returns the radiance that the surface reflects along the ray. Photons are taken to have the
  * irradiance's colour. */
-static struct orl_rgb send_back(const struct orl_gather *gather, const struct orl_gather_ray *ray,
-                                struct orl_rgb weight, struct orl_rgb irradiance,
-                                const struct orl_tally *met)
+static struct orl_rgb reflect_irradiance(const struct orl_gather *gather,
+                                         const struct orl_gather_ray *ray, struct orl_rgb weight,
+                                         struct orl_rgb irradiance, const struct orl_tally *met)
 {
     const struct orl_rgb sent = orl_rgb_mul(weight, irradiance);
     const double luma = orl_luma(irradiance);
@@ -93,8 +93,8 @@ struct orl_rgb orl_gather_read(const struct orl_gather_ray *ray, const struct or
 }
 
 /* Reads a texel at once, or stores it as the ray's glimpse for later. */
-static struct orl_rgb send_back_texel(const struct orl_gather_ray *ray, struct orl_rgb weight,
-                                      const struct orl_texel *texel)
+static struct orl_rgb reflect_texel(const struct orl_gather_ray *ray, struct orl_rgb weight,
+                                    const struct orl_texel *texel)
 {
     const struct orl_glimpse glimpse = {texel, weight};
     if (!ray->ret_glimpse || ray->ret_glimpse->texel)
@@ -122,10 +122,10 @@ static bool known_radiance(const struct orl_gather *gather, const struct orl_gat
         orl_material_diffuse(orl_world_material(gather->world, hit), hit);
     const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
     struct orl_tally met = {.known = 0};
-    const struct orl_rgb direct = lit_again(gather, hit, &footing, random, search, &met);
+    const struct orl_rgb direct = relight_surface(gather, hit, &footing, random, search, &met);
     if (ray->tally)
         ray->tally->known += ray->share * orl_luma(reflected) * rest.standard_error;
-    *ret_radiance = orl_rgb_add(send_back(gather, ray, reflected, direct, &met),
+    *ret_radiance = orl_rgb_add(reflect_irradiance(gather, ray, reflected, direct, &met),
                                 orl_rgb_mul(reflected, rest.irradiance));
     return true;
 }
@@ -145,12 +145,12 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
         const struct orl_texel *texel =
             orl_texels_at(gather->texels, hit->facet, hit->front, hit->point, &cut);
         if (!cut)
-            return texel ? send_back_texel(ray, reflected, texel) : orl_gray(0);
+            return texel ? reflect_texel(ray, reflected, texel) : orl_gray(0);
     }
     struct orl_tally met = {.known = 0};
     const struct orl_rgb irradiance =
         met_irradiance(gather, hit, relit, ray->by_texels, random, search, &met);
-    return send_back(gather, ray, reflected, irradiance, &met);
+    return reflect_irradiance(gather, ray, reflected, irradiance, &met);
 }
 
 /* Returns the radiance that a surface emits. For a ray that must find caustics itself it adds suns
@@ -197,12 +197,12 @@ static struct leg *leg_of(struct orl_eye_path *p)
 }
 
 /* Continues outdoors. Returns true if the ray comes in again. */
-static bool comes_in(struct orl_eye_path *p)
+static bool continue_outdoors(struct orl_eye_path *p)
 {
     return orl_exterior_pass(p, &leg_of(p)->search->health);
 }
 
-static void leaks(struct orl_eye_path *p)
+static void count_leak(struct orl_eye_path *p)
 {
     struct orl_health *health = &leg_of(p)->search->health;
     health->rays++;
@@ -257,7 +257,7 @@ static void note_event(struct leg *leg, const struct orl_scatter *s)
 }
 
 /* Starts the branch through a dim pane. */
-static void look_through(const struct leg *leg, const struct orl_material *m)
+static void branch_through_pane(const struct leg *leg, const struct orl_material *m)
 {
     struct leg *through = leg->through;
     struct orl_eye_path *p = &through->eye;
@@ -304,7 +304,7 @@ static uint32_t draw_port(const struct orl_world *world, struct orl_vec3 from,
 static void follow_leg(struct leg *leg);
 
 /* Aims a ray at a port and adds the light that it finds; drawn: the ray that goes on. */
-static void look_at_port(struct leg *leg, const struct orl_scatter *drawn)
+static void trace_port_ray(struct leg *leg, const struct orl_scatter *drawn)
 {
     struct orl_eye_path *p = &leg->eye;
     const struct orl_world *world = p->world;
@@ -334,8 +334,8 @@ static void look_at_port(struct leg *leg, const struct orl_scatter *drawn)
     p->seen = orl_rgb_add(p->seen, q->seen);
 }
 
-static struct orl_scatter draw(struct orl_eye_path *p, const struct orl_material *m,
-                               enum orl_lobes lobes)
+static struct orl_scatter draw_continuation(struct orl_eye_path *p, const struct orl_material *m,
+                                            enum orl_lobes lobes)
 {
     struct leg *leg = leg_of(p);
     const struct orl_scatter s = draw_by_lobes(p, m, lobes);
@@ -343,7 +343,7 @@ static struct orl_scatter draw(struct orl_eye_path *p, const struct orl_material
         !orl_material_is_matt(m))
         return s;
     if (orl_random_uniform(p->random) < aimed)
-        look_at_port(leg, &s);
+        trace_port_ray(leg, &s);
     leg->by_cosine = orl_dot(s.direction, orl_hit_facing(&p->hit)) / ORL_PI;
     return s;
 }
@@ -375,7 +375,7 @@ static void weigh_leg(struct leg *leg)
 }
 
 /* Adds what the surface emits and reflects. Returns the lobes that the maps do not account for. */
-static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
+static enum orl_lobes shade_surface(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct leg *leg = leg_of(p);
     const struct orl_vec3 eye = orl_path_back(&p->path);
@@ -396,12 +396,12 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
     const enum orl_lobes lobes = relit ? ORL_LOBE_ALL : but_diffuse;
     if (p->bounce > 0 || !is_dim_pane(m, &p->hit, eye))
         return lobes;
-    look_through(leg, m);
+    branch_through_pane(leg, m);
     return (enum orl_lobes)((uint32_t)lobes & ~(uint32_t)ORL_LOBE_TRANSMITTED);
 }
 
 /* Applies roulette to dim lobes and long chains. Returns false if the leg ends. */
-static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
+static bool continue_leg(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     const double survive = fmin(orl_rgb_max(p->path.weight), 1.0);
     if (!leg_of(p)->weighed && (p->bounce >= SURE_BOUNCES || survive < dim) &&
@@ -411,8 +411,11 @@ static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
     return true;
 }
 
-static const struct orl_eye_sink sink = {
-    .outdoors = comes_in, .escaped = leaks, .met = meet, .draw = draw, .sent_on = goes_on};
+static const struct orl_eye_sink sink = {.outdoors = continue_outdoors,
+                                         .escaped = count_leak,
+                                         .met = shade_surface,
+                                         .draw = draw_continuation,
+                                         .sent_on = continue_leg};
 
 static void follow_leg(struct leg *leg)
 {

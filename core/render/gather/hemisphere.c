@@ -44,7 +44,7 @@ static struct spoke spoke_of(const struct orl_frame *frame, uint32_t column, uin
         .around = orl_add(orl_scale(frame->u, -sin(edge)), orl_scale(frame->v, cos(edge)))};
 }
 
-static double nearer(const struct strand *a, const struct strand *b)
+static double nearer_distance(const struct strand *a, const struct strand *b)
 {
     return a->distance < b->distance ? a->distance : b->distance;
 }
@@ -62,8 +62,8 @@ static void add_row(struct orl_hemisphere *h, const struct spoke *spokes,
         const struct strand *here = &strands[row * columns + column];
         const struct strand *beside = &strands[row * columns + (column + columns - 1) % columns];
         const struct strand *below = row > 0 ? here - columns : NULL;
-        const double by_below = below ? outwards / nearer(here, below) : 0;
-        const double by_beside = (sine_high - sine_low) / nearer(here, beside);
+        const double by_below = below ? outwards / nearer_distance(here, below) : 0;
+        const double by_beside = (sine_high - sine_low) / nearer_distance(here, beside);
         for (uint32_t c = 0; c < channels; c++) {
             const double value = channel(here->radiance, c);
             struct orl_vec3 *shift = &h->by_translation[c];
@@ -133,8 +133,8 @@ struct under_way {
 
 /* Sends a ray through a position in a stratum. On a surface that a BSDF stands for, the ray sees
  * the scene as views do. */
-static void send(struct making *m, uint32_t stratum, double down, double across,
-                 struct orl_tally *tally, struct under_way *w)
+static void send_ray(struct making *m, uint32_t stratum, double down, double across,
+                     struct orl_tally *tally, struct under_way *w)
 {
     const uint32_t row = stratum / m->columns, column = stratum % m->columns;
     const double sine = sqrt((row + down) / m->rows),
@@ -166,14 +166,14 @@ static void send(struct making *m, uint32_t stratum, double down, double across,
 }
 
 /* Returns the radiance of a ray after its texel, if any, has arrived. */
-static struct orl_rgb arrived(const struct under_way *w)
+static struct orl_rgb arrived_radiance(const struct under_way *w)
 {
     return w->glimpse.texel ? orl_rgb_add(w->radiance, orl_gather_read(&w->ray, &w->glimpse))
                             : w->radiance;
 }
 
 /* Sends one ray a stratum. A texel is read some rays later, when memory has delivered it. */
-static void send_first(struct making *m)
+static void send_first_rays(struct making *m)
 {
     struct under_way under_way[AHEAD];
     const uint32_t strata = m->rows * m->columns;
@@ -181,14 +181,14 @@ static void send_first(struct making *m)
         struct under_way *w = &under_way[i % AHEAD];
         if (i >= AHEAD && i - AHEAD < strata) {
             struct strand *strand = &m->strands[w->stratum];
-            strand->radiance = arrived(w);
+            strand->radiance = arrived_radiance(w);
             strand->distance = w->distance;
         }
         if (i >= strata)
             continue;
         const double down = orl_random_uniform(m->random), across = orl_random_uniform(m->random);
         m->strands[i] = (struct strand){.variance = -1, .down = down, .across = across};
-        send(m, i, down, across, &m->tally, w);
+        send_ray(m, i, down, across, &m->tally, w);
     }
 }
 
@@ -215,7 +215,7 @@ static double range_about(const double *lumas, uint32_t rows, uint32_t columns, 
 
 /* Chooses the rays of each stratum: more where bright things such as windows begin and end. A
  * stratum's own ray does not decide, because its noise would then bias the mean. */
-static void choose(struct making *m)
+static void choose_rays(struct making *m)
 {
     double lumas[ORL_HEMISPHERE_ROWS * ORL_HEMISPHERE_COLUMNS], sum = 0;
     const uint32_t strata = m->rows * m->columns;
@@ -234,7 +234,7 @@ static void choose(struct making *m)
 
 /* Sends the other rays of a stratum, one through each of its parts. The first ray stands for the
  * photons' noise. */
-static void look_closer(struct making *m, uint32_t stratum)
+static void refine_stratum(struct making *m, uint32_t stratum)
 {
     struct strand *strand = &m->strands[stratum];
     struct under_way w[CLOSEST * CLOSEST - 1];
@@ -247,13 +247,14 @@ static void look_closer(struct making *m, uint32_t stratum)
             continue;
         const uint32_t row = part / side;
         const double down = (row + orl_random_uniform(m->random)) / side;
-        send(m, stratum, down, (part % side + orl_random_uniform(m->random)) / side, NULL, &w[n++]);
+        send_ray(m, stratum, down, (part % side + orl_random_uniform(m->random)) / side, NULL,
+                 &w[n++]);
     }
     double luma = orl_luma(strand->radiance), squares = luma * luma,
            nearness = 1 / strand->distance;
     struct orl_rgb sum = strand->radiance;
     for (uint32_t i = 0; i < n; i++) {
-        const struct orl_rgb seen = arrived(&w[i]);
+        const struct orl_rgb seen = arrived_radiance(&w[i]);
         sum = orl_rgb_add(sum, seen);
         squares += orl_luma(seen) * orl_luma(seen);
         nearness += 1 / w[i].distance;
@@ -283,12 +284,12 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     m.rays = 0;
     m.tally = (struct orl_tally){.known = 0};
     m.least_distance = INFINITY;
-    send_first(&m);
-    choose(&m);
+    send_first_rays(&m);
+    choose_rays(&m);
     double nearness = 0;
     for (uint32_t i = 0; i < rows * columns; i++) {
         if (m.strands[i].side > 1)
-            look_closer(&m, i);
+            refine_stratum(&m, i);
         h.irradiance = orl_rgb_add(h.irradiance, m.strands[i].radiance);
         nearness += 1 / m.strands[i].distance;
     }

@@ -109,7 +109,7 @@ static struct orl_icache_entry entry_of(const struct orl_record *record, uint32_
 
 /* Inserts a record into each of its cells, or, if count is set, only counts the cells by bucket. A
  * record that reaches no place, not even its own, is left out. */
-static void insert(struct orl_icache *cache, uint32_t index, bool count)
+static void insert_record(struct orl_icache *cache, uint32_t index, bool count)
 {
     if (!(reach_of(&cache->records[index]) > 0))
         return;
@@ -151,13 +151,13 @@ int orl_icache_index(struct orl_icache *cache)
     cache->lowest_level = 10000;
     cache->highest_level = -10000;
     for (size_t i = 0; i < cache->count; i++)
-        insert(cache, (uint32_t)i, true);
+        insert_record(cache, (uint32_t)i, true);
     for (size_t i = 0, end = 0; i <= cache->n_heads; i++) {
         end += heads[i];
         heads[i] = (uint32_t)end;
     }
     for (size_t i = 0; i < cache->count; i++)
-        insert(cache, (uint32_t)i, false);
+        insert_record(cache, (uint32_t)i, false);
     return 0;
 }
 
@@ -170,8 +170,8 @@ static double channel_at(const struct orl_record *record, int c, double value, s
 
 /* Returns a record's irradiance, extrapolated to the place along its gradients and never below
  * zero. */
-static struct orl_rgb carried(const struct orl_record *record, const struct orl_place *place,
-                              uint32_t channels)
+static struct orl_rgb extrapolate_record(const struct orl_record *record,
+                                         const struct orl_place *place, uint32_t channels)
 {
     const struct orl_vec3 turn =
         orl_cross(record->place.normal, place->textured ? place->shading : place->normal);
@@ -261,13 +261,13 @@ struct joined {
     double squares, noise;
 };
 
-static void join(struct joined *joined, const struct orl_icache *cache,
-                 const struct orl_record *record, const struct orl_place *place)
+static void join_record(struct joined *joined, const struct orl_icache *cache,
+                        const struct orl_record *record, const struct orl_place *place)
 {
     const double weight = weight_of(record, place);
     if (!(weight > 0) || !is_open(cache, record, place))
         return;
-    const struct orl_rgb value = carried(record, place, cache->channels);
+    const struct orl_rgb value = extrapolate_record(record, place, cache->channels);
     joined->sum = orl_rgb_add(joined->sum, orl_rgb_scale(value, weight));
     joined->squares += weight * orl_luma(value) * orl_luma(value);
     joined->noise += weight * record->error_by_rays * record->error_by_rays;
@@ -281,7 +281,7 @@ static void join(struct joined *joined, const struct orl_icache *cache,
  * beyond their rays' noise. Each extrapolation errs by the curvature of the light times its squared
  * distance. These errors differ between records by about their own size, and do not average out.
  */
-static bool settle(const struct joined *joined, struct orl_cached *ret_cached)
+static bool resolve_interpolation(const struct joined *joined, struct orl_cached *ret_cached)
 {
     const double total = joined->total, by_photons = joined->by_photons;
     if (!(total > 0))
@@ -302,8 +302,8 @@ bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *p
     struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
     for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
          i = orl_icache_visit_next(&v))
-        join(&joined, cache, &cache->records[i], place);
-    return settle(&joined, ret_cached);
+        join_record(&joined, cache, &cache->records[i], place);
+    return resolve_interpolation(&joined, ret_cached);
 }
 
 bool orl_records_lookup(const struct orl_record *records, size_t count,
@@ -312,6 +312,6 @@ bool orl_records_lookup(const struct orl_record *records, size_t count,
 {
     struct joined joined = {.total = 0};
     for (size_t i = 0; i < count; i++)
-        join(&joined, like, &records[i], place);
-    return settle(&joined, ret_cached);
+        join_record(&joined, like, &records[i], place);
+    return resolve_interpolation(&joined, ret_cached);
 }

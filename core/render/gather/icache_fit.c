@@ -80,7 +80,8 @@ static double ray_variance(const struct about *about)
 }
 
 /* Collects the records within a number of pixels. Returns false if there are too many. */
-static bool look_about(const struct fitting *f, uint32_t index, double pixels, struct about *ret)
+static bool collect_neighbours(const struct fitting *f, uint32_t index, double pixels,
+                               struct about *ret)
 {
     const struct orl_record *record = &f->records[index];
     struct orl_icache_visit v = orl_icache_visit_begin(f->cache, &record->place);
@@ -127,7 +128,8 @@ struct inverse {
     double a00, a01, a02, a11, a12, a22;
 };
 
-static struct inverse invert(double s, double sx, double sy, double sxx, double sxy, double syy)
+static struct inverse invert_moments(double s, double sx, double sy, double sxx, double sxy,
+                                     double syy)
 {
     const double c00 = sxx * syy - sxy * sxy, c01 = sxy * sy - sx * syy, c02 = sx * sxy - sxx * sy;
     const double d = s * c00 + sx * c01 + sy * c02;
@@ -180,7 +182,7 @@ static double scatter_about(const struct plane *plane, const struct about *about
  * over the disc by about its own value. It is negligible when there are many records. Returns false
  * if the disc holds too few.
  */
-static bool fit(const struct about *about, double luma, double radius, struct plane *ret)
+static bool fit_plane(const struct about *about, double luma, double radius, struct plane *ret)
 {
     const double held = about->variance * radius * radius / (luma * luma);
     double s = 0, sx = 0, sy = 0, sxx = held, sxy = 0, syy = held;
@@ -196,7 +198,7 @@ static bool fit(const struct about *about, double luma, double radius, struct pl
         sxy += w * n->x * n->y;
         syy += w * n->y * n->y;
     }
-    const struct inverse a = invert(s, sx, sy, sxx, sxy, syy);
+    const struct inverse a = invert_moments(s, sx, sy, sxx, sxy, syy);
     *ret = (struct plane){.error = 0};
     for (uint32_t i = 0; i < about->count; i++) {
         const struct neighbour *n = &about->list[i];
@@ -219,7 +221,8 @@ static bool fit(const struct about *about, double luma, double radius, struct pl
 
 /* Stores the plane in the record. The value stays at least zero, and the slope within the limit for
  * records. */
-static void take(struct orl_record *record, const struct plane *plane, const struct about *about)
+static void store_plane(struct orl_record *record, const struct plane *plane,
+                        const struct about *about)
 {
     const double served = fmax(record->radius, record->least);
     for (int c = 0; c < 3; c++) {
@@ -246,12 +249,12 @@ static void fit_record(void *arg, size_t index, uint32_t member)
     if (!(record->error_by_rays > good_enough * luma) || !(luma > 0))
         return;
     int n = DISCS;
-    while (!look_about(f, (uint32_t)index, discs[n - 1], &about) && n > 1)
+    while (!collect_neighbours(f, (uint32_t)index, discs[n - 1], &about) && n > 1)
         n--;
     const double own = own_agrees * sqrt(about.variance / record->rays);
     double low = luma - own, high = luma + own;
     for (int i = 0; i < n; i++) {
-        if (!fit(&about, luma, discs[i], &plane))
+        if (!fit_plane(&about, luma, discs[i], &plane))
             continue;
         const double at = orl_luma(value_at(&plane, 0, 0));
         low = fmax(low, at - disc_agrees * plane.error);
@@ -259,12 +262,12 @@ static void fit_record(void *arg, size_t index, uint32_t member)
         if (!(low <= high) || plane.scatter > plane_agrees)
             return;
         f->fitted[index] = *record;
-        take(&f->fitted[index], &plane, &about);
+        store_plane(&f->fitted[index], &plane, &about);
     }
 }
 
 /* Copies the cache with radii that reach over the largest disc, so that neighbours can be found. */
-static int widen(struct orl_icache *wide, const struct orl_icache *cache)
+static int copy_widened(struct orl_icache *wide, const struct orl_icache *cache)
 {
     orl_icache_init(wide, cache->channels);
     int code = orl_icache_add(wide, cache->records, cache->count);
@@ -282,7 +285,7 @@ int orl_icache_fit(struct orl_icache *cache, const struct orl_geometry *geometry
     if (cache->count == 0)
         return 0;
     struct orl_record *fitted = malloc((cache->count + 1) * sizeof *fitted);
-    int code = widen(&wide, cache);
+    int code = copy_widened(&wide, cache);
     if (!fitted)
         code = ORL_ERR_NOMEM;
     if (code == 0) {

@@ -37,7 +37,7 @@ struct holding {
     size_t *looked; /* nodes and records looked at for each record */
 };
 
-static void coordinates(struct orl_vec3 p, double ret[3])
+static void get_coordinates(struct orl_vec3 p, double ret[3])
 {
     ret[0] = p.x;
     ret[1] = p.y;
@@ -50,7 +50,7 @@ static struct node empty_node(void)
         {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, INFINITY};
 }
 
-static void extend(struct node *node, const struct node *by)
+static void extend_node(struct node *node, const struct node *by)
 {
     for (int k = 0; k < 3; k++) {
         node->low[k] = fmin(node->low[k], by->low[k]);
@@ -62,8 +62,8 @@ static void extend(struct node *node, const struct node *by)
 static struct node node_of(const struct orl_record *record)
 {
     struct node node = {.least = orl_record_served(record)};
-    coordinates(record->place.point, node.low);
-    coordinates(record->place.point, node.high);
+    get_coordinates(record->place.point, node.low);
+    get_coordinates(record->place.point, node.high);
     return node;
 }
 
@@ -80,11 +80,11 @@ static void sort_records(struct holding *h)
     struct node all = empty_node();
     for (size_t i = 0; i < cache->count; i++) {
         const struct node one = node_of(&cache->records[i]);
-        extend(&all, &one);
+        extend_node(&all, &one);
     }
     for (size_t i = 0; i < cache->count; i++) {
         double at[3];
-        coordinates(cache->records[i].place.point, at);
+        get_coordinates(cache->records[i].place.point, at);
         h->sorted[i] = (struct sorted){.record = (uint32_t)i};
         for (int k = 0; k < 3; k++) {
             const double extent = all.high[k] - all.low[k];
@@ -102,11 +102,11 @@ static void build_tree(struct holding *h)
         h->nodes[i] = empty_node();
     for (size_t i = 0; i < count; i++) {
         const struct node one = node_of(&h->cache->records[h->sorted[i].record]);
-        extend(&h->nodes[h->first_block + i / BLOCK], &one);
+        extend_node(&h->nodes[h->first_block + i / BLOCK], &one);
     }
     for (size_t i = h->first_block - 1; i > 0; i--) {
-        extend(&h->nodes[i], &h->nodes[2 * i]);
-        extend(&h->nodes[i], &h->nodes[2 * i + 1]);
+        extend_node(&h->nodes[i], &h->nodes[2 * i]);
+        extend_node(&h->nodes[i], &h->nodes[2 * i + 1]);
     }
 }
 
@@ -173,7 +173,7 @@ static void hold_record(void *arg, size_t index, uint32_t member)
                        .radius = record->radius,
                        .looked = 1};
     (void)member;
-    coordinates(record->place.point, s.at);
+    get_coordinates(record->place.point, s.at);
     if (bound_of(&s, &h->nodes[1]) < s.radius)
         search_part(&s, 1);
     h->radii[index] = s.radius;

@@ -41,7 +41,7 @@ static struct seen seen_of(const struct pane *pane, const struct orl_hit *hit)
     return (struct seen){*hit, orl_scale(way, 1 / d), d};
 }
 
-static struct seen spread(const struct pane *pane, const double u[2])
+static struct seen spread_point(const struct pane *pane, const double u[2])
 {
     struct orl_hit hit = {.facet = pane->facet};
     orl_facet_sample(pane->query->world->geometry, pane->facet, u, &hit.point, &hit.normal);
@@ -50,7 +50,7 @@ static struct seen spread(const struct pane *pane, const double u[2])
 
 /* Draws a point along the beam. Returns false if none of the beam reaches the place from the pane.
  * Occlusion is tested later. */
-static bool draw(const struct pane *pane, const double u[2], struct seen *ret_seen)
+static bool draw_point(const struct pane *pane, const double u[2], struct seen *ret_seen)
 {
     const struct orl_aim *aim = pane->query->aim;
     const struct orl_geometry *g = pane->query->world->geometry;
@@ -121,8 +121,8 @@ static struct orl_rgb light_by_pane(const struct pane *pane)
                             (uint32_t)orl_mix64(orl_mix64(query->sequences[way]) + pane->facet), 4,
                             u);
             if (way == 0)
-                seen = spread(pane, u);
-            else if (!draw(pane, u, &seen))
+                seen = spread_point(pane, u);
+            else if (!draw_point(pane, u, &seen))
                 continue;
             sum = orl_rgb_add(sum, light_from(pane, &seen, orl_sun_sample(pane->sun, u + 2)));
         }

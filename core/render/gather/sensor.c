@@ -306,7 +306,8 @@ static bool is_poor(const struct orl_gather *gather, const struct orl_place *pla
 
 /* Returns a density less the blur of suns in flat mirrors; its bias is reduced to that of its other
  * light. */
-static struct orl_estimate sharpen(struct orl_estimate caustic, const struct orl_image_blur *blur)
+static struct orl_estimate remove_blur(struct orl_estimate caustic,
+                                       const struct orl_image_blur *blur)
 {
     const double luma = orl_luma(caustic.value);
     if (blur->found == 0 || !(blur->mean > 0))
@@ -377,5 +378,5 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct or
     sum = orl_estimate_add(sum, lights);
     const struct orl_estimate by_density =
         estimate_by_map(&caustic, &tally.parts[ORL_MAP_CAUSTIC], &search->health);
-    return orl_estimate_add(sum, sharpen(by_density, &blur));
+    return orl_estimate_add(sum, remove_blur(by_density, &blur));
 }

@@ -44,7 +44,7 @@ static void make_lamp(const struct orl_world *world, const struct orl_photon *ph
     ret_lamp->intensity[2] = (float)(photon->flux[2] * albedo.b / ORL_PI);
 }
 
-static int compare(const void *a, const void *b)
+static int compare_doubles(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -59,7 +59,7 @@ static double typical_distance(const struct orl_vpls *vpls, size_t count)
         const struct orl_vpl *b = &vpls->lamps[orl_mix64(2 * i + 2) % count];
         apart[i] = orl_length(orl_sub(from_floats(a->place), from_floats(b->place)));
     }
-    qsort(apart, PAIRS, sizeof *apart, compare);
+    qsort(apart, PAIRS, sizeof *apart, compare_doubles);
     return apart[PAIRS / 2];
 }
 

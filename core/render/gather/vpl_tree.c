@@ -35,7 +35,7 @@ static struct bounds bounds_of(const struct orl_vpl *lamps, uint32_t count)
 }
 
 /* Returns the axis of the largest extent; -1 if all lamps coincide. */
-static int widest(const struct gardener *g, const struct bounds *b)
+static int widest_axis(const struct gardener *g, const struct bounds *b)
 {
     int best = -1;
     float most = 0;
@@ -49,7 +49,8 @@ static int widest(const struct gardener *g, const struct bounds *b)
     return best;
 }
 
-static void describe(struct orl_vpl_node *node, const struct bounds *b, const struct orl_vpl *lamps)
+static void describe_node(struct orl_vpl_node *node, const struct bounds *b,
+                          const struct orl_vpl *lamps)
 {
     double radius2 = 0, spread2 = 0, power = 0;
     for (int axis = 0; axis < 3; axis++) {
@@ -70,7 +71,7 @@ static void describe(struct orl_vpl_node *node, const struct bounds *b, const st
 }
 
 /* Moves the lamps below the middle to the front; returns their number. */
-static uint32_t part(struct orl_vpl *lamps, uint32_t count, int axis, float middle)
+static uint32_t partition_lamps(struct orl_vpl *lamps, uint32_t count, int axis, float middle)
 {
     uint32_t below = 0;
     for (uint32_t i = 0; i < count; i++)
@@ -84,22 +85,22 @@ static uint32_t part(struct orl_vpl *lamps, uint32_t count, int axis, float midd
 
 /* Builds a node and its subtree; returns its index. The depth is limited by how often floats can be
  * halved. */
-static uint32_t grow(struct gardener *g, uint32_t first, uint32_t count)
+static uint32_t grow_node(struct gardener *g, uint32_t first, uint32_t count)
 {
     struct orl_vpl *lamps = &g->vpls->lamps[first];
     const uint32_t index = g->n_nodes++;
     struct orl_vpl_node *node = &g->vpls->nodes[index];
     const struct bounds b = bounds_of(lamps, count);
-    const int axis = widest(g, &b);
+    const int axis = widest_axis(g, &b);
     *node = (struct orl_vpl_node){.first = first, .count = count};
-    describe(node, &b, lamps);
+    describe_node(node, &b, lamps);
     if (count <= LAMPS_A_LEAF || axis < 0)
         return index;
-    const uint32_t below = part(lamps, count, axis, 0.5F * (b.low[axis] + b.high[axis]));
+    const uint32_t below = partition_lamps(lamps, count, axis, 0.5F * (b.low[axis] + b.high[axis]));
     if (below == 0 || below == count)
         return index;
-    grow(g, first, below);
-    node->right = grow(g, first + below, count - below);
+    grow_node(g, first, below);
+    node->right = grow_node(g, first + below, count - below);
     return index;
 }
 
@@ -114,7 +115,7 @@ static void grow_tree(void *arg, size_t group, uint32_t member)
         .vpls = vpls, .n_nodes = 2 * first, .normals_as = (float)vpls->world->geometry->radius};
     (void)member;
     if (count > 0)
-        vpls->roots[group] = grow(&g, first, count);
+        vpls->roots[group] = grow_node(&g, first, count);
 }
 
 int orl_vpl_plant(struct orl_vpls *vpls, struct orl_crew *crew)
@@ -131,8 +132,8 @@ int orl_vpl_plant(struct orl_vpls *vpls, struct orl_crew *crew)
  * because the nearest lamps are brightest. It is small for lamps in the place's own plane, which
  * contribute little.
  */
-static double height(const struct orl_vpl_node *node, const double normal[3], double middle,
-                     double turned, double near)
+static double height_bound(const struct orl_vpl_node *node, const double normal[3], double middle,
+                           double turned, double near)
 {
     const double most = middle + turned + fabs(normal[0]) * node->half[0] +
                         fabs(normal[1]) * node->half[1] + fabs(normal[2]) * node->half[2];
@@ -151,11 +152,11 @@ static double likely_light(const struct orl_vpl_node *node, struct orl_vec3 poin
     const double x = node->center[0] - point.x, y = node->center[1] - point.y,
                  z = node->center[2] - point.z, r = node->radius;
     const double d2 = x * x + y * y + z * z, near2 = d2 > r * r ? d2 : r * r, near = sqrt(near2);
-    const double here = height(node, up, x * up[0] + y * up[1] + z * up[2], 0, near);
+    const double here = height_bound(node, up, x * up[0] + y * up[1] + z * up[2], 0, near);
     if (!(here > 0))
         return 0;
-    const double there = height(node, down, -(x * down[0] + y * down[1] + z * down[2]),
-                                (sqrt(d2) + r) * node->spread, near);
+    const double there = height_bound(node, down, -(x * down[0] + y * down[1] + z * down[2]),
+                                      (sqrt(d2) + r) * node->spread, near);
     const double factor = here * there;
     const double most = most_sr_m2 * near2 * near2; /* not divided yet: lamps may share a point */
     return node->power * (factor < most ? factor / (near2 * near2) : most_sr_m2);

@@ -114,7 +114,8 @@ static void compute_record(void *arg, size_t index, uint32_t member)
                               &p->cache, &random, &p->painting->env->searches[member]);
 }
 
-static void want(struct row *row, const struct orl_vertex *v, const struct orl_grain *grain)
+static void request_record(struct row *row, const struct orl_vertex *v,
+                           const struct orl_grain *grain)
 {
     if (row->count == row->capacity) {
         const size_t capacity = row->capacity ? 2 * row->capacity : 16;
@@ -170,7 +171,7 @@ struct told {
     uint64_t seen;
 };
 
-static struct told tell(const struct painter *p, uint32_t x, uint32_t y)
+static struct told previous_results(const struct painter *p, uint32_t x, uint32_t y)
 {
     const uint32_t coarse = 2 * p->step, x0 = x - x % coarse, y0 = y - y % coarse;
     const uint32_t x1 = x == x0 ? x : x0 + coarse, y1 = y == y0 ? y : y0 + coarse;
@@ -208,7 +209,7 @@ static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y,
         const bool served = (!is_read || doubt) && is_served(p, &v->place);
         const bool wants = !served && (!is_read || (doubt && is_doubted(p, v, search)));
         if (wants)
-            want(row, v, &p->grain);
+            request_record(row, v, &p->grain);
         gathered = gathered || served || wants;
     }
     return gathered && p->gather->rest != ORL_REST_GATHERED ? SEEN_GATHERED : shaded.way | 1;
@@ -225,7 +226,7 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
     for (uint32_t x = 0; x < p->painting->film->width && !cancelled(p); x += step) {
         if (!all && x % (2 * step) == 0 && y % (2 * step) == 0)
             continue; /* the previous lattice contains this point */
-        const struct told told = all ? (struct told){.gathered = true} : tell(p, x, y);
+        const struct told told = all ? (struct told){.gathered = true} : previous_results(p, x, y);
         const uint64_t seen =
             told.all ? told.seen : look_for_places(p, x, y, told.gathered, &p->rows[index], search);
         if (step > 1)
@@ -263,7 +264,7 @@ static size_t count_looks(const struct painter *p, size_t rows, bool lobes)
     return sum;
 }
 
-static void tell_of_records(const struct painter *p)
+static void report_records(const struct painter *p)
 {
     const size_t end = p->first_record + RECORDS_A_ROUND;
     const double part = end < p->n_wanted ? (double)end / (double)p->n_wanted : 1;
@@ -278,7 +279,7 @@ static int compute_wanted(struct painter *p)
                      compute_record, p);
         if (cancelled(p))
             return ORL_ERR_CANCELLED;
-        tell_of_records(p);
+        report_records(p);
     }
     /* p->wanted is freed in orl_image_render, which the analyzer cannot see from here. */
     /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc) */

@@ -54,8 +54,8 @@ static struct orl_cached stray_at(const struct orl_lighting *lighting, const str
 }
 
 /* Returns the value read, blended with the cached records by the doubt about it. */
-static struct orl_cached believed(const struct orl_lighting *lighting, const struct orl_vertex *v,
-                                  const struct orl_density *read)
+static struct orl_cached blend_by_doubt(const struct orl_lighting *lighting,
+                                        const struct orl_vertex *v, const struct orl_density *read)
 {
     const double doubt = orl_lighting_doubt(read), rest = 1 - doubt;
     struct orl_cached cached = {read->irradiance, read->standard_error};
@@ -74,7 +74,7 @@ static struct orl_cached rest_at(const struct orl_lighting *lighting, const stru
 {
     struct orl_cached cached;
     if (!orl_lighting_gathers(lighting->gather, &v->place) && read->found > 0)
-        return believed(lighting, v, read);
+        return blend_by_doubt(lighting, v, read);
     if (orl_icache_lookup(lighting->cache, &v->place, &cached))
         return cached;
     return stray_at(lighting, v, strays, random, search);

@@ -32,7 +32,8 @@ static struct orl_shade shade_of(const struct orl_cell *cell)
 enum cause { CAUSE_NONE, CAUSE_THINGS, CAUSE_SHADOW };
 
 /* Returns the reason, if any, why a difference to its neighbour makes a pixel need refinement. */
-static enum cause differ(const struct orl_cell *cell, const struct orl_cell *other, bool other_made)
+static enum cause refinement_cause(const struct orl_cell *cell, const struct orl_cell *other,
+                                   bool other_made)
 {
     const double luma = orl_luma(shade_of(cell).radiance);
     if (other_made && cell->way != other->way) {
@@ -60,7 +61,7 @@ static enum cause wants_more(const struct orl_tile_cells *mosaic, int x, int y)
             const bool made = orl_cell_in_tile(mosaic, x + dx, y + dy) && other->made;
             if (other == cell || !other->there)
                 continue;
-            const enum cause found = differ(cell, other, made);
+            const enum cause found = refinement_cause(cell, other, made);
             cause = found > cause ? found : cause;
         }
     }
@@ -128,8 +129,8 @@ static bool is_within(struct orl_vec3 a, struct orl_vec3 b, double reach)
 }
 
 /* Returns true if the result of one ray can stand for another ray of the pixel. */
-static bool will_do(const struct found *known, const double place[2],
-                    const struct orl_shaded *shaded)
+static bool can_reuse(const struct found *known, const double place[2],
+                      const struct orl_shaded *shaded)
 {
     const double across = known->x - place[0], down = known->y - place[1];
     if (known->way != shaded->way)
@@ -164,15 +165,16 @@ static const struct found *known_for(const struct finds *finds, uint32_t ray, co
     if (ray >= ORL_PIXEL_RAYS)
         return nearest_known(finds, place, shaded->way);
     for (uint32_t i = 0; i < finds->count; i++)
-        if (will_do(&finds->list[i], place, shaded))
+        if (can_reuse(&finds->list[i], place, shaded))
             return &finds->list[i];
     return NULL;
 }
 
 /* Returns the smooth part and the lobes for a ray, computed for it or for a ray close by. */
-static const struct found *find(const struct orl_tile_cells *mosaic, int x, int y, uint32_t ray,
-                                const double place[2], struct orl_shaded *shaded,
-                                struct orl_random *random, struct finds *finds)
+static const struct found *find_or_compute(const struct orl_tile_cells *mosaic, int x, int y,
+                                           uint32_t ray, const double place[2],
+                                           struct orl_shaded *shaded, struct orl_random *random,
+                                           struct finds *finds)
 {
     const struct found *known = known_for(finds, ray, place, shaded);
     if (known)
@@ -231,7 +233,8 @@ static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, in
         seen.lobes = kin.nearest->lobes;
         seen.variance = kin.nearest->shaded.lobes_variance + direct.variance;
     } else {
-        const struct found *found = find(mosaic, x, y, ray, place, &shaded, &random, finds);
+        const struct found *found =
+            find_or_compute(mosaic, x, y, ray, place, &shaded, &random, finds);
         finds->is_new = finds->is_new || !kin.nearest;
         seen.smooth = found->smooth;
         seen.lobes = found->lobes;
@@ -242,8 +245,8 @@ static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, in
 
 /* Returns a pixel from at least that many rays. *ret_cause: why its neighbours need refinement as
  * well: a ray has a new path signature, or crosses a shadow's edge. */
-static struct orl_pixel refine(const struct orl_tile_cells *mosaic, int x, int y, uint32_t rays,
-                               enum cause *ret_cause)
+static struct orl_pixel refine_pixel(const struct orl_tile_cells *mosaic, int x, int y,
+                                     uint32_t rays, enum cause *ret_cause)
 {
     const double own = orl_luma(orl_cell_at(mosaic, x, y)->direct);
     struct orl_pixel_rays tally = {.rays = 0};
@@ -270,7 +273,8 @@ static struct orl_pixel settle_cell(const struct orl_cell *cell)
     return orl_pixel_settle(&tally);
 }
 
-static void set(const struct orl_tile_cells *mosaic, int x, int y, const struct orl_pixel *pixel)
+static void set_pixel(const struct orl_tile_cells *mosaic, int x, int y,
+                      const struct orl_pixel *pixel)
 {
     orl_film_set(mosaic->m->painting->film, mosaic->tile->x0 + (uint32_t)x,
                  mosaic->tile->y0 + (uint32_t)y, pixel, &mosaic->search->health);
@@ -285,8 +289,8 @@ struct refining {
     int depth;
 };
 
-static void put(const struct orl_tile_cells *mosaic, int x, int y, enum cause cause,
-                struct refining *refining)
+static void push_pixel(const struct orl_tile_cells *mosaic, int x, int y, enum cause cause,
+                       struct refining *refining)
 {
     if (!orl_cell_in_tile(mosaic, x, y) || orl_cell_at(mosaic, x, y)->refined)
         return;
@@ -301,19 +305,19 @@ static void refine_about(const struct orl_tile_cells *mosaic, int x, int y, enum
 {
     struct refining refining; /* its stack stays uninitialised, because it is large */
     refining.depth = 0;
-    put(mosaic, x, y, cause, &refining);
+    push_pixel(mosaic, x, y, cause, &refining);
     while (refining.depth > 0) {
         refining.depth--;
         const int at_x = refining.stack[refining.depth].x, at_y = refining.stack[refining.depth].y;
         enum cause found;
-        const struct orl_pixel pixel =
-            refine(mosaic, at_x, at_y,
-                   refining.stack[refining.depth].cause == CAUSE_SHADOW ? ORL_PIXEL_RAYS
-                                                                        : ORL_PIXEL_FIRST_RAYS,
-                   &found);
-        set(mosaic, at_x, at_y, &pixel);
+        const struct orl_pixel pixel = refine_pixel(
+            mosaic, at_x, at_y,
+            refining.stack[refining.depth].cause == CAUSE_SHADOW ? ORL_PIXEL_RAYS
+                                                                 : ORL_PIXEL_FIRST_RAYS,
+            &found);
+        set_pixel(mosaic, at_x, at_y, &pixel);
         for (int i = 0; i < 9 && found != CAUSE_NONE; i++)
-            put(mosaic, at_x + i % 3 - 1, at_y + i / 3 - 1, found, &refining);
+            push_pixel(mosaic, at_x + i % 3 - 1, at_y + i / 3 - 1, found, &refining);
     }
 }
 
@@ -322,7 +326,7 @@ void orl_mosaic_settle(const struct orl_tile_cells *mosaic)
     for (int y = 0; y < mosaic->height; y++) {
         for (int x = 0; x < mosaic->width; x++) {
             const struct orl_pixel pixel = settle_cell(orl_cell_at(mosaic, x, y));
-            set(mosaic, x, y, &pixel);
+            set_pixel(mosaic, x, y, &pixel);
         }
     }
     for (int y = 0; y < mosaic->height; y++)

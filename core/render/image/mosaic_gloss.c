@@ -21,7 +21,7 @@ static struct orl_rgb radiance_of(const struct orl_cell *cell)
 }
 
 /* Collects the statistics of the pixels with the same path signature, or of all with lobes. */
-static struct hearsay hear(const struct orl_tile_cells *mosaic, int x, int y, bool same)
+static struct hearsay collect_gloss(const struct orl_tile_cells *mosaic, int x, int y, bool same)
 {
     const uint64_t way = orl_cell_at(mosaic, x, y)->way;
     struct hearsay heard = {.count = 0};
@@ -44,9 +44,9 @@ static struct hearsay hear(const struct orl_tile_cells *mosaic, int x, int y, bo
  * not decide: if few things are bright, rays that missed them would show too little noise. */
 static uint32_t more_for(const struct orl_tile_cells *mosaic, int x, int y)
 {
-    struct hearsay heard = hear(mosaic, x, y, true);
+    struct hearsay heard = collect_gloss(mosaic, x, y, true);
     if (heard.count < FEWEST_ABOUT)
-        heard = hear(mosaic, x, y, false);
+        heard = collect_gloss(mosaic, x, y, false);
     if (heard.count == 0)
         return LEAST_MORE;
     const double luma = heard.luma / heard.count, allowed = tolerance * luma;
@@ -60,7 +60,7 @@ static uint32_t more_for(const struct orl_tile_cells *mosaic, int x, int y)
     return more;
 }
 
-static void look_again(const struct orl_tile_cells *mosaic, int x, int y)
+static void add_gloss_rays(const struct orl_tile_cells *mosaic, int x, int y)
 {
     static const double middle[2] = {0.5, 0.5};
     struct orl_cell *cell = orl_cell_at(mosaic, x, y);
@@ -94,5 +94,5 @@ void orl_mosaic_polish(const struct orl_tile_cells *mosaic)
     for (int y = 0; y < mosaic->height && !orl_paint_cancelled(mosaic->m->painting->env); y++)
         for (int x = 0; x < mosaic->width; x++)
             if (orl_cell_at(mosaic, x, y)->more > 0)
-                look_again(mosaic, x, y);
+                add_gloss_rays(mosaic, x, y);
 }

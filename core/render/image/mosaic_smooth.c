@@ -37,8 +37,8 @@ static void add_smooth(struct orl_smooth *sum, const struct orl_smooth *more, do
 }
 
 /* Interpolates between the corners, by shares of the way across and down. */
-static struct orl_smooth between(const struct orl_tile_cells *mosaic, const struct square *s,
-                                 double across, double down)
+static struct orl_smooth interpolate_corners(const struct orl_tile_cells *mosaic,
+                                             const struct square *s, double across, double down)
 {
     struct orl_smooth sum = {.reach = INFINITY};
     add_smooth(&sum, &orl_cell_at(mosaic, s->x0, s->y0)->smooth, (1 - across) * (1 - down));
@@ -78,7 +78,7 @@ static bool is_smooth(const struct orl_tile_cells *mosaic, const struct square *
         return false;
     make_exact(mosaic, x, y);
     const struct orl_smooth guess =
-        between(mosaic, s, share_of(x, s->x0, s->x1), share_of(y, s->y0, s->y1));
+        interpolate_corners(mosaic, s, share_of(x, s->x0, s->x1), share_of(y, s->y0, s->y1));
     const double luma = orl_luma(middle->smooth.radiance);
     const double all = luma + orl_luma(middle->rest) + orl_luma(middle->direct);
     const double error = hypot(middle->smooth.rest_error, middle->smooth.caustic_error);
@@ -86,7 +86,7 @@ static bool is_smooth(const struct orl_tile_cells *mosaic, const struct square *
            fmax(tolerance * all, fmin(error, most_tolerance * all));
 }
 
-static void carry_over(const struct orl_tile_cells *mosaic, const struct square *s)
+static void interpolate_square(const struct orl_tile_cells *mosaic, const struct square *s)
 {
     const uint64_t way = orl_cell_at(mosaic, s->x0, s->y0)->way;
     for (int y = s->y0; y <= s->y1; y++) {
@@ -98,7 +98,8 @@ static void carry_over(const struct orl_tile_cells *mosaic, const struct square 
                 make_exact(mosaic, x, y);
                 continue;
             }
-            cell->smooth = between(mosaic, s, share_of(x, s->x0, s->x1), share_of(y, s->y0, s->y1));
+            cell->smooth = interpolate_corners(mosaic, s, share_of(x, s->x0, s->x1),
+                                               share_of(y, s->y0, s->y1));
             cell->made = true;
         }
     }
@@ -116,7 +117,7 @@ static void fill_square(const struct orl_tile_cells *mosaic, const struct square
         return;
     }
     if (is_smooth(mosaic, s)) {
-        carry_over(mosaic, s);
+        interpolate_square(mosaic, s);
         return;
     }
     fill_square(mosaic, &(struct square){s->x0, s->y0, wide ? x : s->x1, high ? y : s->y1});
@@ -128,7 +129,7 @@ static void fill_square(const struct orl_tile_cells *mosaic, const struct square
         fill_square(mosaic, &(struct square){x, y, s->x1, s->y1});
 }
 
-static int lesser(int a, int b)
+static int smaller_of(int a, int b)
 {
     return a < b ? a : b;
 }
@@ -142,6 +143,6 @@ void orl_mosaic_fill(const struct orl_tile_cells *mosaic)
         orl_cell_at(mosaic, 0, mosaic->height)->there ? mosaic->height : mosaic->height - 1;
     for (int y = 0; y < mosaic->height; y += WIDEST)
         for (int x = 0; x < mosaic->width; x += WIDEST)
-            fill_square(mosaic, &(struct square){x, y, lesser(x + WIDEST, last_x),
-                                                 lesser(y + WIDEST, last_y)});
+            fill_square(mosaic, &(struct square){x, y, smaller_of(x + WIDEST, last_x),
+                                                 smaller_of(y + WIDEST, last_y)});
 }

@@ -52,7 +52,7 @@ static uint32_t least(uint32_t a, uint32_t b)
 }
 
 /* Counts painted pixels; any thread may call it, but only the lead reports progress. */
-static void count(struct tiles *tiles, size_t pixels, bool tell)
+static void count_pixels(struct tiles *tiles, size_t pixels, bool tell)
 {
     const struct orl_paint_env *env = tiles->painting->env;
     const struct orl_film *film = tiles->painting->film;
@@ -75,7 +75,7 @@ static void paint_tile(void *arg, size_t index, uint32_t member)
         return;
     tiles->paint(tiles->ctx, &at, &painting->env->searches[member]);
     if (!tiles->by_pixel)
-        count(tiles, (size_t)(at.x1 - at.x0) * (at.y1 - at.y0), member == 0);
+        count_pixels(tiles, (size_t)(at.x1 - at.x0) * (at.y1 - at.y0), member == 0);
 }
 
 static int paint_all(struct tiles *tiles)
@@ -119,7 +119,7 @@ static void paint_pixels(void *ctx, const struct orl_tile *tile, struct orl_sear
             const struct orl_pixel pixel = pixels->pixel(pixels->ctx, x, y, search);
             orl_film_set(painting->film, x, y, &pixel, &search->health);
         }
-        count(pixels->tiles, tile->x1 - tile->x0, search == &painting->env->searches[0]);
+        count_pixels(pixels->tiles, tile->x1 - tile->x0, search == &painting->env->searches[0]);
     }
 }
 

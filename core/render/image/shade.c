@@ -34,7 +34,7 @@ static const struct orl_world *scene_of(const struct look *look)
     return orl_world_seen(look->shader->world);
 }
 
-static void add(struct look *look, struct orl_rgb weight, struct orl_rgb radiance)
+static void add_radiance(struct look *look, struct orl_rgb weight, struct orl_rgb radiance)
 {
     look->shaded->rest = orl_rgb_add(look->shaded->rest, orl_rgb_mul(weight, radiance));
 }
@@ -70,7 +70,7 @@ static bool is_outside(const struct look *look, const struct branch *from,
 }
 
 /* Returns true if a branch is to be followed; with by_lot, applies Russian roulette to dim ones. */
-static bool goes_on(struct look *look, struct branch *branch)
+static bool is_followed(struct look *look, struct branch *branch)
 {
     const struct orl_shader *shader = look->shader;
     const double share = orl_rgb_max(branch->path.weight);
@@ -86,14 +86,14 @@ static bool goes_on(struct look *look, struct branch *branch)
 }
 
 /* Pushes a branch in the direction of s, with its weight. */
-static void follow(struct look *look, const struct branch *from, const struct orl_hit *hit,
-                   const struct orl_scatter *s)
+static void push_branch(struct look *look, const struct branch *from, const struct orl_hit *hit,
+                        const struct orl_scatter *s)
 {
     const struct orl_world *world = scene_of(look);
     struct branch next = {
         .path = from->path, .distance = from->distance + hit->distance, .splits = from->splits + 1};
     next.path.weight = orl_rgb_mul(from->path.weight, s->weight);
-    if (!goes_on(look, &next))
+    if (!is_followed(look, &next))
         return;
     orl_path_leave(&next.path, world, hit, s);
     next.outside = is_outside(look, from, hit, next.path.origin, s->transmitted);
@@ -237,8 +237,8 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
 }
 
 /* Pushes the branches of light that is mirrored, goes straight or is bent. */
-static void split(struct look *look, const struct branch *at, const struct orl_hit *hit,
-                  const struct orl_material *m)
+static void push_branches(struct look *look, const struct branch *at, const struct orl_hit *hit,
+                          const struct orl_material *m)
 {
     const struct orl_vec3 eye = orl_path_back(&at->path);
     struct orl_scatter bent[ORL_PRISM_WAYS];
@@ -248,10 +248,10 @@ static void split(struct look *look, const struct branch *at, const struct orl_h
     struct orl_scatter back = {.direction = orl_mirrored_at(m, hit, eye),
                                .weight = orl_material_mirrored(m, hit, eye),
                                .clarity = m->media[hit->front ? 1 : 0].transmissivity};
-    follow(look, at, hit, &back);
-    follow(look, at, hit, &on);
+    push_branch(look, at, hit, &back);
+    push_branch(look, at, hit, &on);
     for (int i = orl_material_bent_ways(m, hit, eye, ORL_TRANSPORT_EYE, bent) - 1; i >= 0; i--)
-        follow(look, at, hit, &bent[i]);
+        push_branch(look, at, hit, &bent[i]);
 }
 
 /* Returns the material that a view sees, or NULL if it sees none. An illum looks like another
@@ -300,7 +300,7 @@ static void meet_for_irradiance(struct look *look, const struct branch *at,
     if (!pane && orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, at, hit, m);
     else if (pane || (m->kind == ORL_MATERIAL_MIXTURE && orl_material_is_window(m)))
-        follow(look, at, hit, &on);
+        push_branch(look, at, hit, &on);
     for (uint32_t i = 0; i < look->shaded->n_vertices; i++)
         look->shaded->vertices[i].weight = orl_gray(1);
 }
@@ -322,13 +322,13 @@ static bool passes_mist(struct look *look, struct branch *at, double distance)
                  u[2] = {u0, orl_random_uniform(look->random)};
     const struct orl_lobe_ray ray = {point, orl_phase_sample(event.forward, at->path.direction, u),
                                      orl_chance_found(), orl_rgb_max(at->path.weight), at->outside};
-    add(look, at->path.weight,
-        orl_rgb_add(direct,
-                    look->shader->radiance(look->shader->ctx, &ray, look->random, look->search)));
+    add_radiance(look, at->path.weight,
+                 orl_rgb_add(direct, look->shader->radiance(look->shader->ctx, &ray, look->random,
+                                                            look->search)));
     return false;
 }
 
-static void meet(struct look *look, const struct branch *met, const struct orl_hit *hit)
+static void shade_surface(struct look *look, const struct branch *met, const struct orl_hit *hit)
 {
     const struct orl_material *m = seen_at(look, hit);
     struct branch at = *met;
@@ -337,7 +337,7 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
     if (!m) {
         const struct orl_scatter on = {
             .direction = at.path.direction, .weight = orl_gray(1), .transmitted = true};
-        follow(look, &at, hit, &on);
+        push_branch(look, &at, hit, &on);
         return;
     }
     if (look->shader->irradiance) {
@@ -347,13 +347,13 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
     orl_path_arrive(&at.path, m, hit);
     if (!alone && orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, &at, hit, m);
-    split(look, &at, hit, m);
+    push_branches(look, &at, hit, m);
     const bool has_lobes = orl_material_has_lobes(m);
     look->shaded->has_lobes = look->shaded->has_lobes || has_lobes;
     if (has_lobes && look->lobes)
         add_lobes(look, &at, hit, m);
     if (shows_lamp(look, at.path.direction, hit->facet))
-        add(look, at.path.weight, orl_material_emission(m, hit, orl_path_back(&at.path)));
+        add_radiance(look, at.path.weight, orl_material_emission(m, hit, orl_path_back(&at.path)));
 }
 
 /* Views ignore the BSDFs that stand for what they see, but must track which side of them they are
@@ -408,7 +408,7 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
         if (world->scene->mist && !shader->irradiance && !passes_mist(&look, &at, hit.distance))
             continue;
         if (met) {
-            meet(&look, &at, &hit);
+            shade_surface(&look, &at, &hit);
             continue;
         }
         note_way(ret_shaded, UINT32_MAX);
@@ -416,6 +416,6 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
         orl_path_escape(&at.path);
         if (shader->irradiance)
             continue;
-        add(&look, at.path.weight, seen_beyond(&look, at.path.direction));
+        add_radiance(&look, at.path.weight, seen_beyond(&look, at.path.direction));
     }
 }

@@ -5,7 +5,7 @@
 #include "render/picture/human.h"
 
 /* Makes a level from the finer one: means of two by two pixels, of fewer at the edges. */
-static int halve(struct orl_blur *blur, int level)
+static int halve_level(struct orl_blur *blur, int level)
 {
     const uint32_t w = blur->levels[level - 1].width, h = blur->levels[level - 1].height;
     float(*const from)[3] = blur->levels[level - 1].pixels;
@@ -38,7 +38,7 @@ int orl_blur_init(struct orl_blur *blur, const struct orl_film *film, const stru
     blur->levels[0].pixels = film->pixels;
     /* The coarsest level resolves two cycles a degree, the least acuity. */
     while (exp2(blur->n_levels - 1) < blur->pixels_a_degree && blur->n_levels < ORL_ACUITY_LEVELS)
-        if (halve(blur, blur->n_levels++) < 0)
+        if (halve_level(blur, blur->n_levels++) < 0)
             return ORL_ERR_NOMEM;
     return 0;
 }

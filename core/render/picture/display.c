@@ -28,8 +28,8 @@ static double factor_for_mean(double sum, double lit)
 }
 
 /* Makes the foveal samples of the film; does nothing for other tones. */
-static int take_in(struct orl_shown *shown, const struct orl_film *film,
-                   const struct orl_view *view, const struct orl_display *how)
+static int make_foveal_samples(struct orl_shown *shown, const struct orl_film *film,
+                               const struct orl_view *view, const struct orl_display *how)
 {
     *shown = (struct orl_shown){.film = film, .how = *how};
     if (how->tone != ORL_TONE_HUMAN)
@@ -44,7 +44,7 @@ int orl_shown_init(struct orl_shown *shown, const struct orl_film *film,
                    const struct orl_view *view, const struct orl_display *how)
 {
     double sum = 0, lit = 0;
-    int code = take_in(shown, film, view, how);
+    int code = make_foveal_samples(shown, film, view, how);
     if (how->tone == ORL_TONE_HUMAN) {
         if (code == 0 && how->acuity)
             code = orl_blur_init(&shown->blur, film, view);
@@ -76,7 +76,7 @@ int orl_common_look(struct orl_common *common, const struct orl_film *film,
             add_logarithms(film, &common->sum, &common->lit);
         return 0;
     }
-    const int code = take_in(&shown, film, view, &common->how);
+    const int code = make_foveal_samples(&shown, film, view, &common->how);
     if (code == 0 && again)
         orl_human_count(&common->tally, film, &shown.fovea);
     else if (code == 0)
@@ -104,7 +104,7 @@ void orl_common_settle(struct orl_common *common)
 int orl_shown_init_in_common(struct orl_shown *shown, const struct orl_film *film,
                              const struct orl_view *view, const struct orl_common *common)
 {
-    int code = take_in(shown, film, view, &common->how);
+    int code = make_foveal_samples(shown, film, view, &common->how);
     if (code == 0 && common->how.tone == ORL_TONE_HUMAN && common->how.acuity)
         code = orl_blur_init(&shown->blur, film, view);
     shown->human = common->human;
@@ -119,7 +119,7 @@ int orl_shown_init_in_common(struct orl_shown *shown, const struct orl_film *fil
  * Scotopic luminance is the paper's approximation from X, Y and Z, in Radiance's primaries; white
  * is equally bright by both.
  */
-static void fade(float rgb[3])
+static void desaturate(float rgb[3])
 {
     static const double dark = 5.62e-3, light = 5.62;
     static const double scotopic[3] = {0.062, 0.608, 0.330};
@@ -133,7 +133,7 @@ static void fade(float rgb[3])
 }
 
 /* Moves a colour of that brightness, at most 1, into the display's gamut. */
-static void keep_within(float rgb[3], double brightness)
+static void clip_to_gamut(float rgb[3], double brightness)
 {
     const double most = fmax((double)rgb[0], fmax((double)rgb[1], (double)rgb[2]));
     if (brightness >= 1)
@@ -154,7 +154,7 @@ void orl_shown_pixel(const struct orl_shown *shown, uint32_t x, uint32_t y, floa
     if (shown->how.veil)
         orl_fovea_veil(&shown->fovea, (x + 0.5) / film->width, (y + 0.5) / film->height, ret_rgb);
     if (shown->how.color_loss)
-        fade(ret_rgb);
+        desaturate(ret_rgb);
     const double luminance = orl_luminance(ret_rgb);
     const double bright = shown->how.tone == ORL_TONE_HUMAN
                               ? orl_human_show(&shown->human, luminance)
@@ -162,7 +162,7 @@ void orl_shown_pixel(const struct orl_shown *shown, uint32_t x, uint32_t y, floa
     const double scale = luminance > 0 ? bright * ORL_EFFICACY_LM_PER_W / luminance : 0;
     for (int c = 0; c < 3; c++)
         ret_rgb[c] = luminance > 0 ? (float)(fmax((double)ret_rgb[c], 0) * scale) : 0;
-    keep_within(ret_rgb, bright);
+    clip_to_gamut(ret_rgb, bright);
 }
 
 /* ---- Files ----------------------------------------------------------------------------------- */

@@ -106,7 +106,7 @@ static void draw_pixels(const struct orl_film *film, const struct orl_sheet *she
 }
 
 /* Writes "median 1.4 %, 95 % of pixels below 6.1 %". Returns 0 or ORL_ERR_NOMEM. */
-static int say_how_large(const struct orl_film *film, char *ret_text, size_t size)
+static int summarise_errors(const struct orl_film *film, char *ret_text, size_t size)
 {
     const size_t n = (size_t)film->width * film->height;
     const double mean = orl_film_mean(film);
@@ -133,7 +133,7 @@ static int draw_legend(const struct orl_film *film, const struct orl_sheet *shee
         snprintf(legend.ticks[i].text, sizeof legend.ticks[i].text, "%g", 100 * ticks[i]);
         legend.n_ticks++;
     }
-    const int code = say_how_large(film, text, sizeof text);
+    const int code = summarise_errors(film, text, sizeof text);
     if (code == 0)
         orl_sheet_draw_legend(sheet, &legend);
     return code;

@@ -43,7 +43,7 @@ double orl_acuity(double luminance)
 
 /* ---- Histogram ------------------------------------------------------------------------------- */
 
-static void widen(struct orl_human_tally *h, double luminance)
+static void extend_range(struct orl_human_tally *h, double luminance)
 {
     h->least = h->any ? fmin(h->least, luminance) : luminance;
     h->most = h->any ? fmax(h->most, luminance) : luminance;
@@ -54,9 +54,9 @@ void orl_human_look(struct orl_human_tally *h, const struct orl_film *film,
                     const struct orl_fovea *fovea)
 {
     for (size_t i = 0; i < (size_t)film->width * film->height; i++)
-        widen(h, orl_luminance(film->pixels[i]));
+        extend_range(h, orl_luminance(film->pixels[i]));
     for (size_t i = 0; i < (size_t)fovea->width * fovea->height; i++)
-        widen(h, orl_luminance(fovea->pixels[i]));
+        extend_range(h, orl_luminance(fovea->pixels[i]));
 }
 
 /* The range has one bin below the least luminance, which orl_human_settle fills from the next one,
@@ -73,7 +73,7 @@ bool orl_human_find_range(struct orl_human_tally *h)
     return h->high > h->low;
 }
 
-static void count(struct orl_human_tally *h, double luminance, double weight)
+static void add_to_bin(struct orl_human_tally *h, double luminance, double weight)
 {
     const double b = luminance > least_seen ? log(luminance) : -INFINITY;
     if (!(b > h->low && b < h->high))
@@ -90,10 +90,10 @@ void orl_human_count(struct orl_human_tally *h, const struct orl_film *film,
     const size_t samples = (size_t)fovea->width * fovea->height;
     const size_t pixels = (size_t)film->width * film->height;
     for (size_t i = 0; i < samples; i++)
-        count(h, orl_luminance(fovea->pixels[i]), 1);
+        add_to_bin(h, orl_luminance(fovea->pixels[i]), 1);
     const double weight = (double)samples / (double)pixels;
     for (size_t i = 0; i < pixels; i++)
-        count(h, orl_luminance(film->pixels[i]), weight);
+        add_to_bin(h, orl_luminance(film->pixels[i]), weight);
 }
 
 /* ---- The curve ------------------------------------------------------------------------------- */
@@ -129,7 +129,7 @@ static double display_of(const struct orl_human *human, double b)
 
 /* Trims each bin to the contrast that the eye could see in it (equation 7 of the paper). Returns
  * false if almost nothing is left, because the scene needs less than the display's range. */
-static bool trim(struct orl_human *human, const struct orl_human_tally *h)
+static bool trim_histogram(struct orl_human *human, const struct orl_human_tally *h)
 {
     double bins[ORL_HUMAN_BINS], cut = INFINITY, total = h->total;
     const double step = (h->high - h->low) / ORL_HUMAN_BINS, range = log(display_range);
@@ -154,7 +154,7 @@ static bool trim(struct orl_human *human, const struct orl_human_tally *h)
 }
 
 /* Returns the factor of a linear mapping that keeps the visibility of average luminances. */
-static double proportion(const struct orl_human_tally *h)
+static double linear_factor(const struct orl_human_tally *h)
 {
     const double middle = display_most / sqrt(display_range);
     const double average = h->total > 0 ? exp(h->sum / h->total) : middle;
@@ -168,7 +168,7 @@ void orl_human_settle(struct orl_human *human, struct orl_human_tally *h)
     human->low = h->low;
     human->high = h->high;
     const bool fits = h->high - h->low <= log(display_range);
-    human->factor = fits || !trim(human, h) ? proportion(h) : 0;
+    human->factor = fits || !trim_histogram(human, h) ? linear_factor(h) : 0;
 }
 
 void orl_human_make(struct orl_human *human, const struct orl_film *film,

@@ -48,7 +48,7 @@ static int find_high(const struct orl_scale *scale, const struct orl_film *film,
 
 /* ---- Levels ---------------------------------------------------------------------------------- */
 
-static void divide(struct orl_scale *scale, uint32_t divisions)
+static void set_even_levels(struct orl_scale *scale, uint32_t divisions)
 {
     for (uint32_t i = 1; i <= divisions && scale->n_levels < ORL_LIMIT_DIVISIONS; i++) {
         const double share = (double)i / divisions;
@@ -90,7 +90,7 @@ void orl_scale_set(struct orl_scale *scale, const struct orl_false_color *how, c
     scale->top = how->scale > 0 ? how->scale : high > 1e-30 && high < 1e30 ? round_up(high) : 1;
     snprintf(scale->unit, sizeof scale->unit, "%s", how->label[0] ? how->label : unit);
     if (how->divisions > 0)
-        divide(scale, how->divisions);
+        set_even_levels(scale, how->divisions);
     else if (scale->decades > 0)
         step_by_decades(scale);
     else
