@@ -17,6 +17,7 @@
 static const double short_round = 0.25;
 /* Maximum samples of one sensor in a round. */
 static const double most_of_a_sensor = 1 << 20;
+
 static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct orl_error *err)
 {
     *r = (struct orl_rounds){.state = state, .error = NAN};

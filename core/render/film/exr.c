@@ -16,7 +16,7 @@ struct writer {
     const struct orl_view *view;
     struct orl_out_file *file;
     bool halves;
-    float *lines; /* lines of a block, in output format; owned */
+    float *lines; /* clamped values of a block's lines; owned */
 };
 
 /* Ignores the library's messages, which are about files; its return codes give the error. */

@@ -53,9 +53,9 @@ double orl_aim_port_density(const struct orl_aim *aim, const struct orl_hit *hit
 
 struct orl_aimed {
     struct orl_vec3 direction;
-    double weight; /* cosine over density; weight times radiance, summed over all rays, is
-                      irradiance */
-    bool met;      /* true if the ray meets a surface, which is hit */
+    /* Cosine over density; the sum over all rays of weight times radiance is irradiance. */
+    double weight;
+    bool met; /* true if the ray meets a surface, which is hit */
     struct orl_hit hit;
 };
 

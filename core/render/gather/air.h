@@ -53,9 +53,10 @@ bool orl_air_is_needed(const struct orl_air *air);
 enum { ORL_AIR_FEWEST = 1 << 16 };
 
 struct orl_air_bounds {
-    uint64_t emissions;   /* upper limit */
-    double rays_not_felt; /* limit of rays after the first round, while no sensor's estimate changes
-                             by more than its error; INFINITY: no limit */
+    uint64_t emissions; /* upper limit */
+    /* Limit of rays after the first round, while no sensor's estimate changes by more than its
+     * error; INFINITY: no limit. */
+    double rays_not_felt;
 };
 
 /* Traces photons in rounds. Counts into health. Returns 0, ORL_ERR_CANCELLED or ORL_ERR_NOMEM. */

@@ -18,8 +18,8 @@ enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 /*
  * Rows of a record's hemisphere, by the step that requests it: late records serve fewer pixels.
  * Along the lines where surfaces meet, late records have few neighbours, and their noise shows as
- * stitches. The cause is windows that few rays find, and hemispheres send more rays to these by
- * themselves.
+ * stitches. The cause is windows that few rays find. Hemispheres send more rays to these by
+ * themselves, so that few rows suffice.
  */
 enum { ROWS = 12, ROWS_OF_STEP_4 = 8, LEAST_ROWS = 6 };
 /* Lower limit for pictures with fewer rays than usual. */
