@@ -146,8 +146,7 @@ int orl_scene_check(const char *const *main_files, size_t n_files, const struct 
     return code;
 }
 
-/* ---- The floor plan -----------------------------------------------------------------------------
- */
+/* ---- The floor plan -------------------------------------------------------------------------- */
 
 struct pieces {
     double (*lines)[4];
@@ -224,7 +223,7 @@ void orl_floor_plan_done(struct orl_floor_plan *plan)
     *plan = (struct orl_floor_plan){0};
 }
 
-/* ---- Files beside it ------------------------------------------------------------------------- */
+/* ---- Other files ----------------------------------------------------------------------------- */
 
 int orl_weather_check(const char *name, const char *text, size_t size, int year,
                       struct orl_error *err)

@@ -201,7 +201,7 @@ void orl_pace_foresee(const struct orl_pace *pace, const struct orl_work *work, 
     foreseen_s[ORL_STAGE_RENDER] = all - photons;
 }
 
-/* ---- The next digit -------------------------------------------------------------------------- */
+/* ---- Predictions ----------------------------------------------------------------------------- */
 
 double orl_parts_error(const struct orl_parts *parts)
 {
@@ -295,7 +295,7 @@ void orl_run_draw_curve(const struct orl_run_state *state, const struct orl_pace
     }
 }
 
-/* ---- Jobs in one piece ----------------------------------------------------------------------- */
+/* ---- Jobs without rounds --------------------------------------------------------------------- */
 
 /* Returns a job's own settings as samples of a sensor. */
 static double samples_of(const struct orl_run_state *state, const struct orl_work *work)

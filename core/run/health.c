@@ -139,7 +139,7 @@ void orl_run_judge_views(struct orl_run_state *state)
     }
 }
 
-/* ---- The verdict ----------------------------------------------------------------------------- */
+/* ---- Warnings -------------------------------------------------------------------------------- */
 
 static double share_of(uint64_t part, uint64_t whole)
 {

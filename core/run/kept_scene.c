@@ -27,7 +27,7 @@ static void init_sources(struct reading *r)
         orl_sources_init(&r->sources, r->state->env->files, &r->loader, orl_arena_new());
 }
 
-/* ---- What it goes by ------------------------------------------------------------------------- */
+/* ---- Key ------------------------------------------------------------------------------------- */
 
 /* Returns true if the text names other files of surfaces, so that its size says little. */
 static bool names_more(const struct orl_file *file)
@@ -86,7 +86,7 @@ static bool identify(struct reading *r)
     return true;
 }
 
-/* ---- Read, or found -------------------------------------------------------------------------- */
+/* ---- Reading and storing --------------------------------------------------------------------- */
 
 static int make_scene(void *ctx, struct orl_error *err)
 {

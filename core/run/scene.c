@@ -48,8 +48,7 @@ static bool shelf_key(const struct orl_run_state *state, char ret_key[ORL_SHELF_
     return true;
 }
 
-/* ---- What is wrong with it --------------------------------------------------------------------
- */
+/* ---- Faults of the scene --------------------------------------------------------------------- */
 
 /* Warns of BSDFs with a thickness that may be placed wrongly. */
 static void warn_of_proxies(struct orl_run_state *state)
@@ -150,7 +149,7 @@ static void warn_of_faults(struct orl_run_state *state)
     orl_run_warn_of_turned_panes(state);
 }
 
-/* ---- Reading it ------------------------------------------------------------------------------ */
+/* ---- Reading --------------------------------------------------------------------------------- */
 
 /* Returns ORL_ERR_CANCELLED if cancelled; called between steps that cannot be interrupted. */
 static int check_cancel(const struct orl_run_state *state, struct orl_error *err)

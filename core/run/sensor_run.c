@@ -110,7 +110,7 @@ int orl_sensor_run_make(struct orl_run_state *state, struct orl_sensor_run *ret_
     return 0;
 }
 
-/* ---- Results of both ------------------------------------------------------------------------- */
+/* ---- Joining the results --------------------------------------------------------------------- */
 
 /* Adds the sensors' counts, except those of the scene's files, which both runs have counted. */
 static void join_health(struct orl_health *sum, const struct orl_health *sensors)
@@ -180,7 +180,7 @@ void orl_sensor_run_join(struct orl_run_state *state, struct orl_sensor_run *run
     orl_result_done(&run->result);
 }
 
-/* ---- Another technique after the cross-check ------------------------------------------------- */
+/* ---- Second run after the cross-check -------------------------------------------------------- */
 
 static size_t count_doubts(const struct orl_result *result)
 {

@@ -46,7 +46,7 @@ struct check {
     uint8_t *kinds; /* by sensor: enum misplacement */
 };
 
-/* ---- Words ----------------------------------------------------------------------------------- */
+/* ---- Warnings -------------------------------------------------------------------------------- */
 
 /* Adds "3, 7-12 and 5 more" to the text: sensors of one kind, numbered from 1. */
 static void list_numbers(const struct check *c, enum misplacement kind, char *text, size_t size)

@@ -19,7 +19,7 @@ static int name_file(const struct orl_shared_store *state, const char *kind, con
     return 0;
 }
 
-/* ---- What is owed ---------------------------------------------------------------------------- */
+/* ---- Owed files ------------------------------------------------------------------------------ */
 
 static int add_owed(struct orl_shared_store *state, const char *kind, const char *key,
                     struct orl_error *err)

@@ -153,7 +153,7 @@ int orl_view_text_size(const char *text, uint32_t *ret_width, uint32_t *ret_heig
     return code;
 }
 
-/* ---- All of a job ---------------------------------------------------------------------------- */
+/* ---- Views of a job -------------------------------------------------------------------------- */
 
 static int read_view(const struct orl_files *files, struct orl_view_request *view,
                      struct orl_error *err)

@@ -53,7 +53,7 @@ static struct walk walk_from(struct orl_tracer *tracer, struct orl_vec3 origin,
                          .trail = orl_image_trail_from(direction)};
 }
 
-/* ---- A path ---------------------------------------------------------------------------------- */
+/* ---- Paths ----------------------------------------------------------------------------------- */
 
 /*
  * Adds the light that a diffuse surface on the path reflects. Virtual lights account for it if they
@@ -183,7 +183,7 @@ struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 
     return follow_path(&w);
 }
 
-/* ---- The light of a place -------------------------------------------------------------------- */
+/* ---- Light at a place ------------------------------------------------------------------------ */
 
 /* Returns the normal that cosines are measured from. */
 static struct orl_vec3 normal_of(const struct stop *stop)

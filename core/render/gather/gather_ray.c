@@ -175,7 +175,7 @@ static double near_of(const struct orl_gather *gather, bool by_texels, const str
                : gather->near;
 }
 
-/* ---- A ray's way ----------------------------------------------------------------------------- */
+/* ---- Tracing a ray --------------------------------------------------------------------------- */
 
 /* State of a ray as it is traced. */
 struct leg {

@@ -28,7 +28,7 @@ struct finder {
     bool *solid;                 /* by material: true if a facet has a third normal */
 };
 
-/* ---- What is a target ------------------------------------------------------------------------ */
+/* ---- Selection of targets -------------------------------------------------------------------- */
 
 static bool is_flat(enum orl_surface_kind kind)
 {
@@ -166,7 +166,7 @@ static void add_groups(struct finder *f, struct item *items, size_t n, uint32_t 
     add_target(f, items, n, bound);
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- Search for targets ---------------------------------------------------------------------- */
 
 static void find_facets(struct finder *f)
 {

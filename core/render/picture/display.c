@@ -65,7 +65,7 @@ void orl_shown_done(struct orl_shown *shown)
     orl_blur_done(&shown->blur);
 }
 
-/* ---- Several in common ----------------------------------------------------------------------- */
+/* ---- Shared tone mapping --------------------------------------------------------------------- */
 
 int orl_common_look(struct orl_common *common, const struct orl_film *film,
                     const struct orl_view *view, bool again)

@@ -118,7 +118,7 @@ static int find_exposure(struct passage *p, struct orl_error *err)
     return code;
 }
 
-/* ---- What is shown --------------------------------------------------------------------------- */
+/* ---- Pictures -------------------------------------------------------------------------------- */
 
 /* Tone-maps the picture, without its strip. */
 static int tone_map_picture(struct passage *p, const struct orl_hdr_picture *picture,

@@ -20,7 +20,7 @@ static double unit_of(double width, double across)
     return fmax(1, width / across);
 }
 
-/* ---- Where all stands ------------------------------------------------------------------------ */
+/* ---- Layout ---------------------------------------------------------------------------------- */
 
 /* Returns the number of columns for a sheet that is about square. */
 static uint32_t columns_for(const struct orl_contact_sheet *sheet, size_t count)
@@ -101,7 +101,7 @@ void orl_contact_sheet_done(struct orl_contact_sheet *sheet)
     sheet->raster.rgb = NULL;
 }
 
-/* ---- Pictures made smaller ------------------------------------------------------------------- */
+/* ---- Reduced pictures ------------------------------------------------------------------------ */
 
 /* Adds a row of the picture to the sums of the reduced row's pixels. */
 static void add_row(const struct orl_contact_sheet *sheet, const unsigned char *row, uint32_t width,
@@ -155,7 +155,7 @@ int orl_contact_sheet_put(struct orl_contact_sheet *sheet, size_t index, const u
     return 0;
 }
 
-/* ---- A strip --------------------------------------------------------------------------------- */
+/* ---- Strip ----------------------------------------------------------------------------------- */
 
 uint32_t orl_strip_height(uint32_t width)
 {
