@@ -2,26 +2,25 @@
 
 #include <math.h>
 
-/* From this part of a stage on its own progress is all that counts. Of the last one from a larger
- * part on, and little before: its first sensors fill what later ones only read. */
+/* Fraction of a stage from which only its own progress counts. The last stage needs a larger one,
+ * because its first sensors fill caches that later ones only read. */
 static const double known_from = 0.05, render_known_from = 0.2;
-/* From this part of a phase on its own progress is all that counts. */
+/* Fraction of a phase from which only its own progress counts. */
 static const double phase_known_from = 0.1;
-/* At the least so much of what a stage has taken is thought to be left of it, when it overruns. */
+/* Least remaining time of a stage that overruns, as a share of its time so far. */
 static const double overrun = 0.1;
-/* What is trusted beside what was measured, and which share of all that was foreseen, for little
- * work is no measure of much; bounds of the ratio. */
+/* Weight of the estimate against measurements: seconds, or a share of the whole estimate, so that
+ * little work does not scale much. Bounds of the ratio. */
 static const double trust_s = 0.2, trust_share = 0.015, least_pace = 0.25, most_pace = 8;
 
-/* That the fraction of the stage took: where its first phase goes on, since that began, for what
- * was set up before it is over. */
+/* Returns the time that the fraction took: in the first phase, the time since it began, without the
+ * set-up before. */
 static double worked_s(const struct orl_ahead *a)
 {
     return a->phase_to > 0 && !(a->phase_from > 0) ? a->in_phase_s : a->in_stage_s;
 }
 
-/* How many times longer than foreseen the work so far took; stages before photons say nothing of
- * it. */
+/* Returns the ratio of actual to estimated time so far; stages before photons are left out. */
 static double pace_of(const struct orl_ahead *a, double fraction)
 {
     double all = 0;
@@ -40,8 +39,11 @@ static double pace_of(const struct orl_ahead *a, double fraction)
     return fmin(fmax(spent / foreseen, least_pace), most_pace);
 }
 
-/* Of the stage, by its progress and its phase's: what is missing of the phase's first tenth is
- * thought to go as the stage did, for the first bits of anything are no measure of it. */
+/*
+ * Returns the remaining time of the stage by its own and its phase's progress. The part of a
+ * phase's first tenth that is missing counts at the stage's rate, because the first bits are not
+ * representative.
+ */
 static double by_progress(const struct orl_ahead *a, double fraction)
 {
     const double share = a->phase_to - a->phase_from;
@@ -55,7 +57,7 @@ static double by_progress(const struct orl_ahead *a, double fraction)
     return of_phase + (a->in_stage_s + of_phase) * (1 - a->phase_to) / a->phase_to;
 }
 
-/* What a stage's own progress counts for, beside what was foreseen. */
+/* Returns the weight of a stage's own progress against its estimate. */
 static double weight_of_progress(enum orl_stage stage, double fraction)
 {
     const double late = fmin(fraction / render_known_from, 1);

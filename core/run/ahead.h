@@ -1,20 +1,20 @@
 /*
- * How long a run still takes, and so how much of it is done.
+ * Remaining time of a run, and the share that is done.
  *
- * What is left of the stage under way is what it was foreseen to take, and more and more what its
- * own progress says; of those to come, what they were foreseen to take, times how much longer than
- * foreseen the ones before took. Where a pilot has tried photons the costs of all are this
- * machine's already, and stages before say nothing of those to come. A stage that overruns is never
- * thought to be all but done.
+ * The remaining time of the current stage is its estimate, replaced gradually by an extrapolation
+ * of its own progress. For later stages it is their estimate, scaled by the ratio of actual to
+ * estimated time so far. If a pilot has traced photons, all estimates are already for this machine,
+ * and earlier stages do not scale later ones. A stage that overruns always keeps some remaining
+ * time.
  *
- * A stage may go in phases, each of one kind of work: what is left of the one under way goes by its
- * own progress, and what comes after it by all of the stage so far.
+ * A stage may have phases, each of one kind of work. The remaining time of the current phase
+ * follows from its own progress, that of later ones from the whole stage so far.
  *
- * What is told as done goes on as fast as gets it to the end when the time is over: where what is
- * left was thought rightly from the start it is a share of time, elapsed / (elapsed + left). It
- * never falls and never stands still, whatever is found out on the way.
+ * The reported share grows at a rate that reaches 1 when the remaining time is over. If the
+ * remaining time was right from the start it is a share of time, elapsed / (elapsed + left). It
+ * never decreases and never stands still, however estimates change.
  *
- * Functions of times and fractions alone: they look at no clock.
+ * All functions depend on their arguments alone; they read no clock.
  */
 #ifndef ORL_RUN_AHEAD_H
 #define ORL_RUN_AHEAD_H
@@ -22,19 +22,20 @@
 #include <oriel/run.h>
 
 struct orl_ahead {
-    double foreseen_s[ORL_STAGE_COUNT]; /* of each stage, by the whole crew */
-    double spent_s[ORL_STAGE_COUNT];    /* of those before the one under way */
-    enum orl_stage stage;               /* under way */
-    double fraction;                    /* of it, as it tells itself; 0: it does not say */
-    double in_stage_s;                  /* since it began */
-    double phase_from, phase_to;        /* of the stage; both 0: it is one phase */
-    double in_phase_s;                  /* since it began */
+    double foreseen_s[ORL_STAGE_COUNT]; /* estimate for each stage, by the whole crew */
+    double spent_s[ORL_STAGE_COUNT];    /* time of the stages before the current one */
+    enum orl_stage stage;               /* current stage */
+    double fraction;                    /* reported progress of the stage; 0: none */
+    double in_stage_s;                  /* time since the stage began */
+    /* Current phase, as shares of the stage; both 0: there is only one. */
+    double phase_from, phase_to;
+    double in_phase_s; /* time since the phase began */
 };
 
-/* Seconds until the last stage ends. */
+/* Returns the seconds until the last stage ends. */
 double orl_ahead_left_s(const struct orl_ahead *ahead);
 
-/* The share that is done, that long after it was `before`, with so much left. 0..1 */
+/* Returns the share that is done, 0..1: since_s after it was `before`, with left_s remaining. */
 double orl_ahead_share(double before, double since_s, double left_s);
 
 #endif

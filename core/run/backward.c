@@ -1,7 +1,5 @@
-/*
- * A job by the backward technique: photons for the virtual lamps, which are of this run alone and
- * go to no store, then sensors and views.
- */
+/* A job by the backward technique: photons for the virtual lights, which belong to this run and are
+ * not stored, then sensors and views. */
 #include <stdlib.h>
 
 #include "render/backward/backward.h"
@@ -9,7 +7,7 @@
 
 static void photon_progress(void *ctx, double fraction)
 {
-    orl_run_progress(ctx, 0.5 * fraction); /* making lamps of them takes as long */
+    orl_run_progress(ctx, 0.5 * fraction); /* the other half is for making lights of them */
 }
 
 int orl_run_need_backward(struct orl_run_state *state, struct orl_error *err)

@@ -1,4 +1,4 @@
-/* A BSDF of measurements, as bytes and back; for the machine that wrote it. */
+/* Serialises a BSDF fitted to measurements; only for the machine that wrote it. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -6,7 +6,8 @@
 
 enum { WORD = 4 };
 
-/* All that is told of it, without pointers; then its scans, then the text and at least one 0. */
+/* Returns the size of all parts: the struct without pointers, its scans, and the text with at least
+ * one 0. */
 static size_t size_of(const struct orl_bsdf_fitted *f)
 {
     return sizeof *f + f->n_scans * sizeof *f->scans + (f->xml_size / WORD + 1) * WORD;

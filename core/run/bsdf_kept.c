@@ -5,9 +5,9 @@
 
 #include "run/kept_bsdf.h"
 
-/* ---- As bytes -------------------------------------------------------------------------------- */
+/* ---- Serialisation --------------------------------------------------------------------------- */
 
-/* What lies in front of the arrays. */
+/* Fixed-size header before the arrays. */
 struct head {
     uint64_t paths, n_directions, xml_size;
     struct orl_bsdf_share diffuse[2][2];
@@ -43,14 +43,14 @@ static size_t errors_size(const struct head *h)
     return h->has_errors ? h->n_directions * h->n_directions * sizeof(float) : 0;
 }
 
-/* In whole words, the text with at least one 0 at its end. */
+/* Returns the size in whole words; the text ends with at least one 0. */
 static size_t size_of(const struct head *h)
 {
     return sizeof *h + directions_size(h) + PARTS * errors_size(h) +
            (h->xml_size / WORD + 1) * WORD;
 }
 
-static char *pack(const struct orl_bsdf_made *m, size_t *ret_size)
+static char *pack_made(const struct orl_bsdf_made *m, size_t *ret_size)
 {
     const struct head h = head_of(m);
     char *data = calloc(1, size_of(&h)), *to = data;
@@ -68,7 +68,7 @@ static char *pack(const struct orl_bsdf_made *m, size_t *ret_size)
     return data;
 }
 
-static void *copy(const char **from, size_t size)
+static void *copy_bytes(const char **from, size_t size)
 {
     void *to = malloc(size + 1);
     if (to)
@@ -77,8 +77,8 @@ static void *copy(const char **from, size_t size)
     return to;
 }
 
-/* False: it is of another shape, or there is no memory. */
-static bool unpack(const char *data, size_t size, struct orl_bsdf_made *ret_made)
+/* Returns false if the data are malformed or memory is exhausted. */
+static bool unpack_made(const char *data, size_t size, struct orl_bsdf_made *ret_made)
 {
     enum { MOST_DIRECTIONS = 4096 };
     struct head h;
@@ -99,13 +99,13 @@ static bool unpack(const char *data, size_t size, struct orl_bsdf_made *ret_made
     memcpy(m.diffuse, h.diffuse, sizeof m.diffuse);
     memcpy(m.cell, h.cell, sizeof m.cell);
     memcpy(m.depth, h.depth, sizeof m.depth);
-    m.directions = copy(&from, directions_size(&h));
+    m.directions = copy_bytes(&from, directions_size(&h));
     bool whole = m.directions != NULL;
     for (int i = 0; i < PARTS && h.has_errors; i++) {
-        m.errors[i / 2][i % 2] = copy(&from, errors_size(&h));
+        m.errors[i / 2][i % 2] = copy_bytes(&from, errors_size(&h));
         whole = whole && m.errors[i / 2][i % 2];
     }
-    m.xml = copy(&from, h.xml_size + 1);
+    m.xml = copy_bytes(&from, h.xml_size + 1);
     if (whole && m.xml && m.xml[h.xml_size] == '\0') {
         *ret_made = m;
         return true;
@@ -132,13 +132,13 @@ static char *pack_panel(const void *ctx, size_t *ret_size, uint64_t *ret_effort)
 {
     const struct panel *p = ctx;
     *ret_effort = p->made->paths;
-    return pack(p->made, ret_size);
+    return pack_made(p->made, ret_size);
 }
 
 static bool unpack_panel(void *ctx, const char *data, size_t size)
 {
     const struct panel *p = ctx;
-    return unpack(data, size, p->made);
+    return unpack_made(data, size, p->made);
 }
 
 int orl_bsdf_make_kept(const struct orl_bsdf_make_request *request,

@@ -6,7 +6,7 @@
 
 #include "run/pieces.h"
 
-/* Raised when what a lot holds changes, or how it lies in its file. */
+/* Version of a lot's content and file layout; change it with either. */
 static const char recipe[] = "oriel bsdf lots 2";
 
 static void name_lot(const char *job, const struct orl_bsdf_lots *lots, size_t index,

@@ -11,7 +11,7 @@
 
 enum { LEAST_BYTES = 1 << 20 };
 
-/* What is kept depends on the XML and on how it is kept. */
+/* Makes the key from the XML and the storage format. */
 static void make_key(const unsigned char content[ORL_COMPILED_DIGEST],
                      char ret_key[ORL_DIGEST_HEX + 1])
 {
@@ -23,15 +23,15 @@ static void make_key(const unsigned char content[ORL_COMPILED_DIGEST],
     sodium_bin2hex(ret_key, ORL_DIGEST_HEX + 1, digest, sizeof digest);
 }
 
-/* One BSDF that is asked for. */
+/* A request for one BSDF. */
 struct request {
     struct orl_run_state *state;
     const struct orl_bsdf_xml *xml;
     const unsigned char *content;
-    struct orl_bsdf *bsdf; /* once it is there */
+    struct orl_bsdf *bsdf; /* result, once loaded */
 };
 
-/* Where the digest was told and not worked out, the XML may be another by now. */
+/* Verifies the XML if its digest was supplied by the caller: it may have changed since. */
 static int check_content(const struct request *r, struct orl_error *err)
 {
     unsigned char content[ORL_COMPILED_DIGEST];
@@ -43,14 +43,14 @@ static int check_content(const struct request *r, struct orl_error *err)
     return orl_error_set(err, ORL_ERR_CORRUPT, "the file is damaged in the store");
 }
 
-static int make(void *ctx, struct orl_error *err)
+static int make_bsdf(void *ctx, struct orl_error *err)
 {
     struct request *const r = ctx;
     const int code = check_content(r, err);
     return code < 0 ? code : orl_bsdf_load(r->xml, &r->bsdf, err);
 }
 
-static int keep(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err)
+static int write_bsdf(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err)
 {
     const struct request *const r = ctx;
     struct orl_bsdf_info about;
@@ -79,8 +79,8 @@ static int load(void *ctx, const struct orl_bsdf_xml *given,
                                        .name = given->name,
                                        .ctx = &r,
                                        .open = open_kept,
-                                       .make = make,
-                                       .keep = keep};
+                                       .make = make_bsdf,
+                                       .keep = write_bsdf};
     heeding.cancel = state->env->cancel;
     heeding.crew = state->env->crew;
     orl_run_progress(state, 0);

@@ -1,7 +1,7 @@
 /*
- * BSDFs by the store: the XML is read once, and what comes of it is kept (keeping.h), as kind
- * "bsdf", for later jobs to map (bsdf/compiled.h). Small files, which load as fast as they can be
- * found, are left alone; without a store all are.
+ * Loads BSDFs through the store: the XML is read once, and the result is stored (keeping.h), as
+ * kind "bsdf", for later jobs to map (bsdf/compiled.h). Small files, which load as fast as a
+ * look-up, are not stored; without a store none are.
  */
 #ifndef ORL_RUN_BSDFS_H
 #define ORL_RUN_BSDFS_H
@@ -9,7 +9,7 @@
 #include "run/stages.h"
 #include "scene/parse/sources.h"
 
-/* Borrows the state, which must outlive it. */
+/* Returns a loader that borrows the state, which must outlive it. */
 struct orl_bsdf_loader orl_run_bsdf_loader(struct orl_run_state *state);
 
 #endif

@@ -1,10 +1,11 @@
 /*
- * What the backward technique has missed. It is unbiased, but a sun by way of a curved mirror, of a
- * lens or of mirrors that face very many ways is met by one path of a hundred thousand: with fewer
- * samples the value lacks that light, and its error, which is of what was found, does not know.
- * Photons find it easily. So where the plan says that there are such ways, photons fly by the
- * sensors (render/gather/air.h); intervals are widened to include what they bring, and sensors that
- * lack more than their intervals allowed for are warned of; for views, how much of the light it is.
+ * Light that the backward technique has missed. The technique is unbiased, but some suns are hit by
+ * one path in a hundred thousand: those seen by a curved mirror, a lens, or mirrors that face very
+ * many ways. With fewer samples the value lacks that light, and the error, which follows from what
+ * was found, does not include it. Photons find such light easily. If the plan has such paths,
+ * photons are traced past the sensors (render/gather/air.h). Intervals are widened to include the
+ * light that they carry. A warning names sensors that lack more than their intervals allow, and
+ * gives the share of the light missing in views.
  */
 #include <math.h>
 
@@ -15,26 +16,26 @@
 #include "render/gather/air.h"
 #include "run/stages.h"
 
-/* Tells their numbers from those of maps. */
+/* Seed salt: keeps these random streams distinct from those of maps. */
 static const uint64_t photons_by_chance = 0x6368616e6365;
 
-/* Flights, and rays while no sensor feels what they bring. */
+/* Limits of emissions, and of rays while no sensor's estimate changes by more than its error. */
 enum { MOST_FLIGHTS = 1 << 18, MOST_RAYS = 1 << 19 };
 
-/* What is met so often is in the value, and its scatter in the error. */
+/* Number of hits from which light is in the value, and its scatter in the error. */
 static const double often = 16;
-/* Light counts as missed when it is so many of its standard errors, beyond the sensor's interval.
- */
+/* Light counts as missed if it exceeds the sensor's interval by this many of its standard
+ * errors. */
 static const double certain = 3;
 /* The 97.5th percentile of Student's t with the degrees of freedom of 16 batches. */
 static const double bound_in_errors = 2.13;
-/* ... and such a share of the sensor's light; of a view's, weighted by what it is where it lands.
- */
+/* It must also exceed this share of the sensor's light. For views, the share is weighted by the
+ * brightness where the light lands. */
 static const double tolerable = 2e-3, tolerable_of_view = 1e-3;
 
 struct missed {
     size_t sensors, worst;
-    double lx, share; /* of the worst */
+    double lx, share; /* lack of the worst sensor: illuminance, and share of its light */
 };
 
 static double brightest_sun(const struct orl_world *world)
@@ -55,8 +56,9 @@ static double brightest_lamp(const struct orl_world *world)
 }
 
 /*
- * How many of a sensor's paths, drawn by the cosine, have met that light: of a radiance L, dimmed
- * or not, it takes a solid angle of E / L at least, of pi.
+ * Returns the number of a sensor's paths, drawn by the cosine, that have hit this light. Light of
+ * radiance L, attenuated or not, that causes an irradiance E fills at least E / L of a projected
+ * solid angle of pi.
  */
 static double times_met(const struct orl_world *world, double of_suns, double of_lamps,
                         double samples)
@@ -66,17 +68,17 @@ static double times_met(const struct orl_world *world, double of_suns, double of
     return samples * share / ORL_PI;
 }
 
-/* The interval is widened by what the photons brought, up to its own upper bound, where so few
- * paths have met that light that their scatter does not tell: it holds the value of both. */
-static void widen(double interval[2], double found_lx, const struct orl_estimate *brought)
+/* Widens the interval to the upper bound of the light that photons measured, if so few paths hit it
+ * that their scatter does not show. It then includes the values with and without that light. */
+static void widen_interval(double interval[2], double found_lx, const struct orl_estimate *brought)
 {
     const double most =
         orl_luma(brought->value) + fabs(brought->bias) + brought->standard_error * bound_in_errors;
     interval[1] = fmax(interval[1], found_lx + ORL_EFFICACY_LM_PER_W * most);
 }
 
-static void look_at_sensor(struct orl_run_state *state, const struct orl_air *air, size_t i,
-                           struct missed *missed)
+static void judge_sensor(struct orl_run_state *state, const struct orl_air *air, size_t i,
+                         struct missed *missed)
 {
     struct orl_result *r = state->result;
     const double samples = state->samples > 0 ? state->samples : orl_run_sensor_samples(state, i);
@@ -88,7 +90,7 @@ static void look_at_sensor(struct orl_run_state *state, const struct orl_air *ai
         return;
     const bool lacks = lx > certain * ORL_EFFICACY_LM_PER_W * e.standard_error &&
                        found + lx > r->interval_95_lx[i][1] && lx > tolerable * found;
-    widen(r->interval_95_lx[i], found, &e);
+    widen_interval(r->interval_95_lx[i], found, &e);
     if (!lacks)
         return;
     const double share = lx / (lx + found);
@@ -113,8 +115,8 @@ static void put_sensors(const struct orl_run_state *state, struct orl_air *air)
     }
 }
 
-/* The classes that the backward technique finds by chance only; 0 by other techniques, which read
- * photon maps. */
+/* Returns the path classes that the backward technique finds only by chance. Returns 0 for other
+ * techniques, which read photon maps. */
 static uint32_t missed_by_paths(const struct orl_run_state *state)
 {
     const struct orl_plan *plan = &state->result->plan;
@@ -139,7 +141,7 @@ static int judge_sensors(struct orl_run_state *state, const struct orl_shoot_env
         code = orl_air_catch(air, env, &bounds, &state->result->health);
     }
     for (size_t i = 0; i < state->n_sensors && code == 0; i++)
-        look_at_sensor(state, air, i, &missed);
+        judge_sensor(state, air, i, &missed);
     orl_air_free(air);
     if (code == 0 && missed.sensors > 0)
         orl_run_warn(

@@ -70,7 +70,8 @@ int orl_prepare_thread(struct orl_error *err)
     return orl_geometry_prepare_thread(err);
 }
 
-/* *ret_scene is the caller's, or NULL. swaps: materials that shades give windows; or NULL. */
+/* Reads a scene; the caller owns *ret_scene, which may be NULL. swaps: materials that shades give
+ * windows, or NULL. */
 static int read_swapped(const char *const *main_files, size_t n_files,
                         const struct orl_files *files, const struct orl_swaps *swaps,
                         const atomic_bool *cancel, struct orl_scene **ret_scene,
@@ -145,8 +146,7 @@ int orl_scene_check(const char *const *main_files, size_t n_files, const struct 
     return code;
 }
 
-/* ---- The floor plan -----------------------------------------------------------------------------
- */
+/* ---- The floor plan -------------------------------------------------------------------------- */
 
 struct pieces {
     double (*lines)[4];
@@ -223,7 +223,7 @@ void orl_floor_plan_done(struct orl_floor_plan *plan)
     *plan = (struct orl_floor_plan){0};
 }
 
-/* ---- Files beside it ------------------------------------------------------------------------- */
+/* ---- Other files ----------------------------------------------------------------------------- */
 
 int orl_weather_check(const char *name, const char *text, size_t size, int year,
                       struct orl_error *err)

@@ -9,30 +9,38 @@
 
 enum { HALVINGS = 40 };
 
-/* Samples of a sensor that go with one of a pixel, and with the planner's photons or lamps. */
+/* Samples of a sensor that correspond to one of a pixel, and to the planner's photons or lights. */
 static const double pixel_samples = 1.0 * ORL_DEFAULT_GATHER_SAMPLES / ORL_DEFAULT_PIXEL_SAMPLES,
                     map_samples = ORL_DEFAULT_GATHER_SAMPLES;
 enum { LAMPS_A_ROUND = 4000000, PHOTONS_A_ROUND = 8000000 };
-/* A round has no fewer samples: of sensors by backward, of anything else but views of maps. */
+/* Minimum samples of a round: for sensors by backward, and for all other work but views by maps. */
 static const double least_of_sensors = 64, least_samples = 256;
-/* Lamps are made once for all sensors, which pay for them together: so many sensors are worth all
- * those of the planner, fewer are worth less of them, but this share. Then lamps and samples take
- * about the same time, and no more than twice what the best division of it would, whichever of the
- * two the noise is of. */
+/*
+ * Lights are made once for all sensors, which share their cost. From this number of sensors on, all
+ * lights of the planner are made; fewer sensors get proportionally fewer, but at least this share.
+ * Lights and samples then take about the same time. That is at most twice the time of the best
+ * division, whichever of the two dominates the noise.
+ */
 static const double sensors_of_lamps = 57, least_lamps = 0.25;
-/* Variances of samples that go on evenly fall as that power of the work, or a higher one: on rooms
- * with panes and panels four rounds have 0.74 to 0.84 of the variance of independent ones. */
+/*
+ * Exponent with which variances of stratified samples fall with the work; the actual one may be
+ * larger. In rooms with panes and panels four rounds have 0.74 to 0.84 of the variance of
+ * independent ones.
+ */
 static const double evenness = 1.15;
-/* A round may make so many times all samples before, for the first ones know errors badly. What is
- * wanted is come up to first, and then, when it is known better, passed by a little. */
+/*
+ * Growth limit: maximum samples of a round relative to all before, because early errors are
+ * inaccurate. While little is done (`far`), a round aims below the wanted number (`approach`). A
+ * later one, with better known errors, exceeds it slightly (`margin`).
+ */
 static const double growth = 8, approach = 0.6, far = 0.35, margin = 1.02;
 
 /*
- * With a deadline views by a final gather have rays by the samples of a round, as they have
- * photons: its rounds are then of any length that the time has left. An office of 800x600 through
- * glass and through a panel, a quarter of the usual rays to 2.25 times as many, by one map: the
- * error falls as their root, from 6.5 to 2.3 and from 8.6 to 3.4 %, and half of the usual time goes
- * as they do. There are no more rows of a hemisphere than that (gather.h).
+ * With a deadline, views by a final gather have rays in proportion to a round's samples, like
+ * photons, so that rounds can have any length. Measured in an office of 800x600 pixels by one map,
+ * with 0.25 to 2.25 times the usual rays: the error falls as their square root, from 6.5 to 2.3 %
+ * through glass and from 8.6 to 3.4 % through a panel. Half of the usual time is proportional to
+ * the rays. Beyond 2.25 hemispheres reach their maximum of rows (gather.h).
  */
 static const double part_by_rays = 0.5, most_rays = 2.25;
 
@@ -45,9 +53,9 @@ static double photons_of(const struct orl_work *work, double samples)
 }
 
 /*
- * Views by maps have noise of their photons and of their own rays, and it is not known how much of
- * each: rounds have as many photons as take about as long as the views do, by rough costs. That is
- * no more than twice what the best division of the time would take.
+ * Returns the work of a job. Views by maps have noise of photons and of their own rays, in unknown
+ * proportion. A round gets as many photons as take about as long as the views, by rough costs. That
+ * is at most twice the time of the best division.
  */
 struct orl_work orl_work_of(const struct orl_run_state *state)
 {
@@ -91,9 +99,9 @@ uint32_t orl_work_pixel_samples(double samples)
 }
 
 /*
- * Hemispheres of rays average over so many kernels of global photons that these may hold few: 64,
- * or fewer as maps add up. Caustics are seen directly: what one kernel holds is to grow too, with
- * the power 2/3 of all photons, from what the planner's photons have in it.
+ * Sets relative kernel areas. Hemispheres average over many kernels of global photons, so that
+ * these may hold few photons: 64, or fewer as maps add up. Caustics are seen directly: their
+ * kernels grow with the power 2/3 of all photons, from the size for the planner's number.
  */
 void orl_work_bandwidths(double samples, double before, double ret_bandwidths[ORL_MAP_KINDS])
 {
@@ -110,7 +118,7 @@ double orl_work_limit(void)
 
 double orl_work_next(const struct orl_work *work, double done, double wanted)
 {
-    const double unit = ORL_MAP_BATCHES; /* samples fall into so many groups */
+    const double unit = ORL_MAP_BATCHES; /* samples are divided into this many groups */
     const double aim = wanted * (done < far * wanted && work->shares ? approach : margin);
     const double missing = fmin(fmin(aim - done, growth * done), orl_work_limit() - done);
     double samples = work->least;
@@ -129,7 +137,7 @@ double orl_work_view_rays(const struct orl_work *work, double samples)
     return work->by_rays > 0 ? fmin(samples / map_samples, most_rays) : 0;
 }
 
-/* Views and sensors of a round, where rays of views go by samples. */
+/* Returns the seconds of views and sensors in a round, if views' rays follow the samples. */
 static double render_by_rays_s(const struct orl_pace *pace, const struct orl_work *work,
                                double samples)
 {
@@ -193,7 +201,7 @@ void orl_pace_foresee(const struct orl_pace *pace, const struct orl_work *work, 
     foreseen_s[ORL_STAGE_RENDER] = all - photons;
 }
 
-/* ---- The next digit -------------------------------------------------------------------------- */
+/* ---- Predictions ----------------------------------------------------------------------------- */
 
 double orl_parts_error(const struct orl_parts *parts)
 {
@@ -222,7 +230,7 @@ double orl_parts_work(const struct orl_parts *parts, double target)
     return most;
 }
 
-/* Seconds until the error is that; NaN when it takes more than a job may. */
+/* Returns the seconds until the error is `target`; NaN if that exceeds a job's limit. */
 static double seconds_to(const struct orl_pace *pace, const struct orl_work *work,
                          const struct orl_parts *parts, double target)
 {
@@ -279,7 +287,7 @@ void orl_run_draw_curve(const struct orl_run_state *state, const struct orl_pace
             errors[i] < cost->error ? seconds_to(pace, work, parts, errors[i]) : (double)NAN;
         if (!isfinite(seconds))
             continue;
-        /* The smallest round there is comes to it all the same. */
+        /* The smallest possible round reaches this error as well. */
         if (!(seconds > curve->points[curve->n_points - 1].seconds))
             curve->n_points--;
         curve->points[curve->n_points].seconds = seconds;
@@ -287,9 +295,9 @@ void orl_run_draw_curve(const struct orl_run_state *state, const struct orl_pace
     }
 }
 
-/* ---- Jobs in one piece ----------------------------------------------------------------------- */
+/* ---- Jobs without rounds --------------------------------------------------------------------- */
 
-/* A job's own settings, as samples of a sensor. */
+/* Returns a job's own settings as samples of a sensor. */
 static double samples_of(const struct orl_run_state *state, const struct orl_work *work)
 {
     const struct orl_job *job = state->job;
@@ -300,7 +308,7 @@ static double samples_of(const struct orl_run_state *state, const struct orl_wor
     return job->gather_samples ? job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
 }
 
-/* Seconds of photons and maps, those included that an earlier job spent on maps it left. */
+/* Returns the seconds of photons and maps, including those of earlier jobs that made its maps. */
 static double seconds_of_photons(const struct orl_result *result)
 {
     double seconds = result->timings_s[ORL_STAGE_PHOTONS] + result->timings_s[ORL_STAGE_MAPS];
@@ -339,7 +347,7 @@ void orl_run_forget_pixels(struct orl_run_state *state)
     state->noted_pixels = NULL;
 }
 
-/* Sensors and views that have been found; how many. */
+/* Lists the estimates of sensors and of views; returns their number. */
 static size_t list_parts(const struct orl_run_state *state, const double *noise, double samples,
                          struct orl_estimates *ret_parts)
 {
@@ -360,7 +368,8 @@ static size_t list_parts(const struct orl_run_state *state, const double *noise,
     return n;
 }
 
-/* Variances of one sample, where rounds would share samples out; else NULL. */
+/* Returns the variances of one sample, if rounds would allocate samples by noise; else NULL. The
+ * caller frees them. */
 static double *noise_of(const struct orl_run_state *state, const struct orl_work *work,
                         double samples)
 {
@@ -377,7 +386,8 @@ void orl_run_cost(struct orl_run_state *state)
     struct orl_work work = orl_work_of(state);
     const double samples = samples_of(state, &work);
     const double photons = (double)(work.photons[ORL_MAP_GLOBAL] + work.photons[ORL_MAP_CAUSTIC]);
-    if (work.shares) /* this plan has lamps for its own samples, rounds for the default of them */
+    /* This plan's lights are for its own samples; rounds have lights for the default number. */
+    if (work.shares)
         work.photons[ORL_MAP_GLOBAL] = (uint64_t)(photons * map_samples / samples);
     const struct orl_pace pace = {.before_s = result->timings_s[ORL_STAGE_LOAD] +
                                               result->timings_s[ORL_STAGE_BVH] +

@@ -1,4 +1,5 @@
-/* Panes that lie on an opaque surface: drawn before a wall that has no hole for them, say. */
+/* Finds panes that lie on an opaque surface, such as panes drawn before a wall without an
+ * opening. */
 #include <stdio.h>
 
 #include "base/random.h"
@@ -12,11 +13,12 @@ static const double parallel = 0.99;
 
 struct covered {
     size_t count;
-    uint32_t pane, surface; /* of the first */
+    uint32_t pane, surface; /* the first such pane, and its surface */
     double distance;
 };
 
-/* Solids may lie on something; BSDFs with a thickness stand for what lies behind them. */
+/* Returns true for panes that must not lie on a surface. Solids may, and BSDFs with a thickness
+ * stand for what lies behind them. */
 static bool is_pane(const struct orl_scene *scene, uint32_t facet)
 {
     struct orl_facet own;

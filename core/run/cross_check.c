@@ -1,10 +1,10 @@
 /*
- * A cross-check of sensors by plain path tracing with shadow rays (cross_check_path.h), which uses
- * no photons, ports, aimed rays or caches. Sensors are taken in groups of neighbours; of each group
- * the sum by paths is compared with the sum that the technique found (cross_check_judge.h).
+ * Cross-check of sensors by plain path tracing with shadow rays (cross_check_path.h), which uses no
+ * photons, ports, importance-sampled rays or caches. Sensors form groups of neighbours. For each
+ * group the sum by paths is compared with that of the technique (cross_check_judge.h).
  *
- * Paths leave out suns by way of curved mirrors and dielectrics, and seldom meet suns and lamps by
- * way of lobes: where there are such, finding less says nothing.
+ * Paths omit suns reflected or refracted by curved mirrors and dielectrics, and rarely hit suns and
+ * lamps through lobes. With such light, a smaller sum by paths means nothing.
  */
 #include <math.h>
 #include <stdio.h>
@@ -20,21 +20,22 @@
 #include "scene/geometry/stand.h"
 
 enum { MOST_GROUPS = 16, MOST_PATHS = 1 << 14, LEAST_PATHS = 1 << 11 };
-/* Most shadow rays, counting those to all lights at one surface of each path: the more lights there
- * are, the fewer paths are traced. */
+/* Maximum of shadow rays, with those to all lights at one surface of each path: more lights reduce
+ * the number of paths. */
 enum { MOST_SHADOW_RAYS = 1 << 17, PATHS_OF_USE = 256, LEAST_PATHS_A_SENSOR = 4 };
-/* One path for so many samples of the technique: 2 % of its time, or less. */
+/* One path for this many samples of the technique, so that the check takes at most 2 % of its
+ * time. */
 enum { SAMPLES_A_PATH = 64 };
 
 /* ---- Groups of sensors ----------------------------------------------------------------------- */
 
 struct check {
     const struct orl_run_state *state;
-    uint32_t paths; /* a sensor */
-    size_t stride;  /* between sensors of a group that paths are traced for */
+    uint32_t paths; /* per sensor */
+    size_t stride;  /* distance of the traced sensors of a group */
     size_t n_groups;
     struct orl_plain_group groups[MOST_GROUPS];
-    struct orl_health health[MOST_GROUPS]; /* of paths that reach no result */
+    struct orl_health health[MOST_GROUPS]; /* counters of paths, not added to the result */
 };
 
 static void trace_sensor(struct check *check, struct orl_plain_group *group, size_t sensor,
@@ -87,8 +88,8 @@ static bool paths_find_all(const struct orl_run_state *state)
     return orl_paths_missed(ORL_TECHNIQUE_AUTO, state->result->plan.paths) == 0;
 }
 
-/* Effects that the job leaves out on demand would be in the light of the paths. */
-static bool leaves_out_on_demand(const struct orl_job *job)
+/* Returns true if the job omits effects on request, which the paths would include. */
+static bool omits_on_request(const struct orl_job *job)
 {
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
         if (job->wishes[i] == ORL_WISH_SKIP)
@@ -96,7 +97,7 @@ static bool leaves_out_on_demand(const struct orl_job *job)
     return false;
 }
 
-/* Returns the most shadow rays that one surface takes. */
+/* Returns the maximum number of shadow rays at one surface. */
 static double count_lights(const struct orl_world *world)
 {
     return 1 + (double)(world->n_suns + world->images.n_nodes + world->n_emitters +
@@ -107,7 +108,7 @@ int orl_run_cross_check(struct orl_run_state *state, struct orl_error *err)
 {
     struct check check = {.state = state};
     const size_t n = state->n_sensors;
-    if (n == 0 || state->result->n_sensors != n || leaves_out_on_demand(state->job) ||
+    if (n == 0 || state->result->n_sensors != n || omits_on_request(state->job) ||
         state->world->scene->mist || orl_world_seen(state->world) != state->world)
         return 0;
     double samples = 0;

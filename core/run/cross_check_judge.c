@@ -4,24 +4,25 @@
 
 #include "plan/decide.h"
 
-static const double least_effective = 30; /* samples */
+static const double least_effective = 30; /* effective number of samples */
 /* A difference counts beyond so many joint standard errors, and such a share of the light. */
 static const double differs_in_errors = 5, differs_by = 0.1;
-/* A difference of a class counts if it is such a share of the class's light, in those groups in
- * which it is also such a share of all light. */
+/* A difference of a class counts if it is this share of the class's light. It is attributed to
+ * groups in which it is also this share of all light. */
 static const double differs_by_class = 0.25, matters = 0.05;
 static const double bound_in_errors = 2;
 
-/* A group beside what the technique found for the same sensors. */
+/* A group, with the technique's result for the same sensors. */
 struct compared {
     const struct orl_plain_group *group;
-    double lx;    /* sum of the values that the technique found */
-    double error; /* sum of the standard errors that the intervals imply: those of neighbours are
-                     taken to be correlated */
+    double lx; /* sum of the technique's values */
+    /* Sum of the standard errors implied by the intervals; those of neighbours are assumed
+     * correlated. */
+    double error;
 };
 
-static struct compared compare(const struct orl_result *r, const struct orl_plain_groups *groups,
-                               size_t index)
+static struct compared compare_group(const struct orl_result *r,
+                                     const struct orl_plain_groups *groups, size_t index)
 {
     struct compared c = {.group = &groups->groups[index]};
     const size_t end = c.group->first + c.group->count;
@@ -55,7 +56,7 @@ static struct match match_class(const struct orl_result *r, const struct orl_pla
 {
     double product = 0, squares = 0;
     for (size_t g = 0; g < groups->count; g++) {
-        const struct compared c = compare(r, groups, g);
+        const struct compared c = compare_group(r, groups, g);
         const double variance = variance_of(&c), lx = c.group->classes[light];
         if (!is_known(&c) || !(variance > 0))
             continue;
@@ -93,9 +94,9 @@ const char *orl_light_class_name(enum orl_light_class light)
 
 /* ---- Groups ---------------------------------------------------------------------------------- */
 
-/* Widens the group's intervals to include that sum, each sensor's in proportion to its value, or
- * where none has any light by the mean; and marks its sensors. */
-static void widen(struct orl_run_state *state, const struct compared *c, double sum)
+/* Widens the group's intervals to include `sum` and marks its sensors. Each sensor's bound is in
+ * proportion to its value, or the mean if none has any light. */
+static void widen_group(struct orl_run_state *state, const struct compared *c, double sum)
 {
     struct orl_result *r = state->result;
     const struct orl_plain_group *group = c->group;
@@ -133,7 +134,7 @@ static bool judge_group(struct orl_run_state *state, const struct compared *c, b
     const double sum = by_itself ? by_paths
                        : way > 0 ? fmax(by_paths, by_class)
                                  : fmin(by_paths, by_class);
-    widen(state, c, sum);
+    widen_group(state, c, sum);
     return true;
 }
 
@@ -173,7 +174,7 @@ void orl_cross_check_judge(struct orl_run_state *state, const struct orl_plain_g
         (verdict.match.share < 0 && !groups->find_all))
         verdict.match.share = 0;
     for (size_t g = 0; g < groups->count; g++) {
-        const struct compared c = compare(r, groups, g);
+        const struct compared c = compare_group(r, groups, g);
         check->paths += (uint64_t)groups->paths * c.group->traced;
         if (!is_known(&c))
             continue;

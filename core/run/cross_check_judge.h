@@ -1,14 +1,14 @@
 /*
- * The verdict of the cross-check (cross_check.c): groups of sensors by plain paths, against what
- * the technique found. The two differ where
- *   - a group's sums do, by more than both errors and a tenth of its light; or
- *   - the differences of all groups together are like the light of one class, a quarter of it or
- *     more, by more than their errors: a matched filter (North 1943), with each group weighed by
- *     its variance. A class that is missing everywhere shows so before any single group does.
+ * The verdict of the cross-check (cross_check.c): compares groups of sensors by plain paths with
+ * the technique's results. The two differ if
+ * - a group's sums do, by more than both errors and a tenth of its light; or
+ * - the differences of all groups together resemble the light of one class, at least a quarter of
+ *   it, by more than their errors. This is a matched filter (North 1943), with each group weighed
+ *   by its variance. A class that is missing everywhere shows so before any single group does.
  * Then intervals are widened to include both, sensors are marked as unreliable, and a warning names
- * the class that the differences are most like.
+ * the class that the differences resemble most.
  *
- * Nothing is said of groups whose estimate by paths rests on few of them (the effective number of
+ * Groups are not judged if their estimate by paths rests on few of them (the effective number of
  * samples, Kish 1965: (sum x)^2 / sum x^2), such as in rooms with one small window.
  *
  * Reference: North 1943, An analysis of the factors which determine signal/noise discrimination
@@ -24,18 +24,18 @@ struct orl_plain_group {
     size_t first, count;
     size_t traced;                     /* sensors that paths were traced for */
     double sum, variance;              /* lx, of these sensors' means by paths */
-    double classes[ORL_LIGHT_CLASSES]; /* of that sum */
-    double effective;                  /* samples */
+    double classes[ORL_LIGHT_CLASSES]; /* parts of the sum, by class */
+    double effective;                  /* effective number of samples */
 };
 
 struct orl_plain_groups {
     const struct orl_plain_group *groups;
     size_t count, stride;
-    uint32_t paths; /* of each sensor that was traced */
-    bool find_all;  /* paths find all light, and often */
+    uint32_t paths; /* paths per traced sensor */
+    bool find_all;  /* true if paths find all light, with a sufficient probability */
 };
 
-/* Fills the result's cross_check, and widens, marks and warns. */
+/* Sets the result's cross_check, widens intervals, marks sensors and warns. */
 void orl_cross_check_judge(struct orl_run_state *state, const struct orl_plain_groups *groups);
 
 #endif

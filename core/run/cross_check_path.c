@@ -7,11 +7,11 @@
 enum { SURE_BOUNCES = 2 };
 
 struct trip {
-    struct orl_eye_path eye; /* first: what sinks are given */
+    struct orl_eye_path eye; /* must be first: sinks receive a pointer to it */
     struct orl_health *health;
-    uint32_t reflections, most_reflections; /* diffuse ones */
-    /* Radiance that the path has found before its first diffuse reflection: what surfaces on the
-     * way reflect diffusely of suns and lamps, and the rest. The rest is set at that reflection. */
+    uint32_t reflections, most_reflections; /* number of diffuse reflections, and its limit */
+    /* Radiance before the first diffuse reflection: suns and lamps that surfaces on the path
+     * reflect diffusely (lit), and the rest, which is set at that reflection. */
     struct orl_rgb lit, unreflected;
 };
 
@@ -25,7 +25,7 @@ static struct orl_rgb subtract(struct orl_rgb a, struct orl_rgb b)
     return orl_rgb_add(a, orl_rgb_scale(b, -1));
 }
 
-static bool come_in(struct orl_eye_path *p)
+static bool continue_outdoors(struct orl_eye_path *p)
 {
     return orl_exterior_pass(p, trip_of(p)->health);
 }
@@ -43,7 +43,7 @@ static struct orl_rgb lit_by_lights(struct orl_eye_path *p, struct orl_rgb albed
                          1 / ORL_PI);
 }
 
-/* Adds what the surface shines, and reflects of suns and lamps. */
+/* Adds the light that the surface emits, and that it reflects of suns and lamps. */
 static enum orl_lobes shade_hit(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct trip *t = trip_of(p);
@@ -62,7 +62,7 @@ static enum orl_lobes shade_hit(struct orl_eye_path *p, const struct orl_materia
     return reflects ? ORL_LOBE_ALL : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
 }
 
-static bool send_on(struct orl_eye_path *p, const struct orl_scatter *s)
+static bool continue_path(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     struct trip *t = trip_of(p);
     if (p->bounce >= SURE_BOUNCES &&
@@ -75,7 +75,8 @@ static bool send_on(struct orl_eye_path *p, const struct orl_scatter *s)
     return true;
 }
 
-static const struct orl_eye_sink sink = {.outdoors = come_in, .met = shade_hit, .sent_on = send_on};
+static const struct orl_eye_sink sink = {
+    .outdoors = continue_outdoors, .met = shade_hit, .sent_on = continue_path};
 
 static double lux_of(struct orl_rgb irradiance)
 {

@@ -1,7 +1,7 @@
 /*
- * Plain path tracing from a sensor, for the cross-check (cross_check.c). It uses no photons, ports,
- * aimed rays or caches. The light that a path finds is counted by class, which says how it reached
- * the sensor.
+ * Plain path tracing from a sensor, for the cross-check (cross_check.c), without photons, ports,
+ * importance-sampled rays or caches. The light that a path finds is summed by class, which says how
+ * it reached the sensor.
  */
 #ifndef ORL_RUN_CROSS_CHECK_PATH_H
 #define ORL_RUN_CROSS_CHECK_PATH_H

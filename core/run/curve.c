@@ -1,7 +1,5 @@
-/*
- * What an accuracy takes, before a job is paid for: two small rounds of it by its technique, of
- * some of its sensors and of coarse pictures, and the model of cost.h from there on.
- */
+/* Predicts the cost of an accuracy before a job is started: two small rounds by its technique, with
+ * some of its sensors and coarse pictures, extrapolated by the model of cost.h. */
 #include "run/curve.h"
 
 #include <math.h>
@@ -14,17 +12,19 @@
 #include "scene/material/lobed.h"
 
 enum { MOST_SENSORS = 64, MOST_PIXELS = 4096, MOST_PIXELS_OF_MAPS = 16384 };
-/* Nobody gets there: a pilot ends by its rounds. */
+/* An unreachable accuracy: a pilot ends by its number of rounds. */
 static const double aim = 1e-4, usual_share = 0.95;
-/* A final gather's time goes as that power of pixels: most of it is for records, of which larger
- * pictures have fewer a pixel. An office through glass and through panels, from 4 thousand to 260
- * thousand pixels: 8.7 and 7.7 times as long. */
+/*
+ * Exponent of a final gather's time over pixels: most of it is for records, of which larger
+ * pictures have fewer per pixel. An office through glass and through panels, from 4 thousand to 260
+ * thousand pixels, took 8.7 and 7.7 times as long.
+ */
 static const double gather_power = 0.55;
-/* Photons of a round by maps may take so long; fewest samples that these go with. */
+/* Maximum time for the photons of a round by maps, and the minimum samples for them. */
 static const double photons_s = 1, fewest_samples = 256;
 
-static int take_some_sensors(struct orl_run_state *state, struct orl_pilot *pilot,
-                             struct orl_error *err)
+static int select_sensors(struct orl_run_state *state, struct orl_pilot *pilot,
+                          struct orl_error *err)
 {
     const size_t all = state->n_sensors, some = all < MOST_SENSORS ? all : MOST_SENSORS;
     struct orl_sensor *sensors = some < all ? malloc(some * sizeof *sensors) : NULL;
@@ -51,13 +51,14 @@ static double pixels_of(const struct orl_job *job)
     return pixels;
 }
 
-static uint32_t shrink(uint32_t side, double by)
+static uint32_t shrink_side(uint32_t side, double by)
 {
     return (uint32_t)fmax(ceil(side * by), 1);
 }
 
-/* All of them, with so many pixels together. Nothing is made of them: no metrics, no files. */
-static int take_small_views(struct orl_job *job, struct orl_pilot *pilot, struct orl_error *err)
+/* Replaces the job's views by small ones with that many pixels in total, without metrics and
+ * files. */
+static int shrink_views(struct orl_job *job, struct orl_pilot *pilot, struct orl_error *err)
 {
     const double all = pixels_of(job), most = job->technique == ORL_TECHNIQUE_BACKWARD
                                                   ? MOST_PIXELS
@@ -69,8 +70,8 @@ static int take_small_views(struct orl_job *job, struct orl_pilot *pilot, struct
     for (size_t i = 0; i < job->n_views; i++)
         views[i] = (struct orl_view_request){.name = job->views[i].name,
                                              .view = job->views[i].view,
-                                             .width = shrink(job->views[i].width, by),
-                                             .height = shrink(job->views[i].height, by),
+                                             .width = shrink_side(job->views[i].width, by),
+                                             .height = shrink_side(job->views[i].height, by),
                                              .irradiance = job->views[i].irradiance};
     job->views = views;
     pilot->view_times = job->n_views > 0 ? all / pixels_of(job) : 1;
@@ -79,7 +80,7 @@ static int take_small_views(struct orl_job *job, struct orl_pilot *pilot, struct
     return 0;
 }
 
-/* Of a round by photon maps; 0 by paths. */
+/* Returns the samples of a round by photon maps; 0 for paths. */
 static double samples_of(const struct orl_run_state *state)
 {
     const double all = state->cost_s[ORL_STAGE_PHOTONS], unit = ORL_MAP_BATCHES;
@@ -109,9 +110,9 @@ int orl_run_pilot(struct orl_run_state *state, struct orl_error *err)
         snprintf(pilot->curve->model, sizeof pilot->curve->model, "%s", why);
         return 0;
     }
-    int code = take_some_sensors(state, pilot, err);
+    int code = select_sensors(state, pilot, err);
     if (code == 0)
-        code = take_small_views(&job, pilot, err);
+        code = shrink_views(&job, pilot, err);
     if (code < 0)
         return code;
     const struct orl_job *whole = state->job;

@@ -1,11 +1,11 @@
-/* Results without light: of some places a warning, of all an error that nobody overlooks. */
+/* Results without light: a warning if some are black, an error if all are. */
 #include <stdio.h>
 
 #include "run/stages.h"
 
-/* What came out black. */
+/* Numbers of black results. */
 struct darkness {
-    size_t sensors, views; /* how many */
+    size_t sensors, views; /* number of black sensors and views */
     size_t first_sensor, first_view;
 };
 
@@ -21,7 +21,7 @@ static struct darkness count_dark(const struct orl_result *result)
     return dark;
 }
 
-static int refuse(const struct orl_run_state *state, struct orl_error *err)
+static int refuse_dark(const struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_world *world = state->world;
     const struct orl_result *result = state->result;
@@ -56,7 +56,7 @@ int orl_run_judge_darkness(struct orl_run_state *state, struct orl_error *err)
     if ((result->sky_given && result->sky_dark) || state->job->dark_expected)
         return 0;
     if (dark.sensors == result->n_sensors && dark.views == result->n_views)
-        return refuse(state, err);
+        return refuse_dark(state, err);
     if (dark.sensors > 0)
         orl_run_warn(state,
                      "%zu of %zu sensors %s at 0 lx, the first of them sensors[%zu]: no light was "

@@ -2,15 +2,16 @@
 
 #include <math.h>
 
-/* A round fills that much of what is left, the last one that. */
+/* Shares of the time left that a round fills, and that the last one fills. */
 static const double fill = 0.7, last_fill = 0.93;
-/* What a round leaves is to hold so many times the smallest one; where that is long, as of views
- * whose rays go by samples, that much more, for the round may take longer than is thought. */
+/* Multiples of the smallest round that must fit after a round. It is larger if views' rays follow
+ * the samples, because that round is long and may take longer than estimated. */
 static const double room = 1.075, room_of_views = 1.5;
-/* Less than this share of the deadline is not worth a round; so much over it is still kept. */
+/* Share of the deadline that is too short for a round; share by which exceeding it still counts as
+ * kept. */
 static const double crumbs = 0.04, tolerance = 0.1;
 
-/* Of a first round that is thought to be the only one: nothing of it was measured yet. */
+/* Share for a first round that is expected to be the only one, before any measurement. */
 static const double only_fill = 0.85;
 
 double orl_deadline_first(const struct orl_work *work, double photons_s, double render_s,
@@ -23,16 +24,19 @@ double orl_deadline_first(const struct orl_work *work, double photons_s, double 
     return ORL_MAP_BATCHES * floor(fmin(fmax(samples, work->least), work->most) / ORL_MAP_BATCHES);
 }
 
-/* Samples that the next round may have. Views by maps begin with a quarter of the usual photons. */
+/* Returns the maximum samples of the next round. Views by maps begin with a quarter of the usual
+ * photons. */
 static double most_samples(const struct orl_pace *pace, const struct orl_work *work)
 {
     const double growth = orl_work_renders_alike(work) ? 16 : 8;
     return growth * pace->samples;
 }
 
-/* Rounds that fill such a time: one, unless the largest there may be is too short, and there is
- * room for more; or that one would be the second of views whose rays go by samples, and one round
- * alone has not told yet how much of their time does. */
+/*
+ * Returns the number of rounds that fill a time. It is one, unless the largest possible round is
+ * too short and more fit. It is also more if the next round would be the second of views whose rays
+ * follow the samples: one round does not show how much of their time does.
+ */
 static double rounds_to_fill(const struct orl_pace *pace, const struct orl_work *work,
                              double seconds, double crumb_s)
 {
@@ -61,7 +65,7 @@ struct orl_deadline_next orl_deadline_next(const struct orl_pace *pace, const st
     if (next.step != ORL_DEADLINE_ROUND)
         return next;
     next.last = left_s - seconds < end;
-    if (next.last) { /* or the first of some that together are */
+    if (next.last) { /* or the first of several that together fill it */
         const double rounds = rounds_to_fill(pace, work, last_fill * left_s, crumbs * deadline_s);
         seconds = last_fill * left_s / rounds;
         next.last = rounds < 2;

@@ -1,12 +1,12 @@
 /*
- * What a job for a deadline does next: another round, of what size, or no more. By the seconds that
- * rounds have taken (cost.h); it looks at no clock.
+ * Chooses the next step of a job with a deadline: another round, of what size, or the end. It uses
+ * the seconds of earlier rounds (cost.h) and reads no clock.
  *
- * Rounds each fill most of what is left, so that an estimate that is off spoils little; the last
- * one fills nearly all; where the largest round that there may be is shorter than that it is two,
- * or more. The smallest round there is has a length, too: by photon maps a view is rendered as a
- * whole each time, by a final gather with a quarter of its usual rays at the least (cost.h). Where
- * even that does not fit the job ends with time to spare, and says so.
+ * Each round fills most of the remaining time, so that a wrong estimate does little harm. The last
+ * one fills nearly all of it. If the largest possible round is shorter than that, there are two or
+ * more. The smallest round has a minimum length too: by photon maps a view is rendered completely
+ * each time, by a final gather with at least a quarter of its usual rays (cost.h). If even that
+ * does not fit, the job ends early and reports it.
  */
 #ifndef ORL_RUN_DEADLINE_H
 #define ORL_RUN_DEADLINE_H
@@ -14,30 +14,32 @@
 #include "run/cost.h"
 
 enum orl_deadline_step {
-    ORL_DEADLINE_ROUND,    /* another one, of `samples` */
-    ORL_DEADLINE_USED_UP,  /* hardly anything is left */
-    ORL_DEADLINE_NO_ROOM,  /* some is left, but less than the smallest round takes */
-    ORL_DEADLINE_TOO_LATE, /* it has passed */
+    ORL_DEADLINE_ROUND,    /* another round of `samples` */
+    ORL_DEADLINE_USED_UP,  /* almost no time is left */
+    ORL_DEADLINE_NO_ROOM,  /* the time left is less than the smallest round */
+    ORL_DEADLINE_TOO_LATE, /* the deadline has passed */
 };
 
 struct orl_deadline_next {
     enum orl_deadline_step step;
-    double samples; /* of the round */
-    bool last;      /* it fills nearly all that is left */
-    double least_s; /* what the smallest round is thought to take */
+    double samples; /* samples of the next round */
+    bool last;      /* true if it fills nearly all of the time left */
+    double least_s; /* estimated seconds of the smallest round */
 };
 
-/* Samples of the first round: the least, or, of views that are rendered as a whole each time, where
- * a second round would not fit, as many as fill most of what is left. photons_s, render_s: what
- * ORL_DEFAULT_GATHER_SAMPLES' worth of photons, and the views, are thought to take. */
+/*
+ * Returns the samples of the first round: the minimum, or enough to fill most of the time left, if
+ * views are rendered completely each time and a second round would not fit. photons_s, render_s:
+ * estimated seconds of photons for ORL_DEFAULT_GATHER_SAMPLES, and of the views.
+ */
 double orl_deadline_first(const struct orl_work *work, double photons_s, double render_s,
                           double left_s);
 
 struct orl_deadline_next orl_deadline_next(const struct orl_pace *pace, const struct orl_work *work,
                                            double deadline_s, double left_s);
 
-/* What is left of the job while a round goes on that still takes so long, when it is so long until
- * the deadline: all of that, unless the round leaves no more than what is not worth another one. */
+/* Returns the remaining seconds of the job during a round: round_s until its end, until_s until the
+ * deadline. That is until_s, unless the time after the round is too short for another one. */
 double orl_deadline_left_s(double round_s, double until_s, double deadline_s);
 
 #endif

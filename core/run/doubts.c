@@ -1,4 +1,4 @@
-/* Sensors whose values are unreliable, and what follows for the accuracy that a job asked for. */
+/* Sensors with unreliable values, and the effect on the accuracy that the job requested. */
 #include <stdio.h>
 #include <stdlib.h>
 

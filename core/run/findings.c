@@ -64,7 +64,7 @@ void orl_findings_done(struct orl_findings *findings)
     *findings = (struct orl_findings){0};
 }
 
-/* A round's picture: a luma, and perhaps its error, for every pixel; and the colours. */
+/* Adds a round's picture: the luma of every pixel, its error if known, and the colours. */
 int orl_findings_add_film(struct orl_findings *findings, size_t view, const struct orl_film *film,
                           double effort, struct orl_error *err)
 {
@@ -132,7 +132,7 @@ void orl_findings_judge(struct orl_findings *findings)
     }
 }
 
-static double *copy(double **array, const double *values, size_t count)
+static double *copy_values(double **array, const double *values, size_t count)
 {
     if (!*array)
         *array = malloc((count + 1) * sizeof(double));
@@ -156,10 +156,10 @@ static int show_sensors(const struct orl_finding_part *part, const struct orl_se
                         struct orl_result *result, struct orl_error *err)
 {
     const size_t n = part->pool.count;
-    bool held = copy(&result->illuminance_lx, part->pool.mean, n);
-    held = held && copy(&result->standard_error_lx, part->errors, n);
+    bool held = copy_values(&result->illuminance_lx, part->pool.mean, n);
+    held = held && copy_values(&result->standard_error_lx, part->errors, n);
     if (part->pool.knows_bias)
-        held = held && copy(&result->bias_estimate_lx, part->pool.bias, n);
+        held = held && copy_values(&result->bias_estimate_lx, part->pool.bias, n);
     if (!result->interval_95_lx)
         result->interval_95_lx = calloc(n, sizeof *result->interval_95_lx);
     held = held && result->interval_95_lx;

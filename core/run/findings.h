@@ -1,8 +1,8 @@
 /*
- * What the rounds of a job have found so far: of its sensors and of the pixels of each view, pooled
- * (pooled_estimates.h), and how it gets into the result.
+ * Pooled results of a job's rounds so far: its sensors and the pixels of each view
+ * (pooled_estimates.h), and their transfer to the result.
  *
- * Ownership: init makes, done frees. Threads: the lead's only.
+ * Ownership: init allocates, done frees. Threads: only the lead's.
  */
 #ifndef ORL_RUN_FINDINGS_H
 #define ORL_RUN_FINDINGS_H
@@ -12,40 +12,42 @@
 #include "run/pooled_estimates.h"
 #include "run/stages.h"
 
-/* Of the sensors, or of one view. */
+/* Results of the sensors, or of one view. */
 struct orl_finding_part {
     struct orl_pooled pool;
-    double *errors; /* of its means; owned */
-    double *noise;  /* sample_allocation.h: of one sample of a sensor; owned; NULL: not known */
-    struct orl_rays *rays; /* of sensors, in their means; owned */
+    double *errors; /* standard errors of its means, owned */
+    /* Variance of one sample of each sensor (sample_allocation.h), owned; NULL: unknown. */
+    double *noise;
+    struct orl_rays *rays; /* contributions of single rays to sensors' means, owned */
     double floor;
-    struct orl_film film; /* of a view: the means, in colour */
-    bool rated;           /* by its glare: */
+    struct orl_film film; /* mean colours of a view */
+    bool rated;           /* true if its glare is computed, from batches */
     struct orl_view_batches batches;
 };
 
 struct orl_findings {
-    struct orl_finding_part *parts; /* sensors first when there are any, then views */
+    struct orl_finding_part *parts; /* sensors first if there are any, then views */
     size_t n_parts, first_view;
-    struct orl_estimates *estimates; /* of every part; filled by judge */
+    struct orl_estimates *estimates; /* one for every part; set by orl_findings_judge */
 };
 
-/* Makes room in the result too. shared: samples are shared out among sensors. */
+/* Allocates, in the result as well. shared: samples are allocated to sensors by noise. */
 int orl_findings_init(struct orl_findings *findings, struct orl_run_state *state, bool shared,
                       struct orl_error *err);
-void orl_findings_done(struct orl_findings *findings); /* also of one that init left half-filled */
+void orl_findings_done(struct orl_findings *findings); /* also after a failed orl_findings_init */
 
-/* A round's sensors, with the samples of each and what its groups found where they were shared out,
- * else NULL; and a round's picture. */
+/* Add a round's sensors and a round's picture. samples, groups: each sensor's samples, and the
+ * means of its groups, if they were allocated by noise; else NULL. */
 void orl_findings_add_sensors(struct orl_findings *findings, const struct orl_run_state *round,
                               double effort, const double *samples, const double *groups);
 int orl_findings_add_film(struct orl_findings *findings, size_t view, const struct orl_film *film,
                           double effort, struct orl_error *err);
 
-/* Works out the errors. */
+/* Computes the errors. */
 void orl_findings_judge(struct orl_findings *findings);
 
-/* Into the result, with the views' files; after judge. */
+/* Copies means and errors to the result and writes the views' files; call orl_findings_judge
+ * first. */
 int orl_findings_show(struct orl_findings *findings, struct orl_run_state *state,
                       struct orl_error *err);
 

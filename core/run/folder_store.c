@@ -26,7 +26,7 @@ static int folder_acquire(void *ctx, const char *kind, const char *key, atomic_b
     const struct orl_folder_store *state = ctx;
     struct stat st;
     int code = 0;
-    (void)cancel; /* nobody else builds here, so there is nothing to wait for */
+    (void)cancel; /* no other process builds in this folder, so that there is nothing to wait for */
     if (mkdir(state->folder, 0777) != 0 && errno != EEXIST)
         return orl_error_set(err, orl_err_of_errno(errno), "cannot make the map folder '%s': %s",
                              state->folder, strerror(errno));
@@ -35,7 +35,7 @@ static int folder_acquire(void *ctx, const char *kind, const char *key, atomic_b
         return code;
     *ret_hit = stat(ret_path, &st) == 0;
     if (*ret_hit) {
-        /* What the file does not know is left at zero; the run reads the rest from the map. */
+        /* Fields not in the file stay zero; the run reads the rest from the map. */
         memset(ret_info, 0, sizeof *ret_info);
         snprintf(ret_info->kind, sizeof ret_info->kind, "%s", kind);
         snprintf(ret_info->key, sizeof ret_info->key, "%s", key);
@@ -85,7 +85,7 @@ static bool read_kept(const char *path, struct orl_map_info *info)
     return true;
 }
 
-/* What the file called name says of itself; false when it is no map, or one of another version. */
+/* Reads a file's description; returns false if it is no map, or of another version. */
 static bool read_info(const struct orl_folder_store *state, const char *name,
                       struct orl_map_info *ret_info)
 {

@@ -3,7 +3,8 @@
 #include "render/gather/air.h"
 #include "run/stages.h"
 
-/* What photons that fly to sensors in mid-air take, at the most: who flies finds out how many. */
+/* Returns an upper bound of the time for photons to sensors in mid-air; their number is only known
+ * at run time. */
 static double most_in_air_s(const struct orl_run_state *state)
 {
     const struct orl_plan *plan = &state->result->plan;
@@ -13,8 +14,11 @@ static double most_in_air_s(const struct orl_run_state *state)
     return (double)orl_run_most_in_air(state) * f->seconds[1] / f->emitted[1];
 }
 
-/* Nobody knows yet what pixels take, or paths; nor photons of which a pilot found too few, nor
- * whether flights to sensors end early, where that makes more of a difference than a guess may. */
+/*
+ * Predicts the job's time. It stays unknown for pixels and paths, and for photons if a pilot found
+ * too few. It is also unknown if the early end of photons to sensors in mid-air makes too large a
+ * difference.
+ */
 void orl_run_foresee(struct orl_run_state *state)
 {
     const double most_apart = 3.5;

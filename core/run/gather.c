@@ -1,4 +1,4 @@
-/* A job by the techniques of photon maps: the maps, then sensors and views from them. */
+/* A job by the techniques of photon maps: maps first, then sensors and views from them. */
 #include "run/stages.h"
 
 #include <math.h>
@@ -11,14 +11,14 @@
 #include "render/gather/air.h"
 #include "render/image/image.h"
 
-/* Tells their numbers from those of maps. */
+/* Seed salt: keeps these random streams distinct from those of maps. */
 static const uint64_t photons_in_air = 0x616972;
 
 struct work {
     struct orl_run_state *state;
     struct orl_gather gather;
-    struct orl_aim aim;  /* of the sensors' rays */
-    struct orl_air *air; /* NULL: nothing sends light on into mid-air */
+    struct orl_aim aim;  /* for the sensors' rays */
+    struct orl_air *air; /* NULL: nothing redirects light into mid-air */
 };
 
 static struct orl_place place_of(const struct work *work, size_t index,
@@ -58,8 +58,8 @@ static void take_sensor(void *ctx, size_t index, const struct orl_sensor_found *
     orl_run_book_sensor(work->state, index, &found->estimate);
 }
 
-/* As for a caustic map that is asked for, and had; a plan stores fewer photons where a map shows
- * little of them, which says nothing of one sensor. */
+/* Returns the limit as for a requested caustic map. A plan stores fewer photons if a map would show
+ * little of them, which says nothing about a single sensor. */
 uint64_t orl_run_most_in_air(const struct orl_run_state *state)
 {
     const struct orl_plan *plan = &state->result->plan;
@@ -68,8 +68,8 @@ uint64_t orl_run_most_in_air(const struct orl_run_state *state)
                                                                    : plan->photons_caustic;
 }
 
-/* Rays of flights that nobody feels, for what they rule out: they take no longer than the global
- * map and what it is read for, where each photon has a ray of its own and is indexed and read. */
+/* Returns the ray budget for photons that change no sensor: at most the cost of building and
+ * reading the global map. There each photon takes a ray of its own and is indexed and read. */
 static double rays_not_felt(const struct orl_run_state *state)
 {
     const struct orl_plan *plan = &state->result->plan;
@@ -78,7 +78,7 @@ static double rays_not_felt(const struct orl_run_state *state)
     return state->job->photons_exact ? INFINITY : of_a_photon * (double)photons;
 }
 
-/* Caustics to sensors in mid-air: by photons of their own. */
+/* Adds caustics at sensors in mid-air, from photons traced for them. */
 static int catch_in_air(void *ctx, struct orl_error *err)
 {
     const struct work *work = ctx;
@@ -121,8 +121,9 @@ static enum orl_rest rest_of(enum orl_technique technique)
 }
 
 /*
- * Keys of maps tell of all that what is kept depends on: the scene, and how it was simulated. Maps
- * of rounds are read once, by bandwidths of their own: the shelf is not for them.
+ * Makes the shelf key; maps' keys include all that the data depend on: the scene, and the
+ * simulation. Returns false if the shelf is not used: maps of rounds are read once, with their own
+ * bandwidths.
  */
 static bool shelf_key(const struct orl_run_state *state, enum orl_rest rest,
                       char ret_key[ORL_SHELF_KEY])
@@ -134,14 +135,15 @@ static bool shelf_key(const struct orl_run_state *state, enum orl_rest rest,
     return state->env->shelf && !state->bandwidths && state->maps[first];
 }
 
-static void let_go(void *kept)
+static void free_gather(void *kept)
 {
     orl_gather_done(kept);
     free(kept);
 }
 
-/* What a job before this one has worked out, or all of it anew. */
-static int take_up(struct orl_run_state *state, enum orl_rest rest, struct orl_gather *ret_gather)
+/* Takes the data of an earlier job from the shelf, or computes them. */
+static int take_or_make_gather(struct orl_run_state *state, enum orl_rest rest,
+                               struct orl_gather *ret_gather)
 {
     const struct orl_photon_map *maps[ORL_MAP_KINDS];
     char key[ORL_SHELF_KEY];
@@ -165,7 +167,7 @@ static int take_up(struct orl_run_state *state, enum orl_rest rest, struct orl_g
     return code;
 }
 
-static void lay_by(const struct orl_run_state *state, struct orl_gather *gather)
+static void shelve_gather(const struct orl_run_state *state, struct orl_gather *gather)
 {
     char key[ORL_SHELF_KEY];
     struct orl_gather *kept = shelf_key(state, gather->rest, key) ? malloc(sizeof *kept) : NULL;
@@ -175,7 +177,7 @@ static void lay_by(const struct orl_run_state *state, struct orl_gather *gather)
     }
     const uint64_t bytes = orl_gather_pause(gather);
     *kept = *gather;
-    orl_shelf_put(state->env->shelf, key, kept, bytes, let_go);
+    orl_shelf_put(state->env->shelf, key, kept, bytes, free_gather);
 }
 
 int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
@@ -189,7 +191,7 @@ int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
     int code = orl_run_is_dark(state) ? 0 : orl_run_maps(state, err);
     if (code < 0)
         return code;
-    code = take_up(state, rest_of(state->result->plan.technique), &work.gather);
+    code = take_or_make_gather(state, rest_of(state->result->plan.technique), &work.gather);
     if (code == 0)
         code = orl_air_new(&work.gather, state->n_sensors, &work.air);
     if (code == 0 && state->n_sensors > 0) {
@@ -208,6 +210,6 @@ int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
     code = orl_run_render(state, &renderer, err);
     orl_air_free(work.air);
     orl_aim_done(&work.aim);
-    lay_by(state, &work.gather);
+    shelve_gather(state, &work.gather);
     return code;
 }

@@ -4,10 +4,10 @@
 
 #include <oriel/limits.h>
 
-/* What 95 % of an office's sensors are within, by maps or by backward, and the samples that it
- * takes. */
+/* Error that 95 % of an office's sensors stay within, by maps and by backward, and the samples for
+ * it. */
 static const double usual_error[] = {0.04, 0.02}, usual_samples[] = {4096, 2048};
-/* Of a job for an error of DGP. */
+/* For a goal of a DGP error. */
 enum { LEAST_ROUNDS = 4 };
 
 double orl_goal_guess_samples(const struct orl_goal *goal, bool backward, double of_round)

@@ -1,5 +1,5 @@
-/* What comes after a round: how large the next one is, by the job's goal, and what is left to do.
- */
+/* Decides what follows a round: the size of the next one by the job's goal, and the remaining
+ * work. */
 #include "run/goals.h"
 
 #include <math.h>
@@ -9,9 +9,9 @@
 #include "run/deadline.h"
 #include "run/goal_guess.h"
 
-/* Work is given up when this much more than what is allowed would be needed. */
+/* A job ends early if it would need this multiple of the allowed work. */
 static const double hopeless = 2;
-/* Of a job for an error of DGP. */
+/* For a goal of a DGP error. */
 enum { LEAST_ROUNDS = 4 };
 
 double orl_rounds_guess_wanted(const struct orl_rounds *r)
@@ -28,7 +28,8 @@ void orl_rounds_foresee(struct orl_rounds *r)
     const double samples = r->samples, done = r->pace.samples + samples;
     state->after_s = 0;
     if (r->pace.rounds > 0) {
-        const double beside = r->pace.beside_s / r->pace.rounds; /* after its last progress */
+        /* After its last progress report. */
+        const double beside = r->pace.beside_s / r->pace.rounds;
         orl_pace_foresee(&r->pace, &r->work, samples, foreseen);
         foreseen[ORL_STAGE_RENDER] -= beside;
         state->after_s = beside;
@@ -47,9 +48,9 @@ void orl_rounds_foresee(struct orl_rounds *r)
     }
 }
 
-static void end(struct orl_rounds *r, bool met, const char *format, ...)
+static void end_rounds(struct orl_rounds *r, bool met, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-static void end(struct orl_rounds *r, bool met, const char *format, ...)
+static void end_rounds(struct orl_rounds *r, bool met, const char *format, ...)
 {
     struct orl_outcome *outcome = &r->state->result->outcome;
     va_list args;
@@ -60,7 +61,7 @@ static void end(struct orl_rounds *r, bool met, const char *format, ...)
     r->ended = true;
 }
 
-/* After a round of a job for an accuracy: how large is the next one, if any. */
+/* Handles the end of a round of a job for an accuracy. */
 static void go_on_for_error(struct orl_rounds *r, const struct orl_parts *parts)
 {
     const double target = r->state->job->goal.relative_error, done = r->pace.samples;
@@ -70,18 +71,20 @@ static void go_on_for_error(struct orl_rounds *r, const struct orl_parts *parts)
         return;
     }
     if (r->error <= target) {
-        end(r, true, "%.3g %% is reached after %u round%s", 100 * r->error, r->count,
-            r->count == 1 ? "" : "s");
+        end_rounds(r, true, "%.3g %% is reached after %u round%s", 100 * r->error, r->count,
+                   r->count == 1 ? "" : "s");
         return;
     }
     const double wanted = done * orl_parts_work(parts, target);
     if (done >= limit)
-        end(r, false,
+        end_rounds(
+            r, false,
             "the limit of %.0f samples' worth of work is reached at %.3g %%; %.3g %% may be had "
             "by several jobs of other seeds, averaged",
             limit, 100 * r->error, 100 * target);
     else if (wanted > hopeless * limit && r->count > 1)
-        end(r, false,
+        end_rounds(
+            r, false,
             "it would take %.2g samples' worth of work, %.0f are allowed: ask for %.2g %% or more",
             wanted, limit, 100 * r->error * sqrt(done / limit) * 1.2);
     else
@@ -89,7 +92,7 @@ static void go_on_for_error(struct orl_rounds *r, const struct orl_parts *parts)
     r->wanted = fmin(wanted, limit);
 }
 
-/* Half the widest interval of DGP of a view that asks for metrics; NaN: not known. */
+/* Returns half the widest DGP interval of the views with metrics; NaN if unknown. */
 static double dgp_error(const struct orl_run_state *state)
 {
     double widest = 0;
@@ -106,8 +109,8 @@ static double dgp_error(const struct orl_run_state *state)
     return widest;
 }
 
-/* After a round of a job for an error of DGP. Rounds are equal until there are as many as batches
- * are kept apart; then pairs of these are one, and rounds are as large as they. */
+/* Handles the end of a round of a job for a DGP error. Rounds are equal until there are as many as
+ * batches are kept. Pairs of batches are then merged, and rounds grow to that size. */
 static void go_on_for_dgp(struct orl_rounds *r)
 {
     const double target = r->state->job->goal.dgp_error, limit = orl_work_limit();
@@ -115,12 +118,12 @@ static void go_on_for_dgp(struct orl_rounds *r)
     r->state->result->outcome.achieved = found;
     const double wanted = done * (found / target) * (found / target);
     if (r->count >= LEAST_ROUNDS && found <= target)
-        end(r, true, "%.2g is reached after %u rounds", found, r->count);
+        end_rounds(r, true, "%.2g is reached after %u rounds", found, r->count);
     else if (done >= limit || (r->count >= LEAST_ROUNDS && wanted > hopeless * limit))
-        end(r, false,
-            "%.2g is reached after %u rounds; %.2g would take %.2g samples' worth of work, "
-            "%.0f are allowed",
-            found, r->count, target, wanted, limit);
+        end_rounds(r, false,
+                   "%.2g is reached after %u rounds; %.2g would take %.2g samples' worth of work, "
+                   "%.0f are allowed",
+                   found, r->count, target, wanted, limit);
     while (!r->ended && done >= ORL_VIEW_BATCHES * r->samples)
         r->samples *= 2;
     r->wanted = fmin(fmax(wanted, done + r->samples), limit);
@@ -128,7 +131,7 @@ static void go_on_for_dgp(struct orl_rounds *r)
         r->wanted = fmax(r->wanted, LEAST_ROUNDS * r->samples);
 }
 
-/* After a round of a job for a deadline. */
+/* Handles the end of a round of a job for a deadline. */
 static void go_on_for_time(struct orl_rounds *r)
 {
     const double deadline = r->state->job->goal.deadline_s;
@@ -136,8 +139,8 @@ static void go_on_for_time(struct orl_rounds *r)
     const struct orl_deadline_next next = orl_deadline_next(&r->pace, &r->work, deadline, left);
     const char *plural = r->count == 1 ? "" : "s";
     if (r->error <= 0) {
-        end(r, true, "nothing is left to gain after %u round%s: no error is left", r->count,
-            plural);
+        end_rounds(r, true, "nothing is left to gain after %u round%s: no error is left", r->count,
+                   plural);
         return;
     }
     switch (next.step) {
@@ -147,23 +150,25 @@ static void go_on_for_time(struct orl_rounds *r)
             r->state->ends_s = 0;
         break;
     case ORL_DEADLINE_USED_UP:
-        end(r, true, "the time is used up: %u round%s took %.3g s of %.3g s", r->count, plural,
-            deadline - left, deadline);
+        end_rounds(r, true, "the time is used up: %u round%s took %.3g s of %.3g s", r->count,
+                   plural, deadline - left, deadline);
         break;
     case ORL_DEADLINE_NO_ROOM:
-        end(r, true,
+        end_rounds(
+            r, true,
             "no other round fits: %u round%s took %.3g s of %.3g s, and one more takes %.2g s; "
             "%.3g s hold it, or fewer pixels or sensors make it shorter",
             r->count, plural, deadline - left, deadline, next.least_s,
             deadline - left + next.least_s);
         break;
     case ORL_DEADLINE_TOO_LATE:
-        end(r, false,
-            r->count == 1 ? "%u round%s, the smallest there is, took %.3g s of %.3g s: fewer "
-                            "pixels or sensors are quicker"
-                          : "%u round%s took %.3g s of %.3g s: the last one took longer than "
-                            "those before",
-            r->count, plural, deadline - left, deadline);
+        end_rounds(r, false,
+                   r->count == 1
+                       ? "%u round%s, the smallest there is, took %.3g s of %.3g s: fewer "
+                         "pixels or sensors are quicker"
+                       : "%u round%s took %.3g s of %.3g s: the last one took longer than "
+                         "those before",
+                   r->count, plural, deadline - left, deadline);
         break;
     }
 }

@@ -1,7 +1,5 @@
-/*
- * Rounds on their way, between rounds.c, which runs them, and goals.c, which says how large the
- * next one is, or that there is none, and what is left to do.
- */
+/* State shared by rounds.c, which runs the rounds, and goals.c, which decides whether and how they
+ * continue. */
 #ifndef ORL_RUN_GOALS_H
 #define ORL_RUN_GOALS_H
 
@@ -13,16 +11,18 @@ struct orl_rounds {
     struct orl_work work;
     struct orl_pace pace;
     struct orl_findings findings;
-    double error;    /* of the whole, as it stands */
-    double samples;  /* of the round that runs; the mean over sensors */
-    double *shares;  /* and those of each sensor; NULL: as many for all */
-    uint32_t *spans; /* the same in whole numbers, then those of rounds before */
+    double error;    /* current error of the whole job */
+    double samples;  /* samples of the current round; the mean over sensors */
+    double *shares;  /* samples of each sensor; NULL: equal for all */
+    uint32_t *spans; /* the same in whole numbers, followed by the sums of earlier rounds */
     struct orl_sensor_round sensor_round;
-    double bandwidths[ORL_MAP_KINDS]; /* of the round */
+    double bandwidths[ORL_MAP_KINDS]; /* for the current round */
     uint32_t count;
-    uint32_t planned;                  /* of a job in one piece; 0: until its goal is met */
-    double wanted;                     /* samples in all, as it is thought; NaN: until a deadline */
-    double guessed_s[ORL_STAGE_COUNT]; /* of a job in one piece, before the first round */
+    /* Number of rounds of a job in equal parts; 0: until its goal is met. */
+    uint32_t planned;
+    double wanted; /* estimated total samples; NaN: until a deadline */
+    /* Estimate for the job without rounds, made before the first one. */
+    double guessed_s[ORL_STAGE_COUNT];
     bool ended;
 };
 
@@ -32,14 +32,15 @@ static inline double orl_rounds_now(const struct orl_rounds *r)
     return env->now_s(env->ctx);
 }
 
-/* Samples that the job may take in all, before anything is known of its errors; NaN: as many as a
- * deadline leaves room for. */
+/* Returns the estimated total samples before errors are known; NaN: limited only by a deadline. */
 double orl_rounds_guess_wanted(const struct orl_rounds *r);
 
-/* What the next round and those after it are going to take: into the state, for what is told. */
+/* Estimates the next round and those after it, and stores the times in the state, for progress
+ * reports. */
 void orl_rounds_foresee(struct orl_rounds *r);
 
-/* After a round of a job with a goal: r->samples of the next one, or r->ended and the outcome. */
+/* Handles the end of a round of a job with a goal: sets r->samples of the next one, or r->ended and
+ * the outcome. */
 void orl_rounds_go_on(struct orl_rounds *r, const struct orl_parts *parts);
 
 #endif

@@ -16,7 +16,7 @@ enum { NAME_MAX_BYTES = 200, PATH_SIZE = 4096 };
 
 /* ---- Checks ---------------------------------------------------------------------------------- */
 
-/* Parts between slashes, none of which is hidden or climbs. */
+/* Returns true for slash-separated parts, none of which is hidden or "..". */
 static bool is_name(const char *name)
 {
     const size_t length = name ? strlen(name) : 0;
@@ -94,7 +94,7 @@ static int add_sensors(struct gathering *all, const struct orl_sensor *more, siz
     return 0;
 }
 
-/* Doubled, so that many small grids cost no more than one large one. */
+/* Ensures capacity, doubled each time, so that many small grids cost no more than a large one. */
 static int make_room(struct gathering *all, size_t *room, size_t count, struct orl_error *err)
 {
     if (all->list && all->count + count <= *room)
@@ -177,14 +177,16 @@ int orl_run_load_grids(struct orl_run_state *state, struct orl_error *err)
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* "SKY." in front of other files is the folder SKY here. */
+/* Returns the length of the folder name in a prefix: "SKY." before other files is the folder SKY
+ * here. */
 static int folder_length(const char *prefix)
 {
     const size_t length = prefix ? strlen(prefix) : 0;
     return (int)(length > 0 && prefix[length - 1] == '.' ? length - 1 : length);
 }
 
-/* The name below the output folder, owned, and its path; folders on the way are made. */
+/* Makes the name below the output folder, owned by the caller, and its path. Creates the folders in
+ * between. */
 static int name_file(const struct orl_run_state *state, const char *grid, const char *ending,
                      char **ret_name, char ret_path[PATH_SIZE], struct orl_error *err)
 {
@@ -236,7 +238,7 @@ static int write_npy(const struct orl_run_state *state, const struct orl_grid_re
     return code;
 }
 
-/* Names hold nothing that JSON would have to escape. */
+/* Writes a grid's entry; names contain no characters that JSON escapes. */
 static void put_info(FILE *stream, const struct orl_grid_result *grid, const char *between)
 {
     const char *slash = strrchr(grid->name, '/');

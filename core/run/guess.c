@@ -1,4 +1,4 @@
-/* What the stages of a job are going to take, roughly, before anything was measured. */
+/* Rough estimates of the stages' times, before anything is measured. */
 #include <math.h>
 #include <string.h>
 
@@ -6,18 +6,20 @@
 #include "run/goal_guess.h"
 #include "run/pieces.h"
 
-/* Rough costs, microseconds on one core: a photon traced (where no pilot has told), one of a
- * virtual lamp, one indexed, one among the records made of its map; a gather ray, what one reads of
- * the map for the first time, all of the map at the most, by photons; a path by backward, of a
- * sensor and of a pixel. */
+/*
+ * Rough costs in microseconds on one core. Photons: one traced (without a pilot), one virtual light
+ * traced, one photon indexed, and one made into records. Gather rays: one ray, its first reads of
+ * the map, and one read of each photon as the limit of these. Paths by backward: for a sensor, and
+ * for a pixel.
+ */
 static const double photon_us = 0.5, lamp_us = 0.8, index_us = 0.28, record_us = 0.3,
                     gather_us = 2.2, first_us = 15, leaf_us = 0.7, path_us = 7.5,
                     pixel_path_us = 10;
-/* Of a view by a final gather, beside its pixels. */
+/* Cost of a view by a final gather, besides its pixels. */
 static const double view_us = 5.5e5;
-/* Of a pixel in one file of a picture. */
+/* Cost of a pixel in one picture file. */
 static const double write_us = 0.08;
-/* Of a pixel, by technique. */
+/* Cost of a pixel, by technique. */
 static const double pixel_us[] = {[ORL_TECHNIQUE_AUTO] = 20,
                                   [ORL_TECHNIQUE_DIRECT] = 15,
                                   [ORL_TECHNIQUE_PRECOMPUTED] = 9,
@@ -40,7 +42,7 @@ static double paint_us(const struct orl_run_state *state)
     return technique == ORL_TECHNIQUE_BACKWARD ? samples * pixel_path_us : pixel_us[technique];
 }
 
-/* And of all views, and of all sensors. */
+/* Returns the microseconds on one core for painting all views. */
 static double views_us(const struct orl_run_state *state)
 {
     const struct orl_job *job = state->job;
@@ -51,7 +53,7 @@ static double views_us(const struct orl_run_state *state)
 double orl_run_painting_share(const struct orl_run_state *state,
                               const struct orl_view_request *view)
 {
-    double files = 4; /* HDR and PNG, and of errors */
+    double files = 4; /* HDR and PNG, and their errors */
     for (uint32_t formats = view->formats; formats != 0; formats &= formats - 1)
         files++;
     const double painting = paint_us(state);
@@ -64,7 +66,8 @@ double orl_run_photons_as_views(const struct orl_run_state *state)
     return times * views_us(state) / (photon_us + index_us);
 }
 
-/* Of the map each part is read for the first time once: the more of it was, the fewer rays do. */
+/* Returns the cost of first reads. Each part of the map is read for the first time once; the more
+ * has been read, the fewer rays pay for it. */
 static double first_reads_us(const struct orl_run_state *state, double rays)
 {
     const struct orl_plan *plan = &state->result->plan;
@@ -104,8 +107,10 @@ double orl_run_sensors_share(const struct orl_run_state *state)
     return all > 0 ? sensors / all : 1;
 }
 
-/* Of this machine in this scene, where a pilot has told, against what the costs above were found
- * by: as the root, for gathering rays differ less from machine to machine than a short pilot's do.
+/*
+ * Returns the slowness of this machine and scene relative to the costs above, if a pilot has
+ * measured it. It is a square root, because gather rays differ less between machines than a short
+ * pilot's do.
  */
 static double slowness(const struct orl_run_state *state)
 {
@@ -115,7 +120,7 @@ static double slowness(const struct orl_run_state *state)
     return f->known && ray_us > 0 ? sqrt(fmin(fmax(ray_us / usual_us, least), most)) : 1;
 }
 
-/* Microseconds on one core, as seconds of the crew on this machine. */
+/* Returns the factor from microseconds on one core to seconds of this machine's crew. */
 static double crew_s(const struct orl_run_state *state)
 {
     return 1e-6 / orl_crew_size(state->env->crew) * slowness(state);
@@ -134,7 +139,7 @@ bool orl_run_is_measured(const struct orl_run_state *state)
     return state->env->part_stages_s && !orl_goal_is_set(&state->job->goal);
 }
 
-/* Those of the plan. */
+/* Returns the cost of the plan's photons. */
 static double photons_us(const struct orl_plan *plan, double photons)
 {
     const bool lamps = plan->technique == ORL_TECHNIQUE_BACKWARD;
@@ -160,10 +165,10 @@ uint64_t orl_run_guess_bytes(const struct orl_job *job)
            ORL_PHOTON_BYTES * (target_of(job->photons_global) + target_of(job->photons_caustic));
 }
 
-/* Of a job in one piece. */
+/* Returns the seconds on one core of a job without rounds. */
 static double settings_core_s(const struct orl_job *job)
 {
-    const double start_us = 5e5; /* what every run begins with */
+    const double start_us = 5e5; /* start-up cost of every run */
     struct orl_result result = {.n_sensors = job->n_sensors};
     const struct orl_run_state state = {.job = job, .result = &result, .n_sensors = job->n_sensors};
     struct orl_plan *plan = &result.plan;
@@ -175,8 +180,8 @@ static double settings_core_s(const struct orl_job *job)
     return 1e-6 * (start_us + photons_us(plan, photons) + sensors_us(&state) + views_us(&state));
 }
 
-/* By so many of the samples that jobs have without a goal, which go with the usual photons and
- * pixels (cost.h). */
+/* Returns the seconds on one core of a job with a goal: those of a job with default settings,
+ * scaled by the estimated samples (cost.h). */
 static double goal_core_s(const struct orl_job *job, enum orl_technique technique)
 {
     const bool backward = technique == ORL_TECHNIQUE_BACKWARD;

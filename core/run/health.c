@@ -1,4 +1,4 @@
-/* What the run counted of its numbers, put into words where it matters. */
+/* Turns the counters of a run into warnings. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -8,18 +8,19 @@
 
 enum { OUTLOOK_PATHS = 16384, VIEW_PATHS = 2048 };
 
-/* So many times the geometry's resolution away from a surface an eye is clear of it. */
+/* Distance from a surface at which an eye is clear of it, in units of the geometry's resolution. */
 static const double clear_of_surfaces = 10;
 
-/* Shares from which on a warning is due. */
+/* Shares that cause a warning. */
 static const double many_leaks = 1e-6, grave_leaks = 1e-3, much_flux = 1e-4, many_paths = 1e-3,
                     many_values = 1e-3, many_sparse = 0.1;
 
-/* BSDFs that would have made light out of nothing are each said once; the rest is counted. */
+/* Counts the scene's faults. Warns once of each BSDF that would create energy; others are only
+ * counted. */
 void orl_run_count_scene(struct orl_run_state *state, const struct orl_scene *scene)
 {
     const struct orl_description *d = &scene->description;
-    const double tolerance = 1e-3; /* the check of BSDFs passes that over, too */
+    const double tolerance = 1e-3; /* tolerance of the check of BSDFs */
     struct orl_health *h = &state->result->health;
     h->degenerate = d->n_degenerate;
     h->surfaces = scene->description.n_read;
@@ -57,7 +58,7 @@ static struct orl_vec3 moved(const struct orl_run_state *state, struct orl_vec3 
     return orl_sub(point, state->world->geometry->center);
 }
 
-/* Every sensor and every eye of the job; NULL when out of memory or when there are none. */
+/* Lists every sensor and every eye of the job, owned by the caller; NULL if out of memory. */
 static struct orl_outlook *list_outlooks(const struct orl_run_state *state, size_t *ret_count)
 {
     const struct orl_job *job = state->job;
@@ -81,8 +82,11 @@ bool orl_run_is_dark(struct orl_run_state *state)
 {
     const struct orl_world *world = state->world;
     size_t count = 0;
-    /* A port is a way in; parallel views see from everywhere, and some through what they are
-     * behind; no light at all is soon found out. */
+    /*
+     * The test is skipped if light has a port to enter by, or if there is no light at all (a cheap
+     * case). It is also skipped for views that see from everywhere (parallel) or through surfaces
+     * (-bv-).
+     */
     if (world->n_ports > 0 || world->n_suns + world->n_domes + world->n_emitters == 0)
         return false;
     for (size_t i = 0; i < state->job->n_views; i++) {
@@ -135,9 +139,9 @@ void orl_run_judge_views(struct orl_run_state *state)
     }
 }
 
-/* ---- The verdict ----------------------------------------------------------------------------- */
+/* ---- Warnings -------------------------------------------------------------------------------- */
 
-static double share(uint64_t part, uint64_t whole)
+static double share_of(uint64_t part, uint64_t whole)
 {
     return whole > 0 ? (double)part / (double)whole : 0;
 }
@@ -146,7 +150,7 @@ static void judge_leaks(struct orl_run_state *state, const struct orl_health *h)
 {
     const struct orl_vec3 p = h->leak_from, d = h->leak_towards;
     const unsigned long long leaked = h->rays_leaked, rays = h->rays;
-    const double lost = share(h->rays_leaked, h->rays);
+    const double lost = share_of(h->rays_leaked, h->rays);
     char place[160] = "", verdict[160];
     if (!(lost > many_leaks))
         return;
@@ -166,11 +170,12 @@ static void judge_leaks(struct orl_run_state *state, const struct orl_health *h)
                  leaked, rays, place, verdict);
 }
 
-/* Fewer than 8 photons scatter by more than 1 / sqrt(8). What that does depends on who looks. */
+/* Warns of estimates from few photons: fewer than 8 scatter by more than 1 / sqrt(8). The effect
+ * depends on the technique. */
 static void judge_sparse(struct orl_run_state *state, const struct orl_health *h)
 {
     const bool shown = state->result->plan.technique == ORL_TECHNIQUE_DIRECT;
-    const double sparse = share(h->sparse, h->estimates);
+    const double sparse = share_of(h->sparse, h->estimates);
     if (!(sparse > many_sparse))
         return;
     orl_run_warn(
@@ -198,12 +203,12 @@ void orl_run_judge_health(struct orl_run_state *state)
                      "photons: surfaces that absorb next to nothing come out too dark",
                      100 * h->flux_capped_w / h->flux_w, (unsigned long long)h->photons_capped,
                      (unsigned long long)h->photons);
-    if (share(h->paths_capped, h->paths) > many_paths)
+    if (share_of(h->paths_capped, h->paths) > many_paths)
         orl_run_warn(state,
                      "%.3g %% of the paths from sensors and views were cut at the bounce "
                      "limit: results are too low, by less than that",
-                     100 * share(h->paths_capped, h->paths));
-    if (share(h->bsdf_clamped, h->bsdf_values) > many_values)
+                     100 * share_of(h->paths_capped, h->paths));
+    if (share_of(h->bsdf_clamped, h->bsdf_values) > many_values)
         orl_run_warn(state, "%llu of %llu values of the BSDFs are negative and were read as zero",
                      (unsigned long long)h->bsdf_clamped, (unsigned long long)h->bsdf_values);
     judge_sparse(state, h);

@@ -62,8 +62,8 @@ void orl_job_done(struct orl_job *job)
     memset(job, 0, sizeof *job);
 }
 
-/* Whether a view of that name would write its pictures where the other writes some of its own:
- * "a.error" beside "a", of which there is a.error.png. same: letters they have in common. */
+/* Returns true if a view's files would collide with those of another: "a.error" beside "a", which
+ * has a.error.png. same: length of their common prefix. */
 static bool is_part_of(const char *name, const char *of, size_t same)
 {
     if (of[same] != '\0' || name[same] != '.')
@@ -128,7 +128,7 @@ static int validate_view(const struct orl_job *job, size_t index, struct orl_err
         (v->glare.task.x > v->width || v->glare.task.y > v->height))
         return orl_error_set(err, ORL_ERR_RANGE, "view '%s': its task lies outside of it", v->name);
     code = orl_view_parse(v->view ? v->view : "", &view, err);
-    /* What a file has besides may make sense of it. */
+    /* Other options in the file may complete the view. */
     if (v->file && code != ORL_ERR_SYNTAX)
         return 0;
     if (code == 0 && v->metrics != 0)
@@ -200,7 +200,7 @@ static int validate_sky_name(const struct orl_job *job, size_t index, struct orl
     return 0;
 }
 
-/* By name, and those of one name as they stand in the job. */
+/* Sorts by name, and by position in the job for equal names. */
 static int compare_skies(const void *a, const void *b)
 {
     const struct orl_named_sky *x = *(const struct orl_named_sky *const *)a;
@@ -209,7 +209,7 @@ static int compare_skies(const void *a, const void *b)
     return by_name != 0 ? by_name : (x > y) - (x < y);
 }
 
-/* The first sky that has the name of one before it is an error. */
+/* Reports the first sky that repeats an earlier name. */
 static int validate_own_names(const struct orl_job *job, struct orl_error *err)
 {
     const struct orl_named_sky **sorted = malloc(job->n_skies * sizeof(struct orl_named_sky *));
@@ -268,7 +268,7 @@ static int validate_skies(const struct orl_job *job, struct orl_error *err)
     return code < 0 ? code : validate_own_names(job, err);
 }
 
-/* Files of a sequence begin with "sequence.", those of a sky with its name. */
+/* Validates a sequence. Its files begin with "sequence.", those of a sky with its name. */
 static int validate_sequence(const struct orl_job *job, struct orl_error *err)
 {
     if (!job->sequence.asked)

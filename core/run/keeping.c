@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Into the path that the store gave. */
+/* Writes to the path that the store supplied, and commits. */
 static int write_and_commit(struct orl_run_state *state, const struct orl_keepable *thing,
                             const char *path, double seconds, struct orl_error *err)
 {

@@ -1,9 +1,9 @@
 /*
- * Things that take long to load, and no job's own: found in the store beside the photon maps, where
- * an earlier job has kept them, or made and kept. The result is the same either way, to the bit.
+ * Caches data that take long to load and do not depend on the job. They are found in the store
+ * beside the photon maps, or made and stored. The result is bit-identical in both cases.
  *
- * A kept file that is damaged or of an earlier version is made again, with a warning; one that
- * cannot be kept costs nothing but time.
+ * A stored file that is damaged or of an earlier version is made again, with a warning. Failing to
+ * store costs only time.
  */
 #ifndef ORL_RUN_KEEPING_H
 #define ORL_RUN_KEEPING_H
@@ -11,19 +11,22 @@
 #include "run/stages.h"
 
 struct orl_keepable {
-    const char *kind, *key;  /* as the store has it */
+    const char *kind, *key;  /* names in the store */
     const char *what, *name; /* "BSDF", "pane.xml", for messages */
-    bool outdates; /* it is of files that the key does not tell, too: ORL_ERR_VERSION is no news */
+    /* True if it also depends on files that the key does not include, so that ORL_ERR_VERSION
+     * causes no warning. */
+    bool outdates;
     void *ctx;
     int (*open)(void *ctx, const char *path, struct orl_error *err);
     int (*make)(void *ctx, struct orl_error *err);
-    /* What was made is worth keeping? NULL: always. */
+    /* Returns true if the data are worth storing. NULL: always. */
     bool (*is_worth_it)(void *ctx);
-    /* Writes it, and fills the info's bytes and stored. */
+    /* Writes the data, and fills the info's bytes and stored. */
     int (*keep)(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err);
 };
 
-/* The state's env has a store. What open, make and cancelling give. */
+/* Opens or makes the thing. The state's env must have a store. Returns the codes of open and make,
+ * or ORL_ERR_CANCELLED. */
 int orl_run_keep(struct orl_run_state *state, const struct orl_keepable *thing,
                  struct orl_error *err);
 

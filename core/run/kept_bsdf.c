@@ -17,9 +17,9 @@ static bool read_kept(const struct orl_kept_bsdf *bsdf, const char *path, const 
     return found;
 }
 
-/* Whether it is there now; what fails leaves it to be made by whoever wants it next. */
-static bool put(const struct orl_kept_bsdf *bsdf, const struct orl_map_store *store,
-                const char *path, struct orl_map_info *info)
+/* Stores the BSDF. Returns false on failure; the next job then makes it again. */
+static bool store_bsdf(const struct orl_kept_bsdf *bsdf, const struct orl_map_store *store,
+                       const char *path, struct orl_map_info *info)
 {
     struct orl_kept_about about = {.rays = 0};
     size_t size = 0;
@@ -41,7 +41,7 @@ static int make_and_put(const struct orl_kept_bsdf *bsdf, const struct orl_bsdf_
     const double began_s = keep->now_s(env->ctx);
     const int code = bsdf->make(bsdf->ctx, err);
     info->seconds = keep->now_s(env->ctx) - began_s;
-    if (code == 0 && path[0] && put(bsdf, store, path, info))
+    if (code == 0 && path[0] && store_bsdf(bsdf, store, path, info))
         store->release(store->ctx, ORL_MADE_KIND, info->key);
     else if (path[0])
         store->abandon(store->ctx, ORL_MADE_KIND, info->key);
@@ -64,7 +64,7 @@ int orl_kept_bsdf_get(const struct orl_kept_bsdf *bsdf, const struct orl_bsdf_ma
                            (atomic_bool *)(uintptr_t)env->cancel, path, &hit, &found, NULL);
         if (code == ORL_ERR_CANCELLED)
             return orl_error_set(err, code, "cancelled");
-        if (code < 0) { /* it is made for this job alone */
+        if (code < 0) { /* it is made for this job only */
             path[0] = '\0';
             break;
         }

@@ -18,8 +18,8 @@ struct header {
     uint32_t version, byte_order;
     char key[ORL_DIGEST_HEX], family[ORL_DIGEST_HEX];
     uint64_t target, rays;
-    uint64_t words, coded;                      /* in all, and as the file has them */
-    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* of all after the header */
+    uint64_t words, coded;                      /* number of words, decoded and encoded */
+    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* checksum of all after the header */
     unsigned char of_header[ORL_CHECKSUM_BYTES];
 };
 _Static_assert(sizeof(struct header) == 208, "without holes");
@@ -36,7 +36,7 @@ static size_t count_zeros(const uint32_t *words, size_t at, size_t n)
     return at - from;
 }
 
-/* Up to the next zeros that are worth a run. */
+/* Returns the number of words before the next zeros that are worth a run. */
 static size_t count_others(const uint32_t *words, size_t at, size_t n)
 {
     const size_t from = at;
@@ -49,7 +49,7 @@ static size_t count_others(const uint32_t *words, size_t at, size_t n)
     return at - from;
 }
 
-/* Returns how many words; NULL: they are only counted. */
+/* Encodes the words; returns their encoded number. ret_coded: NULL only counts. */
 static size_t encode(const uint32_t *words, size_t n, uint32_t *ret_coded)
 {
     size_t used = 0;
@@ -129,7 +129,7 @@ int orl_kept_write(const char *path, struct orl_kept_about *about, const void *d
 
 /* ---- Reading --------------------------------------------------------------------------------- */
 
-static int damaged(const char *path, struct orl_error *err)
+static int report_damage(const char *path, struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_CORRUPT, "'%s' is cut, damaged or of something else", path);
     return ORL_ERR_CORRUPT;
@@ -140,7 +140,7 @@ static int check_header(const char *path, const struct header *h, uint64_t bytes
 {
     unsigned char sum[ORL_CHECKSUM_BYTES];
     if (memcmp(h->magic, "ORIELKP", sizeof h->magic) != 0)
-        return damaged(path, err);
+        return report_damage(path, err);
     if (h->version != VERSION || h->byte_order != BYTE_ORDER_MARK) {
         orl_error_set(err, ORL_ERR_VERSION, "'%s' is of another version", path);
         return ORL_ERR_VERSION;
@@ -149,11 +149,11 @@ static int check_header(const char *path, const struct header *h, uint64_t bytes
     if (memcmp(sum, h->of_header, sizeof sum) != 0 ||
         h->coded > (bytes - sizeof *h) / sizeof(uint32_t) ||
         bytes != sizeof *h + h->coded * sizeof(uint32_t) || h->words > SIZE_MAX / sizeof(uint32_t))
-        return damaged(path, err);
+        return report_damage(path, err);
     return 0;
 }
 
-/* *ret_file is to be closed where that succeeds. */
+/* Opens a file and checks its header. The caller closes *ret_file on success. */
 static int open_file(const char *path, struct header *h, struct orl_kept_about *ret_about,
                      FILE **ret_file, struct orl_error *err)
 {
@@ -161,13 +161,13 @@ static int open_file(const char *path, struct header *h, struct orl_kept_about *
     FILE *file = orl_stream_regular(path, 'r');
     if (!file) {
         if (errno == ORL_OPEN_NOT_REGULAR)
-            return damaged(path, err);
+            return report_damage(path, err);
         orl_error_set(err, ORL_ERR_IO, "cannot open '%s': %s", path, strerror(errno));
         return ORL_ERR_IO;
     }
     int code = 0;
     if (fstat(fileno(file), &st) != 0 || fread(h, sizeof *h, 1, file) != 1)
-        code = damaged(path, err);
+        code = report_damage(path, err);
     if (code == 0)
         code = check_header(path, h, (uint64_t)st.st_size, err);
     if (code < 0) {
@@ -197,9 +197,9 @@ static int read_coded(const char *path, FILE *file, const struct header *h, uint
 {
     unsigned char sum[ORL_CHECKSUM_BYTES];
     if (fread(coded, sizeof *coded, h->coded, file) != h->coded)
-        return damaged(path, err);
+        return report_damage(path, err);
     orl_checksum_of(coded, h->coded * sizeof *coded, sum);
-    return memcmp(sum, h->checksum, sizeof sum) == 0 ? 0 : damaged(path, err);
+    return memcmp(sum, h->checksum, sizeof sum) == 0 ? 0 : report_damage(path, err);
 }
 
 static int read_words(const char *path, FILE *file, const struct header *h, void **ret_data,
@@ -213,7 +213,7 @@ static int read_words(const char *path, FILE *file, const struct header *h, void
     if (code == 0)
         code = read_coded(path, file, h, coded, err);
     if (code == 0 && words && !decode(coded, h->coded, words, h->words))
-        code = damaged(path, err);
+        code = report_damage(path, err);
     free(coded);
     if (code < 0 || !ret_data) {
         free(words);
@@ -233,7 +233,7 @@ int orl_kept_read(const char *path, const char *key, struct orl_kept_about *ret_
     if (code < 0)
         return code;
     code = key && strcmp(key, ret_about->key) != 0
-               ? damaged(path, err)
+               ? report_damage(path, err)
                : read_words(path, file, &h, ret_data, ret_size, err);
     fclose(file);
     return code;

@@ -15,21 +15,21 @@ enum { LEAST_SURFACES = 10000, LEAST_BYTES = 1 << 18 };
 struct reading {
     struct orl_run_state *state;
     struct orl_bsdf_loader loader;
-    struct orl_sources sources;                /* main files, once they are opened */
-    struct orl_description *description;       /* of the caller's */
-    unsigned char content[ORL_SEALED_CONTENT]; /* what it is of */
+    struct orl_sources sources;                /* main files, once opened */
+    struct orl_description *description;       /* owned by the caller */
+    unsigned char content[ORL_SEALED_CONTENT]; /* digest of all that the scene depends on */
 };
 
-/* Sources, unless they are there. */
-static void begin(struct reading *r)
+/* Initialises the sources unless they exist. */
+static void init_sources(struct reading *r)
 {
     if (!r->sources.arena)
         orl_sources_init(&r->sources, r->state->env->files, &r->loader, orl_arena_new());
 }
 
-/* ---- What it goes by ------------------------------------------------------------------------- */
+/* ---- Key ------------------------------------------------------------------------------------- */
 
-/* Whether the text names other files of surfaces: then its size says little. */
+/* Returns true if the text names other files of surfaces, so that its size says little. */
 static bool names_more(const struct orl_file *file)
 {
     static const char *const endings[] = {".rad", ".oct", ".rtm",  ".obj",
@@ -40,7 +40,7 @@ static bool names_more(const struct orl_file *file)
     return false;
 }
 
-/* The scene's own files, as far as the job names them; *ret_large: it may be worth keeping. */
+/* Hashes the scene's own files that the job names; *ret_large: the scene may be worth storing. */
 static int digest_files(struct reading *r, struct orl_sha256 *hash, bool *ret_large)
 {
     const struct orl_job *const job = r->state->job;
@@ -64,7 +64,7 @@ static int digest_files(struct reading *r, struct orl_sha256 *hash, bool *ret_la
     return code;
 }
 
-/* False: it is not to be kept. */
+/* Computes the key. Returns false if the scene is not to be stored. */
 static bool identify(struct reading *r)
 {
     static const char start[] = "oriel scene";
@@ -77,7 +77,7 @@ static bool identify(struct reading *r)
     orl_sha256_add(&hash, start, sizeof start);
     if (!orl_build_add(&hash))
         return false;
-    begin(r);
+    init_sources(r);
     if (digest_files(r, &hash, &large) < 0 || !large)
         return false;
     if (state->swaps)
@@ -86,15 +86,15 @@ static bool identify(struct reading *r)
     return true;
 }
 
-/* ---- Read, or found -------------------------------------------------------------------------- */
+/* ---- Reading and storing --------------------------------------------------------------------- */
 
-static int make(void *ctx, struct orl_error *err)
+static int make_scene(void *ctx, struct orl_error *err)
 {
     struct reading *const r = ctx;
     const struct orl_run_state *const state = r->state;
     const struct orl_job *const job = state->job;
     struct orl_description *const d = r->description;
-    begin(r);
+    init_sources(r);
     int code = orl_scene_parse_begun((const char *const *)job->scene_files, job->n_scene_files,
                                      &r->sources, state->swaps != NULL, d, err);
     d->cancel = state->env->cancel;
@@ -111,7 +111,8 @@ static bool is_worth_it(void *ctx)
     return r->description->n_read >= LEAST_SURFACES && orl_description_can_be_kept(r->description);
 }
 
-static int keep(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err)
+static int write_scene(void *ctx, const char *path, struct orl_map_info *info,
+                       struct orl_error *err)
 {
     const struct reading *const r = ctx;
     info->stored = r->description->n_read;
@@ -121,7 +122,7 @@ static int keep(void *ctx, const char *path, struct orl_map_info *info, struct o
 static int open_kept(void *ctx, const char *path, struct orl_error *err)
 {
     struct reading *const r = ctx;
-    begin(r);
+    init_sources(r);
     const int code = orl_description_open(path, r->content, &r->sources, r->description, err);
     if (code == 0)
         r->description->cancel = r->state->env->cancel;
@@ -142,11 +143,11 @@ int orl_run_read_scene(struct orl_run_state *state, struct orl_description *ret_
         .outdates = true,
         .ctx = &r,
         .open = open_kept,
-        .make = make,
+        .make = make_scene,
         .is_worth_it = is_worth_it,
-        .keep = keep};
+        .keep = write_scene};
     if (!identify(&r))
-        return make(&r, err);
+        return make_scene(&r, err);
     sodium_bin2hex(key, sizeof key, r.content, sizeof r.content);
     const int code = orl_run_keep(state, &thing, err);
     if (r.sources.arena) { /* cancelled while another job read it */

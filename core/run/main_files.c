@@ -1,4 +1,4 @@
-/* Which files of a folder are the scene, and which are only named by others. */
+/* Distinguishes the main scene files of a folder from those that only other files name. */
 #include <oriel/run.h>
 #include <oriel/scanner.h>
 
@@ -6,15 +6,15 @@
 #include <string.h>
 #include <strings.h>
 
-/* Names looked up in one folder: a bound on time. */
+/* Limit of names looked up in one folder; it bounds the time. */
 enum { MOST_NAMES = 100000 };
 
-/* The folder's files, and what is known of them. */
+/* The folder's files and their state. */
 struct reading {
     const char *const *names;
     size_t count;
     bool *main;
-    size_t holder; /* of the command */
+    size_t holder; /* index of the file that contains the current command */
     size_t n_names;
 };
 
@@ -23,9 +23,9 @@ static bool is_radiance(const char *name, size_t length)
     return length > 4 && strncasecmp(name + length - 4, ".rad", 4) == 0;
 }
 
-/* What a command names is no main file, unless it is the one that holds the command. */
-static void strike(struct reading *r, const char *folder, size_t folder_length, const char *word,
-                   size_t length)
+/* Unmarks a file named by a command, unless it contains the command itself. */
+static void unmark_file(struct reading *r, const char *folder, size_t folder_length,
+                        const char *word, size_t length)
 {
     for (size_t i = 0; i < r->count; i++) {
         const char *name = r->names[i];
@@ -42,7 +42,8 @@ static size_t folder_length(const char *name)
     return slash ? (size_t)(slash - name) + 1 : 0;
 }
 
-/* Names are looked for beside the file that says them, and else from the top. */
+/* Handles a name in a command: it is relative to the file that contains it, or to the top
+ * folder. */
 static void read_word(struct reading *r, const char *word, size_t length)
 {
     const char *holder = r->names[r->holder];
@@ -53,17 +54,18 @@ static void read_word(struct reading *r, const char *word, size_t length)
         word += 2;
         length -= 2;
     }
-    strike(r, holder, 0, word, length);
+    unmark_file(r, holder, 0, word, length);
     while (folder > 0 && length > 3 && strncmp(word, "../", 3) == 0) {
         for (folder--; folder > 0 && holder[folder - 1] != '/'; folder--)
             ;
         word += 3;
         length -= 3;
     }
-    strike(r, holder, folder, word, length);
+    unmark_file(r, holder, folder, word, length);
 }
 
-/* Lines with '!' in front, and those that a backslash joins to them. What is no text has none. */
+/* Reads the commands of a file: lines that begin with '!', with their continuations after a
+ * backslash. Binary files have none. */
 static void read_commands(struct reading *r, const struct orl_file *text)
 {
     struct orl_scanner scanner;
@@ -80,8 +82,8 @@ static void read_commands(struct reading *r, const struct orl_file *text)
     }
 }
 
-/* The top: the folder of Radiance files that lies in the fewest others. Of several such, none is.
- */
+/* Marks the files of the top folder: the one with Radiance files at the least depth. Marks none if
+ * several folders qualify. */
 static void mark_top(const char *const *names, size_t count, bool *ret_main)
 {
     size_t fewest = SIZE_MAX, top = count;

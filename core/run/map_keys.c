@@ -1,14 +1,14 @@
-/* What a map is called: a digest of the digests of all that it depends on. */
+/* Names of maps: digests of the digests of all that they depend on. */
 #include <sodium.h>
 
 #include <oriel/sha256.h>
 
 #include "run/map_keys.h"
 
-/* What a map's photons depend on beyond the scene: raised when their making changes. */
+/* Version of photon tracing; raised when photons change for the same scene. */
 static const char recipe[] = "oriel photons 22";
 
-/* And what precomputed irradiance does beyond its global map. */
+/* Version of precomputed irradiance, apart from its global map. */
 static const char records_recipe[] = "oriel records 24";
 
 static void finish_hex(struct orl_sha256 *hash, char ret_hex[ORL_DIGEST_HEX + 1])
@@ -18,7 +18,7 @@ static void finish_hex(struct orl_sha256 *hash, char ret_hex[ORL_DIGEST_HEX + 1]
     sodium_bin2hex(ret_hex, ORL_DIGEST_HEX + 1, digest, sizeof digest);
 }
 
-/* From a digest of all but a number. */
+/* Makes a key from a number and the digest of everything else. */
 static void make_key(const char *text, size_t length, const char digest_of_rest[ORL_DIGEST_HEX + 1],
                      uint64_t number, char ret_key[ORL_DIGEST_HEX + 1])
 {
@@ -30,10 +30,8 @@ static void make_key(const char *text, size_t length, const char digest_of_rest[
     finish_hex(&hash, ret_key);
 }
 
-/*
- * What the plan leaves out of scene and lights, as photons know it. So that jobs share maps whose
- * plans differ in nothing that photons know, it is the world that counts, not the plan.
- */
+/* Digests the plan's omissions that affect photons. It uses the world instead of the plan, so that
+ * jobs whose plans differ only in what photons do not depend on share maps. */
 static void digest_plan(const struct orl_world *world, enum orl_map_kind kind,
                         unsigned char ret_digest[ORL_SHA256_BYTES])
 {
@@ -68,7 +66,7 @@ static void digest_plan(const struct orl_world *world, enum orl_map_kind kind,
     orl_sha256_finish(&hash, ret_digest);
 }
 
-/* By scene, lights and plan, each by a digest of its own. */
+/* Makes the family from separate digests of scene, lights and plan. */
 static void make_family(const struct orl_run_state *state, enum orl_map_kind kind,
                         char ret_family[ORL_DIGEST_HEX + 1])
 {

@@ -6,7 +6,8 @@
 #include "run/map_keys.h"
 #include "run/pieces.h"
 
-/* One photon of so many emissions, and so many of these, are worth a word. */
+/* Warn if fewer than one photon per FEW_PHOTONS emissions is stored and there were more than
+ * MANY_EMISSIONS. */
 enum { FEW_PHOTONS = 16, MANY_EMISSIONS = 10000000 };
 
 struct map_work {
@@ -15,20 +16,20 @@ struct map_work {
     char path[4096];
     struct orl_map_name name;
     struct orl_map_info info;
-    struct orl_photon_map *earlier; /* smaller, of the same family: to be topped up; or NULL */
+    struct orl_photon_map *earlier; /* smaller map of the same family, which is extended; or NULL */
     struct orl_map_info earlier_info;
 };
 
-/* Where maps are kept; NULL: nowhere, they go with the run, as a pilot's do. */
+/* Returns the store, or NULL if maps stay with the run, as a pilot's do. */
 static const struct orl_map_store *store_of(const struct orl_run_state *state)
 {
     return state->pilot ? NULL : state->env->store;
 }
 
-/* Opens what the store had; without a store there is nothing. A damaged file is dropped and asked
- * for once more, then to be built. */
-static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
-                   struct orl_error *err)
+/* Opens the stored map; without a store there is none. A damaged file is dropped and requested once
+ * more, then for building. */
+static int acquire_map(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
+                       struct orl_error *err)
 {
     const struct orl_map_store *store = store_of(state);
     const char *name = orl_map_kind_name(kind);
@@ -67,10 +68,8 @@ static int acquire(struct orl_run_state *state, enum orl_map_kind kind, struct m
                          name);
 }
 
-/*
- * Looks for a smaller map to top up, the largest that is whole. A damaged one is left where it is:
- * it is dropped by the job that asks for its key.
- */
+/* Looks for a smaller map to extend, the largest that is intact. A damaged one is left in place;
+ * the job that requests its key drops it. */
 static int find_earlier(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                         struct orl_error *err)
 {
@@ -115,14 +114,14 @@ static void stage_progress(void *ctx, double fraction)
     orl_run_progress(ctx, fraction);
 }
 
-/* Of the maps' stage, its second half. */
+/* Reports progress of the second half of the maps stage. */
 static void records_progress(void *ctx, double fraction)
 {
     orl_run_progress(ctx, 0.5 + 0.5 * fraction);
 }
 
-static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KINDS],
-                 struct orl_error *err)
+static int shoot_photons(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KINDS],
+                         struct orl_error *err)
 {
     int code = orl_run_need_emission(state, err);
     if (code == 0) {
@@ -138,16 +137,16 @@ static int shoot(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KIN
     return code;
 }
 
-/* What there is to write: photons, or records, and what they took. */
+/* Photons or records to be written, and their cost. */
 struct harvest {
-    const struct orl_photon *photons; /* of no more use once they are written */
+    const struct orl_photon *photons; /* not used any more after writing */
     size_t count;
     uint64_t emitted;
     double seconds;
-    const struct orl_record_note *notes; /* of records */
+    const struct orl_record_note *notes; /* additional data of records */
 };
 
-/* Writes one map and opens it; without a store it stays in memory. */
+/* Writes one map and opens it; without a store the map stays in memory. */
 static int make_map(struct orl_run_state *state, enum orl_map_kind kind,
                     const struct map_work *work, const struct harvest *harvest,
                     const struct orl_map_build *build, struct orl_error *err)
@@ -161,9 +160,9 @@ static int make_map(struct orl_run_state *state, enum orl_map_kind kind,
     return code < 0 ? code : orl_photon_map_open(work->path, false, &state->maps[kind], err);
 }
 
-/* Makes one map and hands it to the store. */
-static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
-                const struct harvest *harvest, struct orl_error *err)
+/* Makes one map and commits it to the store. */
+static int keep_map(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
+                    const struct harvest *harvest, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
     const struct orl_map_build build = {.kind = orl_map_kind_name(kind),
@@ -197,7 +196,7 @@ static int keep(struct orl_run_state *state, enum orl_map_kind kind, struct map_
     return store_of(state) ? env->store->commit(env->store->ctx, &work->info, err) : 0;
 }
 
-/* Of a map of that kind, made or found; once. */
+/* Warns once of too few photons in a map, made or found. */
 static void warn_of_photons(struct orl_run_state *state, enum orl_map_kind kind, uint64_t target,
                             uint64_t stored, uint64_t emitted)
 {
@@ -217,7 +216,7 @@ static void warn_of_photons(struct orl_run_state *state, enum orl_map_kind kind,
                           found, sent);
 }
 
-/* Of what maps are made of, whoever has made them. */
+/* Warns about the maps' photons and lights, for maps made here and maps found. */
 static int warn_of_light(struct orl_run_state *state, const struct map_work *work,
                          struct orl_error *err)
 {
@@ -250,10 +249,10 @@ static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct
 {
     const struct harvest harvest = {shot->photons, shot->count, shot->emitted, seconds, NULL};
     warn_of_photons(state, kind, shot->target, shot->had + shot->count, shot->emitted);
-    return keep(state, kind, work, &harvest, err);
+    return keep_map(state, kind, work, &harvest, err);
 }
 
-/* Irradiance from the global map, which is in state->maps by now. */
+/* Precomputes irradiance from the global map, which is in state->maps already. */
 static int precompute(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
@@ -273,12 +272,13 @@ static int precompute(struct orl_run_state *state, struct map_work *work, struct
     harvest.count = records.count;
     harvest.seconds = env->now_s(env->ctx) - started;
     if (code == 0)
-        code = keep(state, ORL_MAP_PRECOMPUTED, work, &harvest, err);
+        code = keep_map(state, ORL_MAP_PRECOMPUTED, work, &harvest, err);
     orl_records_done(&records);
     return code;
 }
 
-/* Photon time of one kind: the pass is one, so it is told apart by the rays each kind took. */
+/* Returns one kind's share of the photon time. A single pass traces all kinds, so that the time is
+ * divided by the rays of each. */
 static double share_of_rays(const struct orl_shot *shots, int kind, double seconds)
 {
     const double all =
@@ -291,7 +291,7 @@ static bool is_missing(const struct map_work *work)
     return work->target > 0 && !work->hit;
 }
 
-/* What there is to shoot of one kind: all, or what a smaller map has not. */
+/* Sets up the photons to trace for one kind: all, or those that a smaller map lacks. */
 static int plan_shot(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                      struct orl_shot *shot, struct orl_error *err)
 {
@@ -318,7 +318,7 @@ static int build_missing(struct orl_run_state *state, struct map_work *work, str
         missing = missing || shots[k].target > 0;
     }
     if (missing && code == 0)
-        code = shoot(state, shots, err);
+        code = shoot_photons(state, shots, err);
     for (int k = 0; k < ORL_SHOT_KINDS; k++)
         orl_health_add(&state->result->health, &shots[k].health);
     if (!missing)
@@ -338,10 +338,8 @@ static int build_missing(struct orl_run_state *state, struct map_work *work, str
     return code;
 }
 
-/*
- * Asks the store for what the technique reads. Precomputed irradiance comes first: only where it is
- * missing the global map is needed.
- */
+/* Requests the maps that the technique reads from the store. Precomputed irradiance comes first:
+ * the global map is only needed if it is missing. */
 static int acquire_all(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     static const enum orl_map_kind order[ORL_MAP_KINDS] = {ORL_MAP_PRECOMPUTED, ORL_MAP_GLOBAL,
@@ -356,25 +354,25 @@ static int acquire_all(struct orl_run_state *state, struct map_work *work, struc
         if (order[i] == ORL_MAP_GLOBAL && work[ORL_MAP_PRECOMPUTED].hit)
             work[ORL_MAP_GLOBAL].target = 0;
         if (work[order[i]].target > 0)
-            code = acquire(state, order[i], &work[order[i]], err);
+            code = acquire_map(state, order[i], &work[order[i]], err);
     }
     return code;
 }
 
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     orl_run_progress(ctx, share);
 }
 
-/* Of a run that is shared: maps that are wanting others may make. */
+/* Distributed runs: asks other processes to build the missing maps. */
 static int share_missing(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     const struct orl_map_store *store = store_of(state);
     const struct orl_pieces *shared = state->env->pieces;
     struct orl_piece pieces[ORL_MAP_KINDS];
-    const struct orl_pieces_watch watch = {tell_share, state};
+    const struct orl_pieces_watch watch = {report_share, state};
     bool here[ORL_MAP_KINDS] = {false};
-    /* Each takes all photons: both kinds come of the same paths. */
+    /* Each map costs the tracing of all photons, because both kinds come from the same paths. */
     const double core_s = (state->cost_s[ORL_STAGE_PHOTONS] + state->cost_s[ORL_STAGE_MAPS]) *
                           orl_crew_size(state->env->crew);
     size_t n = 0;
@@ -398,8 +396,8 @@ static int share_missing(struct orl_run_state *state, struct map_work *work, str
     return code < 0 ? code : acquire_all(state, work, err);
 }
 
-/* What making maps has counted, and warned of, kept by the keys of them all: whoever finds one
- * counts it, too, as if it were its own. first_warning: of the result's, those that are of maps. */
+/* Stores the counters and warnings of a build under each map's key, so that a run which reuses a
+ * map reports the same ones. first_warning: index of the first warning about maps in the result. */
 static void keep_notes(const struct orl_run_state *state, const struct map_work *work,
                        const struct orl_health *health, size_t first_warning)
 {
@@ -420,7 +418,7 @@ static void add_notes(struct orl_run_state *state, const struct map_work *work)
         }
 }
 
-/* Of a run that is shared: its maps are found, or made here. */
+/* Distributed runs: finds the maps or makes them here. */
 static int build_shared(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     struct orl_health before, of_searches, health = state->result->health;
@@ -466,7 +464,7 @@ int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
     }
     if (code == 0)
         code = warn_of_light(state, work, err);
-    /* A build that failed leaves nothing behind. */
+    /* A failed build leaves nothing behind. */
     for (int k = 0; k < ORL_MAP_KINDS && code < 0; k++) {
         if (state->held[k] && !work[k].hit && !work[k].info.kind[0]) {
             env->store->abandon(env->store->ctx, orl_map_kind_name((enum orl_map_kind)k),

@@ -5,11 +5,13 @@
 #include "base/sum.h"
 
 enum { MOST_LOOKED_AT = 4096, MOST_OF_FEW = 16, HALVINGS = 48 };
-static const double probability = 0.975, quantile = 1.9599639845400545; /* the normal one */
+/* Normal quantile of the probability. */
+static const double probability = 0.975, quantile = 1.9599639845400545;
 
 const double orl_floor_of_sensors = 1e-3, orl_floor_of_pixels = 0.1;
 
-/* Probability that a normal value is above that many of its standard errors: see percentile.h. */
+/* Returns the probability that a normal value exceeds x of its estimated standard errors
+ * (percentile.h). */
 static double above(double x, double degrees)
 {
     if (degrees > 2) {
@@ -20,7 +22,8 @@ static double above(double x, double degrees)
     return 0.5 * erfc(x * M_SQRT1_2);
 }
 
-/* Probability that a normal error with that bias and deviation is beyond x, to either side. */
+/* Returns the probability that a normal error with that bias and deviation is beyond x, on either
+ * side. */
 static double beyond(double x, double bias, double error, double degrees)
 {
     if (!(error > 0))
@@ -28,15 +31,15 @@ static double beyond(double x, double bias, double error, double degrees)
     return above((x - bias) / error, degrees) + above((x + bias) / error, degrees);
 }
 
-/* Estimates as they are looked at: every so many, with the least that they are divided by. */
+/* The estimates used: every step-th, with the least divisor. */
 struct look {
     const struct orl_estimates *estimates;
     size_t step, count;
     double least;
-    double scale, bias_scale; /* of errors and biases */
+    double scale, bias_scale; /* factors of errors and biases */
 };
 
-/* Probability that one of those looked at is beyond x. */
+/* Returns the probability that the k-th estimate used is beyond x. */
 static double beyond_at(const struct look *look, size_t k, double x)
 {
     const struct orl_estimates *e = look->estimates;
@@ -46,7 +49,8 @@ static double beyond_at(const struct look *look, size_t k, double x)
                   e->degrees);
 }
 
-/* Few are allowed: the law of how many are beyond x, one after the other. */
+/* Tests the bound for a small number by computing the distribution of the number beyond x, adding
+ * estimates one by one. */
 static int is_bound_of_few(const struct look *look, double x, size_t allowed)
 {
     double chance[MOST_OF_FEW + 1] = {1}, sum = 0;
@@ -61,7 +65,7 @@ static int is_bound_of_few(const struct look *look, double x, size_t allowed)
     return sum >= probability;
 }
 
-/* Many are: by mean, variance and skewness. */
+/* Tests the bound for a large number by mean, variance and skewness. */
 static int is_bound_of_many(const struct look *look, double x, size_t allowed)
 {
     double mean = 0, variance = 0, third = 0;
@@ -71,12 +75,12 @@ static int is_bound_of_many(const struct look *look, double x, size_t allowed)
         variance += p * (1 - p);
         third += p * (1 - p) * (1 - 2 * p);
     }
-    const double skew = variance > 0 ? third / variance : 0; /* times the deviation */
+    const double skew = variance > 0 ? third / variance : 0; /* skewness times the deviation */
     const double bound = mean + quantile * sqrt(variance) + (quantile * quantile - 1) / 6 * skew;
     return bound <= (double)allowed + 0.5;
 }
 
-/* Whether so few are beyond x as the share allows, as surely as is wanted. */
+/* Returns 1 if the number beyond x is within the allowed one with the required probability. */
 static int is_bound(const struct look *look, double x, size_t allowed)
 {
     return allowed <= MOST_OF_FEW ? is_bound_of_few(look, x, allowed)
@@ -91,8 +95,8 @@ static int has_bias(const struct orl_estimates *e)
     return 0;
 }
 
-/* The mean value, and whether all errors are known. */
-static int take_mean(const struct orl_estimates *e, double *ret_mean)
+/* Computes the mean value. Returns 0 if an error is unknown. */
+static int compute_mean(const struct orl_estimates *e, double *ret_mean)
 {
     struct orl_sum sum = {0, 0};
     for (size_t i = 0; i < e->count; i++) {
@@ -104,7 +108,7 @@ static int take_mean(const struct orl_estimates *e, double *ret_mean)
     return 1;
 }
 
-/* How many of those looked at may be beyond the bound. */
+/* Returns how many of the estimates used may be beyond the bound. */
 static size_t allowed_of(const struct look *look, double at)
 {
     const size_t kept = (size_t)ceil(at * (double)look->count - 1e-9);
@@ -127,12 +131,12 @@ static double find_bound(const struct look *look, double at)
     return high;
 }
 
-/* False when an error is not known. */
-static int look_at(const struct orl_estimates *estimates, struct look *ret_look)
+/* Selects the estimates to use. Returns 0 if an error is unknown. */
+static int select_estimates(const struct orl_estimates *estimates, struct look *ret_look)
 {
     const size_t step = (estimates->count + MOST_LOOKED_AT - 1) / MOST_LOOKED_AT;
     double mean;
-    if (estimates->count == 0 || !take_mean(estimates, &mean))
+    if (estimates->count == 0 || !compute_mean(estimates, &mean))
         return 0;
     *ret_look = (struct look){.estimates = estimates,
                               .step = step,
@@ -146,7 +150,7 @@ static int look_at(const struct orl_estimates *estimates, struct look *ret_look)
 double orl_percentile_error(const struct orl_estimates *estimates, double at)
 {
     struct look look;
-    if (!look_at(estimates, &look))
+    if (!select_estimates(estimates, &look))
         return NAN;
     return look.least > 0 ? find_bound(&look, at) : 0;
 }
@@ -154,7 +158,7 @@ double orl_percentile_error(const struct orl_estimates *estimates, double at)
 bool orl_percentile_is_kept(const struct orl_estimates *estimates, double at, double target)
 {
     struct look look;
-    if (!look_at(estimates, &look))
+    if (!select_estimates(estimates, &look))
         return false;
     return !(look.least > 0) || is_bound(&look, target, allowed_of(&look, at));
 }
@@ -162,12 +166,13 @@ bool orl_percentile_is_kept(const struct orl_estimates *estimates, double at, do
 double orl_percentile_work(const struct orl_estimates *estimates, double at, double target)
 {
     const double now = orl_percentile_error(estimates, at);
-    double low = 1e-9, high = 1; /* of 1 / work */
+    double low = 1e-9, high = 1; /* range of 1 / work */
     struct look look;
-    if (!(now > target) || !look_at(estimates, &look))
+    if (!(now > target) || !select_estimates(estimates, &look))
         return 1;
     if (!has_bias(estimates))
-        return now / target * (now / target); /* errors, and so their bound, go as one */
+        return now / target *
+               (now / target); /* all errors, and so their bound, scale by one factor */
     for (int i = 0; i < HALVINGS; i++) {
         const double middle = sqrt(low * high);
         look.scale = sqrt(middle);

@@ -7,7 +7,7 @@
 
 #include "run/kept_file.h"
 
-/* Raised when what pieces are made of changes, or how they lie in their files. */
+/* Version of the pieces' content and file layout; raised when either changes. */
 static const char recipe[] = "oriel pieces 4";
 
 bool orl_run_is_shared(const struct orl_run_state *state)
@@ -58,9 +58,9 @@ void orl_pieces_foresee(const struct orl_run_state *state, struct orl_piece_work
 
 /* ---- Pieces ---------------------------------------------------------------------------------- */
 
-/* Takes it where the store has it whole. */
-static int find(const struct orl_run_env *env, const struct orl_piece_work *work, size_t index,
-                bool *ret_found, struct orl_error *err)
+/* Takes a piece from the store if it is there and intact. */
+static int find_piece(const struct orl_run_env *env, const struct orl_piece_work *work,
+                      size_t index, bool *ret_found, struct orl_error *err)
 {
     const struct orl_map_store *store = env->store;
     const struct orl_piece *piece = &work->pieces[index];
@@ -84,8 +84,8 @@ static int find(const struct orl_run_env *env, const struct orl_piece_work *work
     return code;
 }
 
-static int keep(const struct orl_run_env *env, const struct orl_piece *piece, const void *data,
-                size_t size, struct orl_error *err)
+static int keep_piece(const struct orl_run_env *env, const struct orl_piece *piece,
+                      const void *data, size_t size, struct orl_error *err)
 {
     const struct orl_map_store *store = env->store;
     struct orl_map_info info;
@@ -94,7 +94,7 @@ static int keep(const struct orl_run_env *env, const struct orl_piece *piece, co
     bool hit = false;
     int code =
         store->acquire(store->ctx, piece->kind, piece->key, env->cancel, path, &hit, &info, err);
-    if (code < 0 || hit) { /* somebody else was quicker */
+    if (code < 0 || hit) { /* another process has stored it first */
         if (code == 0)
             store->release(store->ctx, piece->kind, piece->key);
         return code;
@@ -113,22 +113,22 @@ static int keep(const struct orl_run_env *env, const struct orl_piece *piece, co
     return code;
 }
 
-static int make(const struct orl_run_env *env, const struct orl_piece_work *work, size_t index,
-                struct orl_error *err)
+static int make_piece(const struct orl_run_env *env, const struct orl_piece_work *work,
+                      size_t index, struct orl_error *err)
 {
     void *data = NULL;
     size_t size = 0;
     int code = work->make(work->ctx, index, &data, &size, err);
     if (code == 0)
-        code = keep(env, &work->pieces[index], data, size, err);
+        code = keep_piece(env, &work->pieces[index], data, size, err);
     free(data);
     return code;
 }
 
-/* Those that are wanting, and which of them are to be made here. */
+/* Missing pieces, and which of them are made here. */
 struct wanting {
     struct orl_piece *pieces;
-    size_t *places; /* in the work */
+    size_t *places; /* their indices in the work */
     bool *here, *settled;
     size_t n;
 };
@@ -141,14 +141,14 @@ static void wanting_done(struct wanting *w)
     free(w->settled);
 }
 
-static int look(const struct orl_run_env *env, const struct orl_piece_work *work, struct wanting *w,
-                struct orl_error *err)
+static int find_missing(const struct orl_run_env *env, const struct orl_piece_work *work,
+                        struct wanting *w, struct orl_error *err)
 {
     int code = 0;
     w->n = 0;
     for (size_t i = 0; i < work->n && code == 0; i++) {
         if (!w->settled[i])
-            code = find(env, work, i, &w->settled[i], err);
+            code = find_piece(env, work, i, &w->settled[i], err);
         if (w->settled[i])
             continue;
         w->here[w->n] = false;
@@ -158,16 +158,16 @@ static int look(const struct orl_run_env *env, const struct orl_piece_work *work
     return code;
 }
 
-/* Asks who makes them, and makes the run's own. */
-static int share_out(const struct orl_run_env *env, const struct orl_piece_work *work,
-                     struct wanting *w, struct orl_error *err)
+/* Divides the missing pieces among processes and makes this run's own. */
+static int divide_missing(const struct orl_run_env *env, const struct orl_piece_work *work,
+                          struct wanting *w, struct orl_error *err)
 {
     const struct orl_pieces_watch watch = {work->told, work->ctx};
     int code = env->pieces->divide(env->pieces->ctx, w->pieces, w->n, w->here,
                                    work->told ? &watch : NULL, err);
     for (size_t i = 0; i < w->n && code == 0; i++)
         if (w->here[i]) {
-            code = make(env, work, w->places[i], err);
+            code = make_piece(env, work, w->places[i], err);
             w->settled[w->places[i]] = true;
         }
     return code == 0 && orl_pieces_are_over(env->pieces)
@@ -184,7 +184,7 @@ int orl_run_pieces(const struct orl_run_env *env, const struct orl_piece_work *w
                         .settled = calloc(work->n + 1, sizeof *w.settled)};
     size_t before = SIZE_MAX;
     int code = w.pieces && w.places && w.here && w.settled
-                   ? look(env, work, &w, err)
+                   ? find_missing(env, work, &w, err)
                    : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
     while (code == 0 && w.n > 0) {
         if (w.n >= before)
@@ -193,9 +193,9 @@ int orl_run_pieces(const struct orl_run_env *env, const struct orl_piece_work *w
                               "%zu pieces of the job were made by others, and are not there", w.n);
         before = w.n;
         if (code == 0)
-            code = share_out(env, work, &w, err);
+            code = divide_missing(env, work, &w, err);
         if (code == 0)
-            code = look(env, work, &w, err);
+            code = find_missing(env, work, &w, err);
     }
     wanting_done(&w);
     return code;
@@ -215,7 +215,7 @@ void orl_run_keep_counts(const struct orl_run_state *state, const char *key,
                          const struct orl_health *health)
 {
     const struct orl_piece piece = note_of("counts", key);
-    keep(state->env, &piece, health, sizeof *health, NULL);
+    keep_piece(state->env, &piece, health, sizeof *health, NULL);
 }
 
 static int take_counts(void *ctx, size_t index, const void *data, size_t size, bool *ret_taken,
@@ -238,11 +238,11 @@ bool orl_run_add_counts(struct orl_run_state *state, const char *key)
     const struct orl_piece_work work = {
         .pieces = &piece, .n = 1, .ctx = state, .take = take_counts};
     bool found = false;
-    find(state->env, &work, 0, &found, NULL);
+    find_piece(state->env, &work, 0, &found, NULL);
     return found;
 }
 
-/* Each with its end, and ends more, to whole words. */
+/* Packs NUL-terminated warnings, padded with zeros to whole words. */
 void orl_run_keep_warnings(const struct orl_run_state *state, const char *key, size_t first)
 {
     const struct orl_piece piece = note_of("warned", key);
@@ -255,7 +255,7 @@ void orl_run_keep_warnings(const struct orl_run_state *state, const char *key, s
     for (size_t i = first; text && i < result->n_warnings; i++)
         to = stpcpy(to, result->warnings[i]) + 1;
     if (text && size > 0)
-        keep(state->env, &piece, text, size, NULL);
+        keep_piece(state->env, &piece, text, size, NULL);
     free(text);
 }
 
@@ -278,7 +278,7 @@ void orl_run_add_warnings(struct orl_run_state *state, const char *key)
     const struct orl_piece_work work = {
         .pieces = &piece, .n = 1, .ctx = state, .take = take_warnings};
     bool found = false;
-    find(state->env, &work, 0, &found, NULL);
+    find_piece(state->env, &work, 0, &found, NULL);
 }
 
 void orl_run_take_health(const struct orl_run_state *state, struct orl_health *ret_health)

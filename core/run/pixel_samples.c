@@ -1,4 +1,4 @@
-/* Paths a pixel, and in how many rounds. */
+/* Samples per pixel, and the number of rounds. */
 #include "run/stages.h"
 
 uint32_t orl_run_pixel_samples(const struct orl_run_state *state)
@@ -9,8 +9,8 @@ uint32_t orl_run_pixel_samples(const struct orl_run_state *state)
                                                 : ORL_DEFAULT_PIXEL_SAMPLES;
 }
 
-/* By photon maps a view takes as long however few its photons are: the fewest that have a spread of
- * some degrees of freedom. */
+/* Returns the number of rounds. By photon maps each costs the full time of the views, however few
+ * the photons: use the fewest whose spread has some degrees of freedom. */
 uint32_t orl_run_batches(const struct orl_run_state *state)
 {
     enum { OF_PATHS = 8, OF_MAPS = 4 };

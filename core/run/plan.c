@@ -1,5 +1,5 @@
-/* The plan stage: what the planner finds, into the result, and warnings of what was asked against
- * its advice. */
+/* The plan stage: stores the planner's findings in the result, and warns of requests against its
+ * advice. */
 #include "plan/plan.h"
 
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #include "plan/budget.h"
 #include "run/stages.h"
 
-/* What leaving out may cost before it is worth a warning. */
+/* Largest effect of an omission that causes no warning. */
 static const double tolerable_lx = 0.01, tolerable_share = 1e-3;
 
 static void judge_skip(struct orl_run_state *state, const char *name, const struct orl_decision *d)
@@ -21,7 +21,7 @@ static void judge_skip(struct orl_run_state *state, const char *name, const stru
                      100 * d->bound);
 }
 
-/* Black results are to be no riddle. */
+/* Warns if the scene has no light left. */
 static void judge_light(struct orl_run_state *state)
 {
     const struct orl_world *world = state->world;
@@ -32,7 +32,8 @@ static void judge_light(struct orl_run_state *state)
                      tolerable_lx);
 }
 
-/* An absurd yield is worth a word before hours are spent on it, or when they are not. */
+/* Warns if caustic photons are so rare that the requested number would take very long, or was
+ * reduced. */
 static void judge_budget(struct orl_run_state *state, const struct orl_plan *plan)
 {
     const double many_times = 4;
@@ -55,11 +56,10 @@ static void judge_budget(struct orl_run_state *state, const struct orl_plan *pla
                  (unsigned long long)f->enough_caustic);
 }
 
-/*
- * A pilot of photons, where it decides anything: a run that asks for few caustic photons, or for
- * exactly so many, or has no use for any, goes without.
- */
-static int look_ahead(struct orl_run_state *state, struct orl_plan *plan, struct orl_error *err)
+/* Runs a photon pilot if it can change a decision. Runs that request few caustic photons, or an
+ * exact number, or need none, do without. */
+static int run_photon_pilot(struct orl_run_state *state, struct orl_plan *plan,
+                            struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
     const bool decides =
@@ -136,14 +136,14 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
     struct orl_plan *plan = &state->result->plan;
     int code = orl_plan_make(&request, state->lights, plan, &state->world, err);
     if (code == 0)
-        code = look_ahead(state, plan, err);
+        code = run_photon_pilot(state, plan, err);
     for (int i = 0; i < ORL_EFFECT_COUNT && code == 0; i++)
         if (plan->effects[i].wish == ORL_WISH_SKIP)
             judge_skip(state, orl_effect_name((enum orl_effect)i), &plan->effects[i]);
     if (code == 0) {
         judge_light(state);
         orl_run_judge_views(state);
-        if (!state->only_sensors) /* their places are checked with the whole job */
+        if (!state->only_sensors) /* the whole job checks their places */
             code = judge_sensors(state, err);
     }
     orl_run_guess_costs(state);

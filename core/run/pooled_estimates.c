@@ -5,11 +5,11 @@
 
 #include "base/sum.h"
 
-/* As many degrees of freedom as all values together count for, in each one's variance. */
+/* Degrees of freedom with which the common variance enters each value's. */
 static const double shared_degrees = 4;
-/* One value says no more than that of the dispersion: tails are heavy. */
+/* Limit of one value's contribution to the dispersion, because tails are heavy. */
 static const double most_of_one = 25;
-/* So far above 1 the dispersion is chance. */
+/* A dispersion up to this is within chance. */
 static const double tolerated_dispersion = 1.3;
 
 int orl_pooled_init(struct orl_pooled *pool, size_t count, uint32_t groups, struct orl_error *err)
@@ -72,7 +72,7 @@ double orl_pooled_dispersion(const struct orl_pooled *pool)
     if (pool->rounds < 2 || !pool->knows_errors)
         return 1;
     for (size_t i = 0; i < pool->count; i++) {
-        /* The mean of spread[i] if the rounds' own errors are right. */
+        /* Expectation of spread[i] if the rounds' own errors are right. */
         const double mean = pool->expected[i] - pool->within[i] / pool->effort;
         if (!(mean > 0))
             continue;
@@ -82,7 +82,7 @@ double orl_pooled_dispersion(const struct orl_pooled *pool)
     return used > 0 ? orl_sum_value(&sum) / (double)used : 1;
 }
 
-/* From the rounds' own. */
+/* Computes errors from the rounds' own. */
 static void errors_within(const struct orl_pooled *pool, double *ret_errors)
 {
     const double dispersion = orl_pooled_dispersion(pool);
@@ -91,7 +91,7 @@ static void errors_within(const struct orl_pooled *pool, double *ret_errors)
         ret_errors[i] = factor * sqrt(pool->within[i]) / pool->effort;
 }
 
-/* From the spread of groups, each over all rounds. */
+/* Computes errors from the spread of groups, each over all rounds. */
 static void errors_of_groups(const struct orl_pooled *pool, double *ret_errors)
 {
     const double n = pool->n_groups;
@@ -115,7 +115,8 @@ double orl_pooled_third(const struct orl_pooled *pool, size_t index)
     return n > 2 ? cubes / (n * (n - 1) * (n - 2)) : 0;
 }
 
-/* From the spread between rounds: spread / ((rounds - 1) effort) is a mean's variance. */
+/* Computes errors from the spread between rounds: spread / ((rounds - 1) effort) is the variance of
+ * a mean. */
 static void errors_between(const struct orl_pooled *pool, double floor, double *ret_errors)
 {
     const double own = pool->rounds - 1.0;
@@ -162,6 +163,6 @@ double orl_pooled_degrees(const struct orl_pooled *pool)
         return pool->n_groups - 1.0;
     if (!pool->knows_errors)
         return shared_degrees + pool->rounds - 1.0;
-    /* Welch (1947), with variances that go as the inverse of effort. */
+    /* Welch (1947), with variances inversely proportional to effort. */
     return pool->effort_squares > 0 ? pool->effort * pool->effort / pool->effort_squares : 1;
 }

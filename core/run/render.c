@@ -85,7 +85,7 @@ static int render_view(struct orl_rendering *rendering, size_t index, struct orl
     return code;
 }
 
-/* Has an earlier run left the view? */
+/* Returns true if an earlier run has left the view. */
 static bool is_kept(const struct orl_run_state *state, size_t index)
 {
     const struct orl_run_env *env = state->env;
@@ -101,7 +101,7 @@ static double pixels_of(const struct orl_view_request *view)
     return (double)view->width * view->height;
 }
 
-/* How far the stage is when each view begins, and what of it that is. */
+/* Sets the progress of the stage before each view, and each view's share of it. */
 static void foresee_views(struct orl_rendering *rendering, double before)
 {
     const struct orl_run_state *state = rendering->state;
@@ -118,7 +118,7 @@ static void foresee_views(struct orl_rendering *rendering, double before)
     }
 }
 
-/* views: room for all of them. */
+/* Renders the views that are not kept; views: scratch for all indices. */
 static int render_left(struct orl_rendering *rendering, size_t *views, struct orl_error *err)
 {
     const struct orl_run_state *state = rendering->state;

@@ -6,7 +6,7 @@
 
 /* ---- Sensors --------------------------------------------------------------------------------- */
 
-static void tell_taken(const struct orl_rendering *rendering, double taken)
+static void report_taken(const struct orl_rendering *rendering, double taken)
 {
     const double share = fmin(taken / fmax((double)rendering->samples, 1), 1);
     orl_run_progress(rendering->state,
@@ -15,17 +15,17 @@ static void tell_taken(const struct orl_rendering *rendering, double taken)
 
 void orl_tell_sensors(const struct orl_rendering *rendering)
 {
-    tell_taken(rendering, fmax((double)atomic_load(&rendering->taken), rendering->elsewhere));
+    report_taken(rendering, fmax((double)atomic_load(&rendering->taken), rendering->elsewhere));
 }
 
-/* When the lead has done a sensor of so many samples the others are within theirs: they have had
- * the same time for what they did. */
-static void tell_under_way(const struct orl_rendering *rendering, double samples)
+/* Reports progress when the lead has finished a sensor. Other members have had the same time. They
+ * have therefore done about as much, and are within one sensor of it. */
+static void report_under_way(const struct orl_rendering *rendering, double samples)
 {
     const double members = orl_crew_size(rendering->state->env->crew);
     const double booked = (double)atomic_load(&rendering->taken);
     const double alike = members * rendering->by_lead;
-    tell_taken(rendering, fmin(fmax(alike, booked), booked + (members - 1) * samples));
+    report_taken(rendering, fmin(fmax(alike, booked), booked + (members - 1) * samples));
 }
 
 static void compute_sensor(void *arg, size_t index, uint32_t member)
@@ -38,9 +38,9 @@ static void compute_sensor(void *arg, size_t index, uint32_t member)
     rendering->renderer->sensor(rendering->renderer->ctx, sensor, member, &rendering->found[index]);
     const double samples = orl_run_sensor_samples(state, sensor);
     atomic_fetch_add(&rendering->taken, (uint64_t)samples);
-    if (member == 0) { /* the lead, which alone tells */
+    if (member == 0) { /* only the lead reports progress */
         rendering->by_lead += samples;
-        tell_under_way(rendering, samples);
+        report_under_way(rendering, samples);
     }
 }
 
@@ -93,7 +93,7 @@ static void view_phase(void *ctx, double from, double to)
                   progress->before + progress->share * to);
 }
 
-/* Where a picture goes when it is finished. */
+/* Hands a finished picture to take_film, or writes it and reports it. */
 static int keep_film(struct orl_run_state *state, size_t index, const struct orl_film *film,
                      struct orl_error *err)
 {

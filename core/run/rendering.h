@@ -1,7 +1,5 @@
-/*
- * The render stage under way: sensors by stretches, views one by one. render.c goes through all of
- * them; what hands them to others as pieces is in shared_sensors.c and shared_views.c.
- */
+/* State of the render stage: sensors in stretches, views one by one. render.c renders all of them;
+ * shared_sensors.c and shared_views.c distribute them as pieces. */
 #ifndef ORL_RUN_RENDERING_H
 #define ORL_RUN_RENDERING_H
 
@@ -11,32 +9,32 @@
 #include "render/film/film.h"
 #include "run/pieces.h"
 
-/* Sensors at a time, at the most, so that cancelling is heard in between. */
+/* Maximum sensors of a stretch; cancelling is polled between stretches. */
 enum { ORL_STRETCH = 128 };
 
-/* Where one view stands among all that is rendered. */
+/* Position of one view in the progress of the stage. */
 struct orl_view_progress {
     const struct orl_run_state *state;
-    double before, share; /* of the stage; until it is painted */
+    double before, share; /* shares of the stage: before the view, and of painting it */
 };
 
-/* What is rendered at the moment: its technique and how much of the stage came before. */
+/* Technique, counters and progress of the render stage. */
 struct orl_rendering {
     struct orl_run_state *state;
     const struct orl_renderer *renderer;
-    size_t stretch; /* sensors of each, but for the last one */
-    size_t first;   /* sensor of this stretch, in their order */
-    double share;   /* of the stage: the sensors' */
-    size_t stride;  /* of their order */
+    size_t stretch; /* sensors of each stretch but the last */
+    size_t first;   /* first sensor of this stretch, in permuted order */
+    double share;   /* the sensors' share of the stage */
+    size_t stride;  /* stride of the permutation */
     uint64_t samples;
-    atomic_uint_fast64_t taken; /* of the sensors' samples */
-    double by_lead;             /* of those: the crew's lead's */
-    double elsewhere;           /* samples that are taken, with those that others have made */
+    atomic_uint_fast64_t taken; /* samples of sensors done so far */
+    double by_lead;             /* part of taken that the crew's lead did */
+    double elsewhere;           /* samples done, including those of other processes */
     struct orl_view_progress *views;
     struct orl_sensor_found found[ORL_STRETCH];
 };
 
-/* The sensor at that place in their order. */
+/* Returns the sensor at a place of the permuted order. */
 static inline size_t orl_sensor_at(const struct orl_rendering *rendering, size_t place)
 {
     return orl_scatter(place, rendering->stride, rendering->state->n_sensors);
@@ -48,8 +46,8 @@ static inline size_t orl_stretch_size(const struct orl_rendering *rendering, siz
     return left < rendering->stretch ? left : rendering->stretch;
 }
 
-/* Sensors of a stretch as a piece of a job that is shared: so few that a thousand parts find some
- * each. Results do not depend on it. */
+/* Returns the number of sensors in a piece of a distributed job: few enough for a thousand
+ * processes. Results do not depend on it. */
 static inline size_t orl_shared_stretch(size_t n_sensors)
 {
     enum { STRETCHES = 2000, LEAST = 8 };
@@ -57,23 +55,23 @@ static inline size_t orl_shared_stretch(size_t n_sensors)
     return size < LEAST ? LEAST : size < ORL_STRETCH ? size : ORL_STRETCH;
 }
 
-/* Progress. */
+/* Reports progress. */
 void orl_tell_sensors(const struct orl_rendering *rendering);
-/* Computes and books a stretch; what came of it is in rendering. */
+/* Computes and books a stretch; rendering->found has its results. */
 int orl_compute_stretch(struct orl_rendering *rendering, size_t first, struct orl_error *err);
-/* All of them, as pieces of a run that is shared. */
+/* Distributes all sensors as pieces of a distributed run. */
 int orl_share_sensors(struct orl_rendering *rendering, struct orl_error *err);
 
-/* A view's picture, empty yet: what there is to warn of is said. *ret_film is the caller's. */
+/* Prepares a view's empty picture and issues its warnings. The caller owns *ret_film. */
 int orl_open_view(struct orl_run_state *state, size_t index, struct orl_view *ret_view,
                   struct orl_film *ret_film, struct orl_error *err);
-/* The same, and paints it. */
+/* Prepares and paints a view. The caller owns *ret_film. */
 int orl_paint_view(struct orl_rendering *rendering, size_t index, struct orl_film *ret_film,
                    struct orl_error *err);
-/* Where a picture goes when it is finished. started_s: when it was begun. */
+/* Stores or writes a finished picture. started_s: time at which it was begun. */
 int orl_finish_view(struct orl_rendering *rendering, size_t index, const struct orl_film *film,
                     double started_s, struct orl_error *err);
-/* Those views, as pieces of a run that is shared. */
+/* Distributes views as pieces of a distributed run. */
 int orl_share_views(struct orl_rendering *rendering, const size_t *views, size_t n,
                     struct orl_error *err);
 

@@ -12,11 +12,12 @@
 #include "run/pieces.h"
 #include "run/sample_allocation.h"
 
-/* Its smallest rounds of sensors, and of photons for views, are so much smaller than others: they
- * fill the end. */
+/* Factor of the smallest rounds with a deadline, for sensors and for views' photons: small rounds
+ * fill the remaining time. */
 static const double short_round = 0.25;
-/* Samples of one sensor in a round. */
+/* Maximum samples of one sensor in a round. */
 static const double most_of_a_sensor = 1 << 20;
+
 static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct orl_error *err)
 {
     *r = (struct orl_rounds){.state = state, .error = NAN};
@@ -41,7 +42,7 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
     r->wanted = orl_rounds_guess_wanted(r);
     orl_rounds_foresee(r);
     orl_run_enter(state, ORL_STAGE_PHOTONS);
-    if (r->work.technique == ORL_TECHNIQUE_BACKWARD) { /* once a job, not with every photon */
+    if (r->work.technique == ORL_TECHNIQUE_BACKWARD) { /* once a job, not in every round */
         int code = orl_run_need_emission(state, err);
         if (code == 0)
             code = orl_run_need_backward(state, err);
@@ -86,7 +87,7 @@ static bool is_known(const struct orl_result *result, const char *warning)
     return false;
 }
 
-/* What the round's own result holds beside values. */
+/* Adds a round's warnings, view times and, in the first round, maps to the result. */
 static void take_records(struct orl_rounds *r, struct orl_result *found_by)
 {
     struct orl_result *result = r->state->result;
@@ -101,7 +102,7 @@ static void take_records(struct orl_rounds *r, struct orl_result *found_by)
     }
 }
 
-/* What a round took, whatever became of it. */
+/* Adds a round's time and counters to the result, even if the round failed. */
 static void take_spent(struct orl_rounds *r, const struct orl_result *spent)
 {
     struct orl_result *result = r->state->result;
@@ -118,7 +119,7 @@ static void take_times(struct orl_rounds *r, const struct orl_result *found_by, 
     const struct orl_plan *plan = &found_by->plan;
     r->pace.photons += (double)(plan->photons_global + plan->photons_caustic);
     r->pace.photon_s += photon_s;
-    for (size_t i = 0; i < found_by->n_maps; i++) /* what other rounds will have to take */
+    for (size_t i = 0; i < found_by->n_maps; i++) /* other rounds will have to make such maps */
         r->pace.photon_s += found_by->maps[i].earlier_s;
     r->pace.samples += r->samples;
     r->state->samples = r->pace.samples;
@@ -129,10 +130,10 @@ static void take_times(struct orl_rounds *r, const struct orl_result *found_by, 
     r->pace.rounds++;
 }
 
-/* Samples of every sensor, from what is known of their noise; all alike in the first round. */
-static void share_out(struct orl_rounds *r)
+/* Allocates samples to the sensors by their noise; equal numbers in the first round. */
+static void allocate_samples(struct orl_rounds *r)
 {
-    const double least = ORL_MAP_BATCHES; /* a sample of every group */
+    const double least = ORL_MAP_BATCHES; /* one sample in every group */
     const size_t n = r->state->n_sensors;
     double sum = 0;
     if (!r->shares)
@@ -150,16 +151,17 @@ static void share_out(struct orl_rounds *r)
     r->samples = sum / (double)n;
 }
 
-/* One of so many shares of samples that differ by one at the most. */
+/* Returns one of `shares` shares of samples, which differ by one at most. */
 static uint32_t share_of(uint32_t samples, uint32_t index, uint32_t shares)
 {
     return samples / shares + (index < samples % shares);
 }
 
 /*
- * Views by photon maps send rays to fixed places of pixels. Where glare is asked for they are
- * moved from round to round, so that what lies between them is seen, and chance tells of it: by
- * the additive sequence of the plastic number (Roberts 2018), whose first point is no move at all.
+ * Sets the offset of view rays. Views by photon maps send rays to fixed positions in pixels. For
+ * glare these are offset in every round, so that features between them are seen and their variation
+ * is measured. The offsets are the additive sequence of the plastic number (Roberts 2018), whose
+ * first point is no offset.
  */
 static void move_rays(const struct orl_rounds *r, double ret_shift[2])
 {
@@ -170,7 +172,7 @@ static void move_rays(const struct orl_rounds *r, double ret_shift[2])
         ret_shift[i] = moved ? fmod(0.5 + r->count * step[i], 1) - 0.5 : 0;
 }
 
-/* The run's state as a round sees it: the same world, but a job, a plan and a result of its own. */
+/* Makes a round's state: the same world, with a job, a plan and a result of its own. */
 static void make_round(struct orl_rounds *r, struct orl_job *job, struct orl_run_env *env,
                        struct orl_result *result, struct orl_run_state *ret_round)
 {
@@ -207,7 +209,8 @@ static void make_round(struct orl_rounds *r, struct orl_job *job, struct orl_run
         memset(&state->searches[i].health, 0, sizeof state->searches[i].health);
 }
 
-/* Maps of all rounds but the first are of no use to other jobs: they go when the round is over. */
+/* Uses a private folder store: maps of rounds after the first are of no use to other jobs and are
+ * deleted after the round. */
 static void keep_maps_apart(struct orl_run_env *env, struct orl_folder_store *folder,
                             struct orl_map_store *store)
 {
@@ -226,7 +229,7 @@ static int run_round(struct orl_rounds *r, struct orl_error *err)
     struct orl_result result;
     struct orl_job job;
     const double started = orl_rounds_now(r);
-    share_out(r);
+    allocate_samples(r);
     make_round(r, &job, &env, &result, &round);
     if (r->count > 0 && env.store && !state->pilot && !orl_run_is_shared(state))
         keep_maps_apart(&env, &folder, &store);
@@ -250,8 +253,8 @@ static int run_round(struct orl_rounds *r, struct orl_error *err)
     return code;
 }
 
-/* As of a job in one piece, which this is for all that others know. */
-static int tell_of_views(struct orl_run_state *state)
+/* Reports sensors and views as a job without rounds does. */
+static int report_views(struct orl_run_state *state)
 {
     const struct orl_run_env *env = state->env;
     if (state->n_sensors > 0 && env->sensors_done)
@@ -261,7 +264,7 @@ static int tell_of_views(struct orl_run_state *state)
     return 0;
 }
 
-/* One more point of how the error fell. */
+/* Appends a point to the history of the error. */
 static void note_course(struct orl_outcome *outcome, double seconds)
 {
     if (!isfinite(outcome->achieved))
@@ -275,31 +278,33 @@ static void note_course(struct orl_outcome *outcome, double seconds)
     outcome->course[outcome->n_course++].error = outcome->achieved;
 }
 
-/* A round of a pilot: as small as the first, and what the whole job would take by it. */
-static void settle_pilot(struct orl_rounds *r, const struct orl_work *usual,
-                         const struct orl_parts *parts)
+/* Handles a round of a pilot: keeps the size of the first round, and predicts the whole job from
+ * it. */
+static void resolve_pilot(struct orl_rounds *r, const struct orl_work *usual,
+                          const struct orl_parts *parts)
 {
     const struct orl_pilot *pilot = r->state->pilot;
     struct orl_pace pace = r->pace;
     double views_s = 0;
     for (size_t i = 0; i < r->state->result->n_views; i++)
         views_s += r->state->result->views[i].seconds;
-    /* Where a round's rendering is all alike its sensors have what the job's rounds have. */
+    /* If rendering costs the same in each round, its sensors have as many samples as the job's
+     * rounds. */
     const bool alike = orl_work_renders_alike(usual);
     const double times = alike ? usual->least / r->work.least : 1;
     pace.render_s = fmax(pace.render_s - views_s, 0) * pilot->sensor_times * times +
                     views_s * pilot->view_times;
     r->ended = r->count >= ORL_PILOT_ROUNDS;
     r->samples = r->work.least;
-    if (alike) /* their own noise is a round's, whatever its photons */
+    if (alike) /* then sensors' own noise is that of a round, for any number of photons */
         pace.samples = r->count * usual->least;
     orl_run_predict(r->state, &pace, usual, parts);
     orl_run_draw_curve(r->state, &pace, usual, parts, pilot->curve);
     orl_rounds_foresee(r);
 }
 
-/* The outcome so far, and what comes next. */
-static int settle(struct orl_rounds *r, struct orl_error *err)
+/* Updates the outcome and decides what follows. */
+static int resolve_round(struct orl_rounds *r, struct orl_error *err)
 {
     struct orl_run_state *state = r->state;
     struct orl_result *result = state->result;
@@ -319,14 +324,14 @@ static int settle(struct orl_rounds *r, struct orl_error *err)
         result->outcome.achieved = r->error;
     }
     if (state->pilot) {
-        settle_pilot(r, &usual, &parts);
+        resolve_pilot(r, &usual, &parts);
         return 0;
     }
     orl_run_predict(state, &r->pace, &usual, &parts);
     const int code = orl_findings_show(&r->findings, state, err);
     r->pace.beside_s += orl_rounds_now(r) - started;
     if (r->planned > 0)
-        return code == 0 ? tell_of_views(state) : code;
+        return code == 0 ? report_views(state) : code;
     orl_rounds_go_on(r, &parts);
     orl_rounds_foresee(r);
     state->told->open = false;
@@ -358,7 +363,7 @@ int orl_run_rounds(struct orl_run_state *state, struct orl_error *err)
         orl_run_enter(state, ORL_STAGE_PHOTONS);
         code = run_round(&r, err);
         if (code == 0)
-            code = settle(&r, err);
+            code = resolve_round(&r, err);
     }
     if (code == 0)
         show_views_at_last(&r);

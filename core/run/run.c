@@ -29,7 +29,7 @@ static int load_sensors(struct orl_run_state *state, struct orl_error *err)
     return code;
 }
 
-/* An accuracy is not promised where draws miss parts of what they are to find. */
+/* Refuses an accuracy goal for materials whose lobes are too narrow to sample reliably. */
 static int admit_goal(const struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_goal *const goal = &state->job->goal;
@@ -47,7 +47,7 @@ static int admit_goal(const struct orl_run_state *state, struct orl_error *err)
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* Mist is for paths. */
+/* Refuses mist with techniques that do not support it. */
 static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_scene *const scene = state->world->scene;
@@ -67,8 +67,8 @@ static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* What a job and its plan have in common: everything before photons. */
-static int prepare(struct orl_run_state *state, struct orl_error *err)
+/* Runs everything before photons, for jobs and plans alike. */
+static int prepare_run(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_job *job = state->job;
     orl_run_progress(state, 0);
@@ -86,7 +86,8 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
         return code;
     orl_run_enter(state, ORL_STAGE_PLAN);
     code = orl_run_plan(state, err);
-    if (code == 0 && !state->pilot) /* of a plan it is told, orl_run_pilot */
+    if (code == 0 &&
+        !state->pilot) /* a pilot reports it as the reason for no curve (orl_run_pilot) */
         code = admit_goal(state, err);
     if (code == 0)
         code = admit_mist(state, err);
@@ -95,23 +96,23 @@ static int prepare(struct orl_run_state *state, struct orl_error *err)
                : code;
 }
 
-/* Renders what the job asks for, in rounds or in one piece. */
-static int render(struct orl_run_state *state, struct orl_error *err)
+/* Renders the job, in rounds or without. */
+static int render_job(struct orl_run_state *state, struct orl_error *err)
 {
     if (orl_goal_is_set(&state->job->goal) || orl_run_batches(state) > 1)
         return orl_run_rounds(state, err);
     return orl_run_technique(state, err);
 }
 
-/* Predicts the cost of more accuracy for a job in one piece; rounds predict it themselves. */
-static void tell_cost(struct orl_run_state *state)
+/* Predicts the cost of more accuracy for a job without rounds; rounds predict it themselves. */
+static void predict_cost(struct orl_run_state *state)
 {
     orl_run_leave(state);
     if (!orl_goal_is_set(&state->job->goal) && orl_run_batches(state) == 1)
         orl_run_cost(state);
 }
 
-/* Compares what was found with photons and with plain path tracing. */
+/* Compares the sensors with photons and with plain path tracing. */
 static int check_sensors(struct orl_run_state *state, struct orl_error *err)
 {
     const size_t warnings = state->result->n_warnings;
@@ -127,15 +128,15 @@ static int check_sensors(struct orl_run_state *state, struct orl_error *err)
 
 static int render_and_check(struct orl_run_state *state, struct orl_error *err)
 {
-    int code = render(state, err);
+    int code = render_job(state, err);
     if (code == 0)
         code = check_sensors(state, err);
     if (code == 0)
-        tell_cost(state);
+        predict_cost(state);
     return code;
 }
 
-static int finish(struct orl_run_state *state, struct orl_error *err)
+static int finish_run(struct orl_run_state *state, struct orl_error *err)
 {
     int code = orl_run_judge_darkness(state, err);
     if (code == 0) {
@@ -148,25 +149,25 @@ static int finish(struct orl_run_state *state, struct orl_error *err)
 static int run_stages(struct orl_run_state *state, struct orl_error *err)
 {
     struct orl_sensor_run sensors = {.made = false};
-    int code = prepare(state, err);
+    int code = prepare_run(state, err);
     if (code == 0)
         code = orl_sensor_run_make(state, &sensors, err);
     if (code == 0)
         code = render_and_check(state, err);
     orl_sensor_run_join(state, &sensors);
-    return code == 0 ? finish(state, err) : code;
+    return code == 0 ? finish_run(state, err) : code;
 }
 
 static int sensor_stages(struct orl_run_state *state, struct orl_error *err)
 {
     state->only_sensors = true;
-    const int code = prepare(state, err);
+    const int code = prepare_run(state, err);
     return code == 0 ? render_and_check(state, err) : code;
 }
 
 static int plan_stages(struct orl_run_state *state, struct orl_error *err)
 {
-    const int code = prepare(state, err);
+    const int code = prepare_run(state, err);
     if (code == 0)
         state->result->no_curve = orl_run_why_no_curve(state);
     return code;
@@ -174,17 +175,18 @@ static int plan_stages(struct orl_run_state *state, struct orl_error *err)
 
 static int try_stages(struct orl_run_state *state, struct orl_error *err)
 {
-    const int code = prepare(state, err);
+    const int code = prepare_run(state, err);
     return code == 0 ? orl_run_pilot(state, err) : code;
 }
 
-/* What a run does once it is set up, and what it finds out on the side. */
+/* Stages to run, and an optional pilot to fill in. */
 struct course {
     int (*stages)(struct orl_run_state *state, struct orl_error *err);
     struct orl_pilot *pilot;
 };
 
-/* *scene: the job's, or NULL, and then what is read. */
+/* Runs a job with resolved views. *scene: in: a scene already loaded, or NULL; out: the scene that
+ * was used. */
 static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
                        struct orl_scene **scene, const struct course *course,
                        struct orl_result *ret_result, struct orl_error *err)
@@ -250,9 +252,10 @@ int orl_run_only_sensors(const struct orl_job *job, const struct orl_run_env *en
                        err);
 }
 
-/* The same of a job whose views may be in files. */
-static int run(const struct orl_job *job, const struct orl_run_env *env, struct orl_scene **scene,
-               const struct course *course, struct orl_result *ret_result, struct orl_error *err)
+/* Resolves views in files, then runs the job. */
+static int run_job(const struct orl_job *job, const struct orl_run_env *env,
+                   struct orl_scene **scene, const struct course *course,
+                   struct orl_result *ret_result, struct orl_error *err)
 {
     struct orl_job settled = *job;
     int code = orl_run_views(job, env->files, &settled.views, err);
@@ -266,14 +269,15 @@ static int run(const struct orl_job *job, const struct orl_run_env *env, struct 
 int orl_run_of_scene(const struct orl_job *job, const struct orl_run_env *env,
                      struct orl_scene **scene, struct orl_result *ret_result, struct orl_error *err)
 {
-    return run(job, env, scene, &(struct course){.stages = run_stages}, ret_result, err);
+    return run_job(job, env, scene, &(struct course){.stages = run_stages}, ret_result, err);
 }
 
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
             struct orl_error *err)
 {
     struct orl_scene *scene = NULL;
-    const int code = run(job, env, &scene, &(struct course){.stages = run_stages}, ret_result, err);
+    const int code =
+        run_job(job, env, &scene, &(struct course){.stages = run_stages}, ret_result, err);
     orl_scene_release(scene);
     return code;
 }
@@ -283,7 +287,7 @@ int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
 {
     struct orl_scene *scene = NULL;
     const int code =
-        run(job, env, &scene, &(struct course){.stages = plan_stages}, ret_result, err);
+        run_job(job, env, &scene, &(struct course){.stages = plan_stages}, ret_result, err);
     orl_scene_release(scene);
     return code;
 }
@@ -296,7 +300,8 @@ int orl_plan_curve(const struct orl_job *job, const struct orl_run_env *env,
     struct orl_pilot pilot = {.sensor_times = 1, .view_times = 1, .curve = &curve};
     struct orl_result result = {0};
     struct orl_scene *scene = NULL;
-    const int code = run(&tried, env, &scene, &(struct course){try_stages, &pilot}, &result, err);
+    const int code =
+        run_job(&tried, env, &scene, &(struct course){try_stages, &pilot}, &result, err);
     orl_scene_release(scene);
     orl_result_done(&result);
     if (code == 0)

@@ -7,14 +7,14 @@
 
 enum { HALVINGS = 40 };
 
-/* Of all samples this part goes evenly. */
+/* Share of the samples that is allocated equally. */
 static const double even_part = 0.2;
 
-/* Deviations of one sample, relative to what it is a sample of. */
+/* Relative standard deviations of one sample. */
 struct noise {
     const struct orl_estimates *estimates;
-    double least; /* that values are divided by */
-    double mean;  /* over all; 0: nothing to share out by */
+    double least; /* least divisor */
+    double mean;  /* mean over all; 0: nothing to allocate by */
 };
 
 static double divisor(const struct noise *noise, size_t i)
@@ -43,15 +43,16 @@ static struct noise look_at_noise(const struct orl_estimates *estimates)
     return noise;
 }
 
-/* Samples of one, over their mean. */
+/* Returns the samples of one sensor, relative to the mean. */
 static double share_of(const struct noise *noise, size_t i)
 {
     return noise->mean > 0 ? even_part + (1 - even_part) * noise_of(noise, i) / noise->mean : 1;
 }
 
-/* Whether the bound is the target after a round of so many samples more; errors is room. */
-static bool would_do(const struct noise *noise, double more, double at, double target,
-                     double *errors)
+/* Returns true if the bound is at most the target after a round of `more` samples; errors:
+ * scratch. */
+static bool reaches_target(const struct noise *noise, double more, double at, double target,
+                           double *errors)
 {
     struct orl_estimates then = *noise->estimates;
     const double weight = more / (then.samples + more);
@@ -66,7 +67,7 @@ static bool would_do(const struct noise *noise, double more, double at, double t
 
 double orl_allocation_work(const struct orl_estimates *estimates, double at, double target)
 {
-    const double most = 1e9; /* times the samples so far */
+    const double most = 1e9; /* relative to the samples so far */
     const struct noise noise = look_at_noise(estimates);
     double low = 1e-3 * estimates->samples, high = most * estimates->samples;
     if (!(noise.mean > 0) || orl_percentile_is_kept(estimates, at, target))
@@ -76,7 +77,7 @@ double orl_allocation_work(const struct orl_estimates *estimates, double at, dou
         return NAN;
     for (int i = 0; i < HALVINGS; i++) {
         const double middle = sqrt(low * high);
-        if (would_do(&noise, middle, at, target, errors))
+        if (reaches_target(&noise, middle, at, target, errors))
             high = middle;
         else
             low = middle;

@@ -14,19 +14,20 @@
 
 /* ---- The shelf ------------------------------------------------------------------------------- */
 
-static void *hold(void *scene)
+static void *hold_scene(void *scene)
 {
     return orl_scene_hold(scene);
 }
 
-static void release(void *scene)
+static void release_scene(void *scene)
 {
     orl_scene_release(scene);
 }
 
-static const struct orl_shelf_sharing sharing = {hold, release};
+static const struct orl_shelf_sharing sharing = {hold_scene, release_scene};
 
-/* By what the caller says that the files are, and which of them are the main ones. */
+/* Makes the key from the caller's id of the files and the names of the main ones. Returns false if
+ * the shelf is not used. */
 static bool shelf_key(const struct orl_run_state *state, char ret_key[ORL_SHELF_KEY])
 {
     unsigned char digest[ORL_SHA256_BYTES];
@@ -47,10 +48,9 @@ static bool shelf_key(const struct orl_run_state *state, char ret_key[ORL_SHELF_
     return true;
 }
 
-/* ---- What is wrong with it --------------------------------------------------------------------
- */
+/* ---- Faults of the scene --------------------------------------------------------------------- */
 
-/* What of BSDFs with a thickness may not be what is meant. */
+/* Warns of BSDFs with a thickness that may be placed wrongly. */
 static void warn_of_proxies(struct orl_run_state *state)
 {
     const struct orl_scene *scene = state->scene;
@@ -76,8 +76,8 @@ static void warn_of_proxies(struct orl_run_state *state)
     }
 }
 
-/* Sensors and eyes, moved; at most so many sensors of all over the job. *ret_n of them; NULL: out
- * of memory. */
+/* Lists sensors, evenly thinned out, and eyes, in moved coordinates. The caller frees the list;
+ * NULL if out of memory. */
 static struct orl_vec3 *list_places(const struct orl_run_state *state, size_t *ret_n)
 {
     enum { MOST_SENSORS = 4096 };
@@ -97,7 +97,7 @@ static struct orl_vec3 *list_places(const struct orl_run_state *state, size_t *r
     return list;
 }
 
-/* Where rooms are taken for matter: a lining that is left away, or that may stand in the room. */
+/* Warns if rooms are treated as matter: a lining that is removed, or that may stand in the room. */
 static void warn_of_lining(struct orl_run_state *state, size_t antimatter,
                            const struct orl_vec3 *places, size_t n)
 {
@@ -137,7 +137,7 @@ static void warn_of_linings(struct orl_run_state *state)
     free(places);
 }
 
-static void tell_faults(struct orl_run_state *state)
+static void warn_of_faults(struct orl_run_state *state)
 {
     const struct orl_description *d = &state->scene->description;
     for (size_t i = 0; i < d->n_warnings; i++)
@@ -149,10 +149,10 @@ static void tell_faults(struct orl_run_state *state)
     orl_run_warn_of_turned_panes(state);
 }
 
-/* ---- Reading it ------------------------------------------------------------------------------ */
+/* ---- Reading --------------------------------------------------------------------------------- */
 
-/* Between steps that cannot be interrupted. */
-static int heed_cancel(const struct orl_run_state *state, struct orl_error *err)
+/* Returns ORL_ERR_CANCELLED if cancelled; called between steps that cannot be interrupted. */
+static int check_cancel(const struct orl_run_state *state, struct orl_error *err)
 {
     return orl_crew_cancelled(state->env->crew)
                ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while preparing the scene")
@@ -163,10 +163,10 @@ static int read_files(struct orl_run_state *state, struct orl_description *ret_d
                       struct orl_error *err)
 {
     const int code = orl_run_read_scene(state, ret_description, err);
-    return code < 0 ? code : heed_cancel(state, err);
+    return code < 0 ? code : check_cancel(state, err);
 }
 
-/* Ports of no part get materials that nothing but ports has. */
+/* Gives ports that belong to no part materials of their own. */
 static int part_ports(struct orl_scene *scene, struct orl_error *err)
 {
     struct orl_description *d = &scene->description;
@@ -188,12 +188,12 @@ static int part_ports(struct orl_scene *scene, struct orl_error *err)
     return code < 0 ? orl_error_set(err, code, "out of memory") : 0;
 }
 
-static int build(struct orl_run_state *state, struct orl_description *description,
-                 struct orl_error *err)
+static int build_scene(struct orl_run_state *state, struct orl_description *description,
+                       struct orl_error *err)
 {
     int code = orl_scene_new(description, &state->scene, err);
     if (code == 0)
-        code = heed_cancel(state, err);
+        code = check_cancel(state, err);
     if (code == 0)
         code = orl_scene_find_ports(state->scene, state->env->crew, err);
     if (code == 0 && state->swaps && state->swaps->parted)
@@ -227,15 +227,15 @@ int orl_run_load(struct orl_run_state *state, struct orl_error *err)
     }
     orl_run_enter(state, ORL_STAGE_BVH);
     if (!found)
-        code = build(state, &description, err);
+        code = build_scene(state, &description, err);
     if (code < 0)
         return code;
     if (!found && shelved)
         state->scene =
             orl_shelf_put_shared(shelf, key, state->scene, orl_scene_bytes(state->scene), &sharing);
-    tell_faults(state);
+    warn_of_faults(state);
     if (code == 0)
         code = orl_lights_new(state->scene, state->result->sky_given ? &daylight : NULL,
                               &state->lights, err);
-    return code < 0 ? code : heed_cancel(state, err);
+    return code < 0 ? code : check_cancel(state, err);
 }

@@ -1,7 +1,7 @@
 /*
- * The scene of a job: held from a run before it, found on the shelf, or read from its files. Jobs
- * that read one scene at the same time share it from then on. Threads: the lead's only; what comes
- * of it is immutable.
+ * The scene of a job: passed in from an earlier run, found on the shelf, or read from its files.
+ * Jobs that read one scene at the same time share it afterwards. Threads: only the lead's; the
+ * result is immutable.
  */
 #ifndef ORL_RUN_SCENE_H
 #define ORL_RUN_SCENE_H
@@ -9,13 +9,14 @@
 #include "run/stages.h"
 
 /*
- * Load and bvh stages: state->scene, and state->lights with the job's sky. What the scene's files
- * have wrong goes into the result's health and warnings, whether it was read now or before.
+ * Runs the load and bvh stages: sets state->scene, and state->lights with the job's sky. Faults of
+ * the scene's files go into the result's health and warnings, even if the scene was read by an
+ * earlier run.
  */
 int orl_run_load(struct orl_run_state *state, struct orl_error *err);
 
-/* The same job as orl_run's, of a scene that the caller holds; *scene NULL: it is read, and held
- * for the caller, also where the run fails later. */
+/* Runs a job like orl_run, with a scene that the caller owns. If *scene is NULL it is read and
+ * passed to the caller, even if the run fails later. */
 int orl_run_of_scene(const struct orl_job *job, const struct orl_run_env *env,
                      struct orl_scene **scene, struct orl_result *ret_result,
                      struct orl_error *err);

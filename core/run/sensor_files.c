@@ -7,7 +7,7 @@
 #include "render/heat_map/heat_map.h"
 #include "run/stages.h"
 
-/* name with the run's prefix, owned, and its path. */
+/* Makes a name with the run's prefix, owned by the caller, and its path. */
 static int name_file(const struct orl_run_state *state, const char *name, char **ret_name,
                      char ret_path[4096], struct orl_error *err)
 {
@@ -58,7 +58,7 @@ static int write_csv(const struct orl_run_state *state, const char *path, struct
     return orl_out_close(&file, 0, err);
 }
 
-/* One value a line, in the sensors' order, as tools about Radiance keep them. */
+/* Writes one value a line, in the sensors' order, as tools for Radiance do. */
 static int write_res(const struct orl_run_state *state, const char *path, struct orl_error *err)
 {
     struct orl_out_file file = {.stream = NULL};
@@ -73,11 +73,11 @@ static int write_res(const struct orl_run_state *state, const char *path, struct
 
 /* ---- Radiance's data files ------------------------------------------------------------------- */
 
-/* A grid's values row by row, rows along v; owned. */
+/* A grid's values row by row, rows along v; values are owned. */
 struct table {
     size_t size[2]; /* along u, along v */
     double low[2];
-    double *values; /* NaN: there is no sensor */
+    double *values; /* NaN: no sensor there */
 };
 
 static double along(const struct orl_sensor_plane *p, size_t i, int axis)
@@ -99,10 +99,11 @@ static void find_size(const struct orl_sensor_plane *p, struct table *table)
     }
 }
 
-/* False: they are no full grid, or there is no memory; a table is what is left out then. */
+/* Fills a table. Returns false if the sensors are no full grid or memory is exhausted; the table is
+ * then omitted. */
 static bool fill_table(const struct orl_sensor_plane *p, const double *lux, struct table *table)
 {
-    static const double off_line = 0.02; /* of a cell */
+    static const double off_line = 0.02; /* tolerance, as a share of a cell */
     if (!p->grid)
         return false;
     find_size(p, table);

@@ -1,5 +1,5 @@
-/* Sensors in the plane of a surface that they do not face, as a wall is to a sensor that looks up:
- * by rounding they are on one side of it or the other. */
+/* Finds sensors in the plane of a surface that they do not face, such as a wall for a sensor that
+ * looks up: rounding decides on which side of it they lie. */
 #include <math.h>
 #include <stdio.h>
 
@@ -7,12 +7,14 @@
 #include "run/stages.h"
 #include "scene/geometry/stand.h"
 
-/* So many times the geometry's resolution away from a surface a sensor is clear of it. */
+/* Distance from a surface at which a sensor is clear of it, in units of the geometry's
+ * resolution. */
 static const double clear_of_surfaces = 10;
 /* A sensor that faces a surface by more than this cosine is moved off it (stand.h). */
 static const double faces_from = 0.25;
 
-/* Looks along way, from one resolution behind the point to one ahead of it. */
+/* Tests for a surface along a direction, from one resolution behind the point to one ahead of
+ * it. */
 static bool touches_along(const struct orl_geometry *g, struct orl_vec3 point,
                           struct orl_vec3 normal, struct orl_vec3 way, struct orl_touch *ret_touch)
 {
@@ -26,7 +28,8 @@ static bool touches_along(const struct orl_geometry *g, struct orl_vec3 point,
     return height <= span;
 }
 
-/* Two ways at a right angle are enough for planes of any direction. */
+/* Returns true if a surface contains the sensor. Two orthogonal directions suffice for planes of
+ * any orientation. */
 static bool lies_in_plane(const struct orl_geometry *g, const struct orl_sensor *sensor,
                           struct orl_touch *ret_touch)
 {

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Seconds of the stages from photons on, as they are foreseen. */
+/* Returns the estimated seconds of the stages from photons on. */
 static double foreseen_s(const struct orl_run_state *state)
 {
     return state->cost_s[ORL_STAGE_PHOTONS] + state->cost_s[ORL_STAGE_MAPS] +
@@ -32,7 +32,7 @@ static struct orl_job without_sensors(const struct orl_job *job)
     return views;
 }
 
-/* The state goes on with the views. */
+/* Makes the state continue with the views. */
 static void go_on_with_views(struct orl_run_state *state, struct orl_sensor_run *run)
 {
     run->made = true;
@@ -45,7 +45,7 @@ static void go_on_with_views(struct orl_run_state *state, struct orl_sensor_run 
     orl_run_guess_costs(state);
 }
 
-/* The sensors' part of the progress, and what is left of it for the views. */
+/* Divides the run's progress between sensors and views. */
 static struct orl_run_env divide_progress(struct orl_run_state *state, struct orl_sensor_run *run,
                                           double sensors_s)
 {
@@ -110,7 +110,7 @@ int orl_sensor_run_make(struct orl_run_state *state, struct orl_sensor_run *ret_
     return 0;
 }
 
-/* ---- Results of both ------------------------------------------------------------------------- */
+/* ---- Joining the results --------------------------------------------------------------------- */
 
 /* Adds the sensors' counts, except those of the scene's files, which both runs have counted. */
 static void join_health(struct orl_health *sum, const struct orl_health *sensors)
@@ -121,7 +121,8 @@ static void join_health(struct orl_health *sum, const struct orl_health *sensors
     orl_health_add(sum, &part);
 }
 
-/* The job's accuracy is met if sensors and views meet it; the error is that of the worse. */
+/* Joins the outcomes: the accuracy is met if sensors and views meet it; the error is the larger
+ * one. */
 static void join_outcomes(const struct orl_sensor_run *run, struct orl_outcome *outcome)
 {
     const struct orl_outcome *sensors = &run->result.outcome;
@@ -138,7 +139,7 @@ static void join_outcomes(const struct orl_sensor_run *run, struct orl_outcome *
         outcome->achieved = sensors->achieved;
 }
 
-/* Both errors are to be halved, or to fall to one per cent. */
+/* Joins the costs: times are for both errors to be halved, or to fall to one per cent. */
 static void join_costs(struct orl_cost *cost, const struct orl_cost *sensors)
 {
     const bool worse = isnan(sensors->error) || sensors->error > cost->error;
@@ -179,7 +180,7 @@ void orl_sensor_run_join(struct orl_run_state *state, struct orl_sensor_run *run
     orl_result_done(&run->result);
 }
 
-/* ---- Another technique after the cross-check ------------------------------------------------- */
+/* ---- Second run after the cross-check -------------------------------------------------------- */
 
 static size_t count_doubts(const struct orl_result *result)
 {
@@ -189,8 +190,8 @@ static size_t count_doubts(const struct orl_result *result)
     return n;
 }
 
-/* Not with a deadline, which leaves no time for a second run, and not where views have an accuracy
- * to meet, for then the outcome belongs to both. */
+/* Returns true if a second run is allowed. A deadline leaves no time for one. If views have an
+ * accuracy to meet, the outcome belongs to both, and a second run is not allowed either. */
 static bool may_run_again(const struct orl_run_state *state)
 {
     const struct orl_job *job = state->job;
@@ -230,8 +231,9 @@ static void drop_warnings(struct orl_result *result, size_t first)
         free(result->warnings[--result->n_warnings]);
 }
 
-/* The values of the second run, and its warnings, instead of the first ones. */
-static void adopt(struct orl_run_state *state, struct orl_result *second, size_t first_warning)
+/* Replaces values and warnings by those of the second run. */
+static void adopt_second_run(struct orl_run_state *state, struct orl_result *second,
+                             size_t first_warning)
 {
     struct orl_result *result = state->result;
     const size_t off = result->cross_check.sensors_off, n = result->n_sensors;
@@ -270,7 +272,7 @@ int orl_sensor_run_again(struct orl_run_state *state, size_t first_warning, stru
         result->timings_s[i] += second.timings_s[i];
     join_health(&result->health, &second.health);
     if (count_doubts(&second) < count_doubts(result))
-        adopt(state, &second, first_warning);
+        adopt_second_run(state, &second, first_warning);
     orl_result_done(&second);
     return 0;
 }

@@ -1,5 +1,5 @@
-/* Sensors in another space than most of their grid: outdoors, in a solid, a wall or another room;
- * and sensors that lie below the floor of a room, though their whole grid may. */
+/* Finds sensors in another space than most of their grid: outdoors, in a solid, a wall or another
+ * room. Also finds sensors below the floor of a room, even if their whole grid is. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -9,13 +9,14 @@
 #include "scene/geometry/stand.h"
 
 enum { LEAST_SENSORS = 3, CHUNK = 256 };
-/* A tenth of the sensors in a space without windows, a twentieth in a room: more are on purpose. */
+/* Divisors of a range's sensors: up to a tenth in a space without windows, and a twentieth in
+ * another room, are taken as mistakes. */
 enum { SHARE_IN_SOLIDS = 10, SHARE_IN_ROOMS = 20 };
-/* A floor so many times nearer overhead than the ceiling above it. */
+/* Ratio of the ceiling's distance to that of a floor overhead. */
 static const double much_nearer = 4;
 
-/* Rays of a job's searches: so many, and more for each range and sensor. Those of ranges that lie
- * in one room are enough to check it whatever others have used. */
+/* Limits of rays for a job's searches, and additional ones for each range and sensor. The
+ * additional rays suffice to check ranges within one room, whatever others have used. */
 enum { RAYS_OF_A_JOB = 4000000, RAYS_OF_A_RANGE = 4096, RAYS_OF_A_SENSOR = 16 };
 
 /* A facet may be the floor of a closed room with windows. */
@@ -34,18 +35,18 @@ struct check {
     struct orl_sensor_check *job;
     const struct orl_scene *scene;
     struct orl_ray_budget budget;
-    uint8_t *floors; /* by facet, also placed ones: enum floor; NULL until one is wanted */
-    bool *unchecked; /* by range: its check has reached the limit of rays */
+    uint8_t *floors; /* by facet, including placed ones: enum floor; NULL until needed */
+    bool *unchecked; /* by range: true if its check has reached the limit of rays */
     size_t n_warned;
-    /* The range that is checked now: */
+    /* The fields below belong to the range that is checked now. */
     const struct orl_sensor_range *range;
     const struct orl_sensor *sensors;
     struct orl_outlook *places;
     struct orl_enclosures *enclosures;
-    uint8_t *kinds; /* of each sensor: enum misplacement */
+    uint8_t *kinds; /* by sensor: enum misplacement */
 };
 
-/* ---- Words ----------------------------------------------------------------------------------- */
+/* ---- Warnings -------------------------------------------------------------------------------- */
 
 /* Adds "3, 7-12 and 5 more" to the text: sensors of one kind, numbered from 1. */
 static void list_numbers(const struct check *c, enum misplacement kind, char *text, size_t size)
@@ -69,7 +70,7 @@ static void list_numbers(const struct check *c, enum misplacement kind, char *te
         snprintf(text + at, size - at, " and %zu more", more);
 }
 
-/* The surface between a sensor and those in place, or the one above a sensor. */
+/* Finds the surface between a sensor and those in place, or the one above a sensor. */
 static bool find_surface(const struct check *c, enum misplacement kind, size_t index,
                          struct orl_hit *ret_hit)
 {
@@ -93,7 +94,7 @@ static void describe_surface(const struct check *c, enum misplacement kind, size
     snprintf(text, size, " behind '%.80s' (%.80s:%d)", label.name, label.file, label.line);
 }
 
-static void emit(struct check *c, const char *text)
+static void emit_warning(struct check *c, const char *text)
 {
     enum { MOST = 20 };
     if (c->n_warned++ < MOST)
@@ -104,7 +105,7 @@ static void emit(struct check *c, const char *text)
                      "floors: they are not listed");
 }
 
-static void describe(struct check *c, enum misplacement kind)
+static void describe_misplaced(struct check *c, enum misplacement kind)
 {
     static const char in_solid[] = "in closed spaces without windows, as within a solid or a wall, "
                                    "and the others do not";
@@ -130,10 +131,10 @@ static void describe(struct check *c, enum misplacement kind)
              c->range->name ? "': " : "", count, c->range->count, count > 1 ? "lie" : "lies",
              where[kind], count > 1 ? "s" : "", numbers, at.x, at.y, at.z, surface,
              kind == BELOW_FLOOR ? " above it" : ", or give them a grid of their own");
-    emit(c, text);
+    emit_warning(c, text);
 }
 
-/* One warning of all ranges whose check has reached the limit of rays. */
+/* Issues one warning for all ranges whose check has reached the limit of rays. */
 static void describe_unchecked(const struct check *c)
 {
     enum { MOST_NAMES = 5 };
@@ -159,7 +160,7 @@ static void describe_unchecked(const struct check *c)
 
 /* ---- Sensors apart from their grid ----------------------------------------------------------- */
 
-/* Open buildings tell nothing of who is outdoors. */
+/* Classifies a space. In an open building being outdoors is no mistake. */
 static enum misplacement kind_of(const struct orl_enclosure *e, const struct orl_enclosure *most,
                                  size_t n)
 {
@@ -170,7 +171,7 @@ static enum misplacement kind_of(const struct orl_enclosure *e, const struct orl
     return e->count == 1 || SHARE_IN_ROOMS * e->count <= n ? IN_OTHER_ROOM : IN_PLACE;
 }
 
-static void sort_apart(const struct check *c)
+static void classify_spaces(const struct check *c)
 {
     const struct orl_enclosures *e = c->enclosures;
     const struct orl_enclosure *most = &e->at[e->largest];
@@ -230,8 +231,8 @@ static int is_below_floor(struct check *c, const struct orl_outlook *place, bool
     return look_up_floor(c, &hit, &above, ret_below);
 }
 
-/* A range that is outdoors as a whole. */
-static int sort_below(struct check *c)
+/* Classifies the sensors of a range whose largest space is outdoors as below a floor or not. */
+static int classify_below(struct check *c)
 {
     const struct orl_enclosures *e = c->enclosures;
     if (e->at[e->largest].escaped == 0)
@@ -271,7 +272,7 @@ static void list_places(void *arg, size_t chunk, uint32_t member)
     }
 }
 
-static int sort_range(struct check *c)
+static int classify_range(struct check *c)
 {
     const size_t n = c->range->count;
     int code = orl_crew_try(c->job->crew, (n + CHUNK - 1) / CHUNK, list_places, c);
@@ -279,11 +280,11 @@ static int sort_range(struct check *c)
         code = orl_enclosures_new(c->scene, c->places, n, &c->budget, &c->enclosures);
     if (code < 0)
         return code;
-    sort_apart(c);
-    code = sort_below(c);
+    classify_spaces(c);
+    code = classify_below(c);
     for (int kind = IN_PLACE + 1; kind < MISPLACEMENTS && (code == 0 || code == ORL_ERR_LIMIT);
          kind++)
-        describe(c, (enum misplacement)kind);
+        describe_misplaced(c, (enum misplacement)kind);
     return code;
 }
 
@@ -297,7 +298,7 @@ static int check_range(struct check *c, size_t index)
     c->kinds = calloc(n + 1, sizeof *c->kinds);
     c->budget.left += RAYS_OF_A_RANGE + RAYS_OF_A_SENSOR * (uint64_t)n;
     if (c->places && c->kinds)
-        code = n > 0 ? sort_range(c) : 0;
+        code = n > 0 ? classify_range(c) : 0;
     orl_enclosures_free(c->enclosures);
     free(c->places);
     free(c->kinds);

@@ -8,7 +8,7 @@
 
 enum { NUMBERS = 6, POLL_LINES = 4096 };
 
-/* The sensor of a line; *ret_any: it is not empty, nor a remark alone. */
+/* Reads the sensor of a line; *ret_any: false if the line is empty or only a comment. */
 static int read_line(const struct orl_scanner *scanner, struct orl_slice line, double ret[NUMBERS],
                      bool *ret_any, struct orl_error *err)
 {
@@ -114,8 +114,8 @@ static int add_sensor(void *ctx, const double v[6])
     return 0;
 }
 
-static int parse(const char *name, const char *text, size_t size, const atomic_bool *cancel,
-                 struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
+static int parse_sensors(const char *name, const char *text, size_t size, const atomic_bool *cancel,
+                         struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
 {
     struct sensors all = {NULL, 0};
     const int code = read_file(name, text, size, cancel, add_sensor, &all, ret_count, err);
@@ -129,7 +129,7 @@ static int parse(const char *name, const char *text, size_t size, const atomic_b
 int orl_sensors_parse(const char *name, const char *text, size_t size,
                       struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
 {
-    return parse(name, text, size, NULL, ret_sensors, ret_count, err);
+    return parse_sensors(name, text, size, NULL, ret_sensors, ret_count, err);
 }
 
 int orl_sensors_load(const struct orl_files *files, const char *name, const atomic_bool *cancel,
@@ -139,7 +139,7 @@ int orl_sensors_load(const struct orl_files *files, const char *name, const atom
     int code = files->open(files->ctx, name, &file, err);
     if (code < 0)
         return code;
-    code = parse(name, file.data, file.size, cancel, ret_sensors, ret_count, err);
+    code = parse_sensors(name, file.data, file.size, cancel, ret_sensors, ret_count, err);
     files->close(files->ctx, &file);
     return code;
 }

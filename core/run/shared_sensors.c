@@ -1,11 +1,12 @@
-/* Stretches of sensors as pieces of a job that is shared. */
+/* Distributes stretches of sensors as pieces of a job. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "run/rendering.h"
 
-/* A stretch in its file: this, what came of each and, in rounds by backward, its groups. */
+/* Layout of a stretch's file: this header, the results of the sensors and, in rounds by backward,
+ * their groups. */
 struct stretch_head {
     struct orl_health health;
 };
@@ -103,7 +104,7 @@ static void name_stretch(const struct orl_rendering *rendering, size_t first,
     snprintf(piece->kind, sizeof piece->kind, "sensors");
 }
 
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     struct orl_rendering *rendering = ctx;
     const double taken = (double)atomic_load(&rendering->taken);
@@ -120,7 +121,7 @@ int orl_share_sensors(struct orl_rendering *rendering, struct orl_error *err)
                                   .ctx = rendering,
                                   .make = make_stretch,
                                   .take = take_stretch,
-                                  .told = tell_share};
+                                  .told = report_share};
     work.pieces = calloc(work.n, sizeof *work.pieces);
     if (!work.pieces)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");

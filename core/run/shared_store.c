@@ -19,10 +19,10 @@ static int name_file(const struct orl_shared_store *state, const char *kind, con
     return 0;
 }
 
-/* ---- What is owed ---------------------------------------------------------------------------- */
+/* ---- Owed files ------------------------------------------------------------------------------ */
 
-static int owe(struct orl_shared_store *state, const char *kind, const char *key,
-               struct orl_error *err)
+static int add_owed(struct orl_shared_store *state, const char *kind, const char *key,
+                    struct orl_error *err)
 {
     struct orl_piece piece = {.work = 1};
     snprintf(piece.kind, sizeof piece.kind, "%s", kind);
@@ -33,8 +33,8 @@ static int owe(struct orl_shared_store *state, const char *kind, const char *key
     return 0;
 }
 
-/* Was it owed? It is not any more. */
-static bool settle(struct orl_shared_store *state, const char *kind, const char *key)
+/* Removes an entry from the list of owed files. Returns true if it was owed. */
+static bool remove_owed(struct orl_shared_store *state, const char *kind, const char *key)
 {
     for (size_t i = state->n_owed; i-- > 0;)
         if (strcmp(state->owed[i].key, key) == 0 && strcmp(state->owed[i].kind, kind) == 0) {
@@ -52,14 +52,14 @@ static int shared_acquire(void *ctx, const char *kind, const char *key, atomic_b
 {
     struct orl_shared_store *state = ctx;
     struct stat st;
-    (void)cancel; /* two that make the same do not wait for each other */
+    (void)cancel; /* processes that make the same file do not wait for each other */
     int code = name_file(state, kind, key, false, ret_path, err);
     if (code < 0)
         return code;
     *ret_hit = stat(ret_path, &st) == 0;
     if (!*ret_hit) {
         code = name_file(state, kind, key, true, ret_path, err);
-        return code < 0 ? code : owe(state, kind, key, err);
+        return code < 0 ? code : add_owed(state, kind, key, err);
     }
     memset(ret_info, 0, sizeof *ret_info);
     snprintf(ret_info->kind, sizeof ret_info->kind, "%s", kind);
@@ -80,16 +80,16 @@ static int shared_commit(void *ctx, const struct orl_map_info *info, struct orl_
         code = orl_error_set(err, orl_err_of_errno(errno), "cannot keep '%s': %s", to,
                              strerror(errno));
     if (code == 0)
-        settle(state, info->kind, info->key);
+        remove_owed(state, info->kind, info->key);
     return code;
 }
 
-/* What was owed is given up; else what was found is damaged. */
+/* Deletes an owed file under construction, or else a damaged file that was found. */
 static void shared_abandon(void *ctx, const char *kind, const char *key)
 {
     struct orl_shared_store *state = ctx;
     char path[4096];
-    if (name_file(state, kind, key, settle(state, kind, key), path, NULL) == 0)
+    if (name_file(state, kind, key, remove_owed(state, kind, key), path, NULL) == 0)
         unlink(path);
 }
 

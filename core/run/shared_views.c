@@ -1,17 +1,17 @@
-/* Views as pieces of a job that is shared. */
+/* Distributes views as pieces of a job. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "run/rendering.h"
 
-/* Views on their way. */
+/* Context of the piece callbacks. */
 struct shared {
     struct orl_rendering *rendering;
     const size_t *views;
 };
 
-/* A picture in its file: this, pixels, and their errors. */
+/* Layout of a picture's file: this header, pixels, and their errors. */
 struct head {
     struct orl_health health;
     double seconds;
@@ -27,8 +27,8 @@ static size_t bytes_of(const struct orl_film *film)
     return sizeof(struct head) + pixels_of(film) * (sizeof *film->pixels + sizeof *film->errors);
 }
 
-static int pack(const struct orl_film *film, const struct head *head, void **ret_data,
-                size_t *ret_size, struct orl_error *err)
+static int pack_view(const struct orl_film *film, const struct head *head, void **ret_data,
+                     size_t *ret_size, struct orl_error *err)
 {
     const size_t pixels = pixels_of(film) * sizeof *film->pixels;
     char *to = malloc(bytes_of(film));
@@ -42,7 +42,8 @@ static int pack(const struct orl_film *film, const struct head *head, void **ret
     return 0;
 }
 
-static int make(void *ctx, size_t index, void **ret_data, size_t *ret_size, struct orl_error *err)
+static int make_view(void *ctx, size_t index, void **ret_data, size_t *ret_size,
+                     struct orl_error *err)
 {
     const struct shared *shared = ctx;
     const struct orl_run_state *state = shared->rendering->state;
@@ -60,15 +61,15 @@ static int make(void *ctx, size_t index, void **ret_data, size_t *ret_size, stru
     state->searches[0].health = before;
     head.seconds = env->now_s(env->ctx) - started;
     if (code == 0)
-        code = pack(&film, &head, ret_data, ret_size, err);
+        code = pack_view(&film, &head, ret_data, ret_size, err);
     if (code == 0)
         code = orl_finish_view(shared->rendering, view, &film, started, err);
     orl_film_done(&film);
     return code;
 }
 
-static int show(const struct shared *shared, size_t view, const char *data, size_t size,
-                bool *ret_fits, struct orl_error *err)
+static int show_view(const struct shared *shared, size_t view, const char *data, size_t size,
+                     bool *ret_fits, struct orl_error *err)
 {
     struct orl_run_state *state = shared->rendering->state;
     struct orl_view ignored;
@@ -89,11 +90,11 @@ static int show(const struct shared *shared, size_t view, const char *data, size
     return code;
 }
 
-static int take(void *ctx, size_t index, const void *data, size_t size, bool *ret_taken,
-                struct orl_error *err)
+static int take_view(void *ctx, size_t index, const void *data, size_t size, bool *ret_taken,
+                     struct orl_error *err)
 {
     const struct shared *shared = ctx;
-    return show(shared, shared->views[index], data, size, ret_taken, err);
+    return show_view(shared, shared->views[index], data, size, ret_taken, err);
 }
 
 static void name_view(const struct orl_run_state *state, size_t index, struct orl_piece *piece)
@@ -110,7 +111,7 @@ static void name_view(const struct orl_run_state *state, size_t index, struct or
     piece->bytes = ORL_PIXEL_BYTES * (uint64_t)view->width * view->height;
 }
 
-static void tell_share(void *ctx, double share)
+static void report_share(void *ctx, double share)
 {
     const struct orl_rendering *rendering = ((const struct shared *)ctx)->rendering;
     orl_run_progress(rendering->state, rendering->share + share * (1 - rendering->share));
@@ -121,7 +122,7 @@ int orl_share_views(struct orl_rendering *rendering, const size_t *views, size_t
 {
     struct shared shared = {rendering, views};
     struct orl_piece_work work = {
-        .n = n, .ctx = &shared, .make = make, .take = take, .told = tell_share};
+        .n = n, .ctx = &shared, .make = make_view, .take = take_view, .told = report_share};
     work.pieces = calloc(n + 1, sizeof *work.pieces);
     if (!work.pieces)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");

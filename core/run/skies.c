@@ -1,4 +1,4 @@
-/* Several skies: the job under each of them, one after the other. */
+/* Runs the job under several skies, one after the other. */
 #include <oriel/skies.h>
 
 #include <math.h>
@@ -12,26 +12,27 @@
 #include "run/sky.h"
 #include "run/stages.h"
 
-/* What a sky without light takes of the time of others, roughly: for progress alone. */
+/* Rough time under a sky without light, relative to others; for progress only. */
 static const double dark_share = 0.1;
-/* So much a sky counts beside the next. */
+/* Weight of a sky's times relative to the next sky's. */
 static const double kept = 0.9;
-/* Of a run that is shared: what others make, of the whole; the rest is put together from it. */
+/* Distributed runs: share of the work that other processes do; the remainder is joining their
+ * results. */
 static const double made_elsewhere = 0.95;
-/* A plan that takes as long is not made twice for a curve. */
+/* A plan that takes this many seconds is not repeated for a curve. */
 static const double long_plan_s = 20;
 
-/* A job on its way through its skies. */
+/* State of a job that runs through its skies. */
 struct passage {
-    struct orl_job job; /* the caller's, with the sensors of its file in place of that */
+    struct orl_job job; /* the caller's, with the sensors of its file loaded */
     const struct orl_run_env *env;
     const struct orl_skies_env *skies;
-    struct orl_scene *scene; /* of all of them, once the first has read it */
-    double *shares;          /* of each sky in the whole; sums to 1 */
-    double before;           /* of those behind us */
-    double from;             /* of the whole, made elsewhere */
-    /* Shares of those that were run, and the seconds of their stages: the last ones count most, for
-     * a machine has more to do at times. */
+    struct orl_scene *scene; /* shared by all skies; the first one reads it */
+    double *shares;          /* share of each sky in the work; the sum is 1 */
+    double before;           /* share of the finished skies */
+    double from;             /* share of the work done by other processes */
+    /* Shares of the skies that were run, and the seconds of their stages. Recent ones count more,
+     * because the machine's load varies. */
     double ran, ran_s[ORL_STAGE_COUNT];
     double started_s;
 };
@@ -43,8 +44,8 @@ static void name_place(struct orl_error *err, size_t index)
     orl_error_at(err, NULL, 0, place);
 }
 
-/* Looks at every sky: is there one, and how much is there to do? */
-static int look_ahead(struct passage *p, struct orl_error *err)
+/* Checks every sky and estimates its work. */
+static int check_skies(struct passage *p, struct orl_error *err)
 {
     struct orl_run_weather weather = {0};
     double sum = 0;
@@ -63,7 +64,7 @@ static int look_ahead(struct passage *p, struct orl_error *err)
     return code;
 }
 
-/* Sensors of a file are read once, and only now known to be too many for so many skies, or not. */
+/* Reads sensors of a file once, and validates their number for this many skies. */
 static int read_sensors(struct passage *p, struct orl_error *err)
 {
     struct orl_job *job = &p->job;
@@ -82,7 +83,7 @@ static int read_sensors(struct passage *p, struct orl_error *err)
     return orl_job_validate(job, err);
 }
 
-/* The job under one sky alone. */
+/* Returns the job under a single sky. */
 static struct orl_job under_one(const struct orl_job *all, size_t index)
 {
     struct orl_job job = *all;
@@ -93,7 +94,7 @@ static struct orl_job under_one(const struct orl_job *all, size_t index)
     return job;
 }
 
-/* With its part of the time that is left. */
+/* Returns the job under a sky with its part of the time left. */
 static struct orl_job job_under(const struct passage *p, size_t index)
 {
     struct orl_job job = under_one(&p->job, index);
@@ -105,7 +106,7 @@ static struct orl_job job_under(const struct passage *p, size_t index)
     return job;
 }
 
-/* What is read once for all of them is not what another one takes. */
+/* Adds a sky's times, without the stages that are done once for all skies. */
 static void take_times(struct passage *p, size_t index, const struct orl_result *result)
 {
     p->ran = kept * p->ran + p->shares[index];
@@ -113,9 +114,9 @@ static void take_times(struct passage *p, size_t index, const struct orl_result 
         p->ran_s[i] = kept * p->ran_s[i] + result->timings_s[i];
 }
 
-/* What a sky is thought to take, stage by stage, by those before it; returns what those after it
- * are. */
-static double foresee(const struct passage *p, size_t index, double ret_stages_s[ORL_STAGE_COUNT])
+/* Estimates a sky's stages from earlier skies; returns the seconds of all later skies. */
+static double foresee_sky(const struct passage *p, size_t index,
+                          double ret_stages_s[ORL_STAGE_COUNT])
 {
     const double share = p->shares[index];
     double all = 0;
@@ -138,7 +139,7 @@ static int run_under(struct passage *p, size_t index, struct orl_error *err)
     env.part_from = p->from + (1 - p->from) * p->before;
     env.part = (1 - p->from) * p->shares[index];
     if (p->ran > 0) {
-        env.part_after_s = foresee(p, index, stages_s);
+        env.part_after_s = foresee_sky(p, index, stages_s);
         env.part_stages_s = stages_s;
     }
     if (p->skies->begins)
@@ -166,7 +167,7 @@ static int make_all_here(void *ctx, const struct orl_piece *pieces, size_t n, bo
     return 0;
 }
 
-/* What is made under a sky lies in the store by pieces of its own: this only says that it is. */
+/* Runs a sky and returns a marker. The sky's results are in the store as pieces of their own. */
 static int make_sky(void *ctx, size_t index, void **ret_data, size_t *ret_size,
                     struct orl_error *err)
 {
@@ -203,8 +204,8 @@ static void name_sky(const struct passage *p, const char *job, size_t index,
     piece->bytes = orl_run_guess_bytes(&p->job);
 }
 
-/* Until all is made, and put together: by the time that it has taken so far. */
-static void tell_share(void *ctx, double share)
+/* Reports progress while other processes work, extrapolated from the time so far. */
+static void report_share(void *ctx, double share)
 {
     const struct passage *p = ctx;
     const struct orl_run_env *env = p->env;
@@ -215,14 +216,15 @@ static void tell_share(void *ctx, double share)
                       done > 0 ? elapsed * (1 - done) / done : (double)NAN);
 }
 
-/* Others make what is to be made under each sky; then all of it is found. */
+/* Lets other processes make the pieces of each sky, and sets up an environment in which all of them
+ * are found. */
 static int share_skies(struct passage *p, struct orl_pieces *here, struct orl_run_env *ret_env,
                        struct orl_error *err)
 {
     const struct orl_pieces *shared = p->env->pieces;
     const struct orl_run_env *env = p->env;
     struct orl_piece_work work = {
-        .n = p->job.n_skies, .ctx = p, .make = make_sky, .take = take_sky, .told = tell_share};
+        .n = p->job.n_skies, .ctx = p, .make = make_sky, .take = take_sky, .told = report_share};
     work.pieces = calloc(work.n + 1, sizeof *work.pieces);
     if (!work.pieces)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
@@ -254,7 +256,7 @@ int orl_run_skies(const struct orl_job *job, const struct orl_run_env *env,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     code = read_sensors(&p, err);
     if (code == 0)
-        code = look_ahead(&p, err);
+        code = check_skies(&p, err);
     if (code == 0 && env->pieces && env->store)
         code = share_skies(&p, &here, &shared, err);
     for (size_t i = 0; i < job->n_skies && code == 0; i++) {

@@ -1,4 +1,4 @@
-/* The sky that the job asks for: its weather file opened, its lights put into the scene. */
+/* Loads the sky that the job requests: opens its weather file and adds its lights to the scene. */
 #include <string.h>
 
 #include "light/daylight.h"
@@ -12,7 +12,7 @@ void orl_run_weather_done(struct orl_run_weather *weather)
     *weather = (struct orl_run_weather){0};
 }
 
-/* Reads the file, unless it is the one read last. */
+/* Reads the weather file unless it was read last. */
 static int need_weather(const struct orl_files *files, const struct orl_sky_request *request,
                         struct orl_run_weather *weather, struct orl_error *err)
 {

@@ -1,6 +1,4 @@
-/*
- * Skies that jobs ask for. Threads: the lead's only.
- */
+/* Skies that jobs request. Threads: only the lead's. */
 #ifndef ORL_RUN_SKY_H
 #define ORL_RUN_SKY_H
 
@@ -8,15 +6,15 @@
 
 #include "light/daylight.h"
 
-/* The weather file read last; all zeros: none. The name is borrowed. */
+/* The weather file read last; all zeros if none. The name is borrowed. */
 struct orl_run_weather {
     const char *file;
-    int year; /* of its rows; 0: of all */
+    int year; /* year of its rows; 0: all years */
     struct orl_weather rows;
 };
 void orl_run_weather_done(struct orl_run_weather *weather);
 
-/* The sky that the request, which has been checked, is about: not one of the scene's own. */
+/* Returns the sky of a validated request, which must not be for the scene's own sky. */
 int orl_run_find_sky(const struct orl_files *files, const struct orl_sky_request *request,
                      struct orl_run_weather *weather, struct orl_daylight *ret_daylight,
                      struct orl_error *err);

@@ -1,4 +1,4 @@
-/* The stage under way: its clock, its progress, warnings; and what more than one stage needs. */
+/* The current stage: its clock, progress and warnings; and helpers for several stages. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -27,7 +27,7 @@ static double left_s(const struct orl_run_state *state, double fraction, double 
                : left;
 }
 
-/* What comes after the part that the run is of something larger. */
+/* Returns the seconds after this run, if it is a part of something larger. */
 static double after_s(const struct orl_run_env *env, const struct orl_run_report *report)
 {
     if (!(env->part > 0) || env->part_after_s > 0)
@@ -48,16 +48,17 @@ void orl_run_report(const struct orl_run_env *env, enum orl_stage stage, double 
 void orl_run_progress(const struct orl_run_state *state, double fraction)
 {
     if (!state->env->progress)
-        return; /* and the clock is not looked at */
+        return; /* without reading the clock */
     fraction = fmin(fmax(fraction, 0), 1);
     const double now = state->env->now_s(state->env->ctx);
     const double left = left_s(state, fraction, now);
     const double *spent = state->result->timings_s;
     struct orl_told *told = state->told;
-    const double unknown = told->open ? now - state->started_s + left : 0; /* say, as much again */
+    /* If the number of rounds is unknown, as much work again is assumed. */
+    const double unknown = told->open ? now - state->started_s + left : 0;
     told->share = orl_ahead_share(told->share, now - told->at_s, left + unknown);
     told->at_s = now;
-    /* Whatever the run is a part of reads its scene once. */
+    /* A larger task that the run is part of reads the scene only once. */
     const struct orl_run_report report = {
         told->share, now - state->started_s - spent[ORL_STAGE_LOAD] - spent[ORL_STAGE_BVH], left};
     orl_run_report(state->env, state->stage, fraction, &report);

@@ -1,4 +1,4 @@
-/* BSDF panes whose front looks outdoors. By Radiance's convention the front of a window looks into
+/* Finds BSDF panes whose front faces outdoors. By Radiance's convention the front of a window faces
  * the room. */
 #include <math.h>
 #include <stdio.h>
@@ -9,18 +9,18 @@
 #include "run/scene.h"
 #include "scene/material/hemisphere.h"
 
-enum { DIRECTIONS = 16 }; /* by azimuth, and by square of the sine */
-/* Differences that change little: relative to the transmittance, and of the reflectance. */
+enum { DIRECTIONS = 16 }; /* number of azimuths, and of steps in the square of the sine */
+/* Tolerated differences: of the transmittance, relative to it, and of the reflectance. */
 static const double small_transmitted = 0.05, small_reflected = 0.05;
 
-/* Returns the direction, in the frame of the data, that takes a direction's place when the pane is
+/* Returns the direction, in the frame of the data, that replaces a direction when the pane is
  * turned about its up direction. */
 static struct orl_vec3 turned(struct orl_vec3 in)
 {
     return orl_v3(-in.x, in.y, -in.z);
 }
 
-/* Returns true if a BSDF lets through or reflects other light when its pane is turned round. */
+/* Returns true if a BSDF transmits or reflects other light when its pane is turned round. */
 static bool differs_when_turned(const struct orl_bsdf *bsdf)
 {
     double transmitted = 0, transmitted_off = 0, reflected_off = 0;

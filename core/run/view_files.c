@@ -8,13 +8,13 @@
 #include "render/picture/false_color.h"
 #include "run/stages.h"
 
-/* What is written, side by side, and how it went. */
+/* Context of files written in parallel, and their results. */
 struct writing {
     const struct orl_film *film;
     struct orl_view view;
-    struct orl_shown shown; /* where one of the files shows it */
+    struct orl_shown shown; /* set if one of the files is tone-mapped */
     const struct orl_false_color *colors;
-    struct orl_scale scale; /* of these */
+    struct orl_scale scale; /* scale of the false colours */
     size_t count;
     struct {
         enum orl_picture picture;
@@ -67,7 +67,7 @@ static int path_of(const struct orl_run_state *state, const char *file, char ret
     return 0;
 }
 
-/* name.ending with the run's prefix, owned; NULL when out of memory. */
+/* Returns name.ending with the run's prefix, owned by the caller; NULL if out of memory. */
 static char *file_name(const struct orl_run_state *state, const char *name, const char *ending)
 {
     const char *prefix = state->env->file_prefix ? state->env->file_prefix : "";
@@ -78,7 +78,7 @@ static char *file_name(const struct orl_run_state *state, const char *name, cons
     return file;
 }
 
-/* Which files there are to be, as bits. */
+/* Returns the pictures to write, as bits. */
 static uint32_t pictures_of(const struct orl_view_request *request, const struct orl_film *film)
 {
     uint32_t pictures = request->formats ? request->formats : ORL_PICTURES_USUAL;
@@ -90,12 +90,12 @@ static uint32_t pictures_of(const struct orl_view_request *request, const struct
     return pictures;
 }
 
-/* Those that show the film as it looks. */
+/* Tone-mapped pictures. */
 static const uint32_t to_look_at =
     ORL_PICTURE_BIT(ORL_PICTURE_PNG) | ORL_PICTURE_BIT(ORL_PICTURE_PNG16) |
     ORL_PICTURE_BIT(ORL_PICTURE_LINES) | ORL_PICTURE_BIT(ORL_PICTURE_BANDS);
 
-/* Names of the files in the result, and their paths. */
+/* Sets the files' names in the result, and their paths. */
 static int name_files(const struct orl_run_state *state, uint32_t pictures,
                       struct orl_view_result *result, struct writing *writing,
                       struct orl_error *err)
@@ -129,7 +129,7 @@ static int write_files(const struct orl_run_state *state, struct writing *writin
     return 0;
 }
 
-/* The scale of false colours, and what they show at the points that were named. */
+/* Makes the scale of false colours, and evaluates the named points. */
 static int settle_colors(const struct orl_view_request *request, struct writing *writing,
                          struct orl_view_result *result, struct orl_error *err)
 {
@@ -184,7 +184,7 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
     const struct orl_view_request *request = &state->job->views[index];
     struct orl_view_result *result = &state->result->views[index];
     struct writing *writing = calloc(1, sizeof *writing);
-    orl_view_result_done(result); /* of an earlier round */
+    orl_view_result_done(result); /* from an earlier round */
     result->name = strdup(request->name);
     if (!result->name || !writing) {
         free(writing);

@@ -6,10 +6,10 @@
 #include "metrics/view_batches.h"
 #include "run/stages.h"
 
-/* A view that holds less than this share of the hemisphere lacks light at the eye. */
+/* A view that covers less than this share of the hemisphere lacks light at the eye. */
 static const double almost_all = 0.98;
 
-/* Once a view, whatever the number of rounds. */
+/* Warns once for a view, for any number of rounds. */
 static void warn_of_field(struct orl_run_state *state, const struct orl_view_request *request,
                           const struct orl_glare *glare)
 {
@@ -39,8 +39,9 @@ int orl_run_read_mask(const struct orl_files *files, const struct orl_view_reque
     return code;
 }
 
-static int rate(const struct orl_run_env *env, const struct orl_view_request *request,
-                const struct orl_film *film, struct orl_glare *ret_glare, struct orl_error *err)
+static int rate_glare(const struct orl_run_env *env, const struct orl_view_request *request,
+                      const struct orl_film *film, struct orl_glare *ret_glare,
+                      struct orl_error *err)
 {
     struct orl_view view;
     float *cd_m2 = orl_film_luminances(film), *mask = NULL;
@@ -67,7 +68,7 @@ int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct or
     struct orl_glare *glare = calloc(1, sizeof *glare);
     if (!glare)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare");
-    const int code = rate(state->env, request, film, glare, err);
+    const int code = rate_glare(state->env, request, film, glare, err);
     if (code < 0) {
         free(glare);
         return code;

@@ -1,4 +1,4 @@
-/* Views out of files, and the sizes of their pictures. */
+/* Views in files, and the sizes of their pictures. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,17 +13,17 @@ enum { LINE_MAX_BYTES = 4096, NAME_MAX_BYTES = 64 };
 /* A line of a view file: its options, and its name if it has one. */
 struct view_line {
     char text[LINE_MAX_BYTES], name[NAME_MAX_BYTES];
-    int number; /* of the line in its file */
+    int number; /* line number in its file */
 };
 
-/* Past a word in front; NULL: the text does not begin with it. */
-static const char *after(const char *text, const char *word)
+/* Returns the text after a leading word, or NULL if it does not begin with it. */
+static const char *skip_word(const char *text, const char *word)
 {
     const size_t length = strlen(word);
     return strncmp(text, word, length) == 0 ? text + length : NULL;
 }
 
-/* rad's "view= name options": the name. */
+/* Parses the name in rad's "view= name options". */
 static const char *take_name(const char *text, struct view_line *line)
 {
     text += strspn(text, " \t");
@@ -35,7 +35,7 @@ static const char *take_name(const char *text, struct view_line *line)
     return text + length;
 }
 
-/* Whether a line is a view; the line is NUL-terminated. */
+/* Returns true if a NUL-terminated line is a view. */
 static bool read_line(const char *text, struct view_line *line)
 {
     static const char *const programs[] = {"VIEW=", "rpict ", "rvu ", "rview "};
@@ -43,24 +43,24 @@ static bool read_line(const char *text, struct view_line *line)
     text += strspn(text, " \t");
     line->name[0] = '\0';
     for (size_t i = 0; i < sizeof programs / sizeof *programs && !options; i++)
-        options = after(text, programs[i]);
-    if (!options && after(text, "view="))
-        options = take_name(after(text, "view="), line);
-    if (!options && (after(text, "-v") || after(text, "-x") || after(text, "-y")))
+        options = skip_word(text, programs[i]);
+    if (!options && skip_word(text, "view="))
+        options = take_name(skip_word(text, "view="), line);
+    if (!options && (skip_word(text, "-v") || skip_word(text, "-x") || skip_word(text, "-y")))
         options = text;
     if (options)
         snprintf(line->text, sizeof line->text, "%s", options);
     return options;
 }
 
-/* The next view of a file; false: there is none. Files may be pictures, with views in their heads.
- */
+/* Finds the next view of a file; returns false if there is none. A picture's header counts as such
+ * a file. */
 static bool next_view(struct orl_scanner *scanner, struct view_line *line)
 {
     struct orl_slice text;
     char buffer[LINE_MAX_BYTES];
     while (orl_scanner_line(scanner, &text)) {
-        while (text.length > 0 && text.text[text.length - 1] == 0x1a) /* Ctrl-Z, behind the last */
+        while (text.length > 0 && text.text[text.length - 1] == 0x1a) /* trailing Ctrl-Z */
             text.length--;
         if (text.length >= sizeof buffer || memchr(text.text, '\0', text.length))
             continue;
@@ -73,7 +73,7 @@ static bool next_view(struct orl_scanner *scanner, struct view_line *line)
     return false;
 }
 
-/* Whether it is the one that is asked for: its name, or which of them it is. */
+/* Returns true if a line is the requested view, by name or number. */
 static bool is_entry(const struct view_line *line, int which, const char *entry)
 {
     char number[16];
@@ -153,7 +153,7 @@ int orl_view_text_size(const char *text, uint32_t *ret_width, uint32_t *ret_heig
     return code;
 }
 
-/* ---- All of a job ---------------------------------------------------------------------------- */
+/* ---- Views of a job -------------------------------------------------------------------------- */
 
 static int read_view(const struct orl_files *files, struct orl_view_request *view,
                      struct orl_error *err)
@@ -175,7 +175,7 @@ static int read_view(const struct orl_files *files, struct orl_view_request *vie
     return 0;
 }
 
-/* Named points were held against the size that was asked for, which a pixel's aspect may lessen. */
+/* Checks the named points again, because the pixel aspect may have reduced the requested size. */
 static int check_points(const struct orl_view_request *view, struct orl_error *err)
 {
     for (uint32_t i = 0; i < view->false_color.n_points; i++) {
@@ -191,8 +191,8 @@ static int check_points(const struct orl_view_request *view, struct orl_error *e
     return 0;
 }
 
-static int settle(const struct orl_files *files, struct orl_view_request *view,
-                  struct orl_error *err)
+static int resolve_view(const struct orl_files *files, struct orl_view_request *view,
+                        struct orl_error *err)
 {
     struct orl_view parsed = {.type = 'v'};
     int code = view->file ? read_view(files, view, err) : 0;
@@ -208,14 +208,14 @@ static int settle(const struct orl_files *files, struct orl_view_request *view,
     code = check_points(view, err);
     if (code < 0)
         return code;
-    /* A mask that does not fit is told of before anything is rendered. */
+    /* Report a bad mask before anything is rendered. */
     float *mask;
     code = orl_run_read_mask(files, view, &mask, err);
     free(mask);
     return code;
 }
 
-/* Jobs that are wrong go as they are: they are told so where all of them is looked at. */
+/* Invalid jobs are left as they are; later validation reports the error. */
 int orl_run_views(const struct orl_job *job, const struct orl_files *files,
                   struct orl_view_request **ret_views, struct orl_error *err)
 {
@@ -230,7 +230,7 @@ int orl_run_views(const struct orl_job *job, const struct orl_files *files,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for views");
     memcpy(views, job->views, job->n_views * sizeof *views);
     for (size_t i = 0; i < job->n_views && code == 0; i++)
-        code = settle(files, &views[i], err);
+        code = resolve_view(files, &views[i], err);
     *ret_views = views;
     return code;
 }

@@ -2,7 +2,7 @@
 #include "scene/geometry/stand.h"
 
 enum { LAMPS_A_SAMPLE = 8 };
-/* Rays of a sensor's sample, and where one of them comes to a surface. */
+/* Rays per strategy: for a sensor's sample, and for a surface that one of its rays meets. */
 static const struct orl_effort at_sensors = {{1, 1, 1, 0.5}}, deeper = {{1, 1, 0.5, 0.25}};
 
 int orl_backward_init(struct orl_backward *backward, const struct orl_world *world,
@@ -29,7 +29,8 @@ void orl_backward_done(struct orl_backward *backward)
     orl_vpls_done(&backward->vpls);
 }
 
-/* The mean of one group's samples; rays takes what each adds to the sensor. */
+/* Returns the mean of one group's samples; rays receives each sample's contribution to the
+ * sensor. */
 static struct orl_rgb sample_group(const struct orl_backward *b, const struct orl_place *place,
                                    const struct orl_span *span, uint32_t group,
                                    struct orl_health *health, struct orl_rays *rays)

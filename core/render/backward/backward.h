@@ -1,27 +1,28 @@
 /*
- * The backward technique (the paper's xxx): unbiased, no cache, no density estimate. Irradiance at
- * a place is the mean of samples, each of which adds up
- * - direct light: one shadow ray to every sun and lamp, and to the images of both in flat mirrors;
- * - rays, aimed (aim.h): what they see of sky and glow, and of suns and lamps in the lobes of what
- *   they meet, panes of BSDF above all;
- * - connections to a few virtual point lights (vpl.h): all diffuse surfaces.
- * Every path of light is in exactly one of the three.
+ * The backward technique (xxx in Schregle et al. 2015): unbiased, without a cache or a density
+ * estimate. Irradiance at a place is the mean of samples. Each sample adds up
+ * - direct light: one shadow ray to every sun and lamp, and to their images in flat mirrors;
+ * - importance-sampled rays (aim.h): they see sky and glow, and suns and lamps through the lobes of
+ *   the surfaces they meet, mainly BSDF panes;
+ * - connections to a few virtual point lights (vpl.h): light from all diffuse surfaces.
+ * Every light path belongs to exactly one of the three.
  *
- * Sensors: samples fall into 16 groups, each with its own numbers and its own virtual lamps, of
- * emissions that are independent of the other groups'; their spread gives the standard error.
- * Views: rays are followed both ways where they split (shade.h), and one sample is taken at every
- * diffuse surface that they come to; branches of little weight are followed by lot. A pixel's
- * samples fall into up to 16 groups of consecutive ones, each with virtual lamps of its own; their
- * spread, smoothed over neighbours (error_map.h), gives the standard error, on the safe side: the
- * groups' samples are spread evenly together, which no group has of itself. Of one sample a pixel
- * it is not known.
+ * Sensors: samples fall into 16 groups. Each group has its own random numbers and its own virtual
+ * lights, from emissions independent of the other groups'. The spread of the groups gives the
+ * standard error.
+ * Views: both rays are followed where a ray splits (shade.h), and one sample is taken at every
+ * diffuse surface that they meet. Branches of little weight undergo Russian roulette. A pixel's
+ * samples fall into up to 16 groups of consecutive ones, each with its own virtual lights. Their
+ * spread, smoothed over neighbours (error_map.h), gives the standard error. It is an overestimate:
+ * the samples of all groups are stratified together, those of one group are not. With one sample a
+ * pixel the error is unknown.
  *
- * Suns and lamps by way of a curved mirror, of a dielectric or of several mirrors have no shadow
- * rays: only a ray that happens on the light finds them. That is noise, not bias, but hardly any
- * job has the samples to notice: photons bring such light to the sensors, intervals are widened to
- * include it, and a warning names the sensors that lack it (run/chance.c). Exterior paths are
- * exterior.h's, until they enter a building. BSDFs with a thickness are met as light meets them,
- * but by views' own rays, which see what they stand for.
+ * Suns and lamps reached by a curved mirror, a dielectric or several mirrors have no shadow rays:
+ * only a ray that hits the light by chance finds them. That is noise, not bias, but few jobs have
+ * enough samples to notice it. Photons therefore measure such light at the sensors, intervals are
+ * widened to include it, and a warning names the sensors that lack it (run/chance.c). Exterior
+ * paths are traced by exterior.h until they enter a building. Rays meet BSDFs with a thickness as
+ * light does; only the views' own rays see the geometry that the BSDF stands for.
  */
 #ifndef ORL_RENDER_BACKWARD_BACKWARD_H
 #define ORL_RENDER_BACKWARD_BACKWARD_H
@@ -36,66 +37,70 @@ struct orl_backward {
     const struct orl_world *world; /* borrowed */
     struct orl_vpls vpls;
     struct orl_aim aim;
-    struct orl_effort deep; /* rays at surfaces that a ray comes to */
+    struct orl_effort deep; /* rays per strategy at the surfaces that a ray meets */
     struct orl_sobol sobol;
-    uint64_t seed;             /* of views */
-    const atomic_bool *cancel; /* ends a sensor's sampling, whose value is none then; or NULL */
+    uint64_t seed; /* random seed of views */
+    /* If set, ends a sensor's sampling, whose value is then invalid; may be NULL. */
+    const atomic_bool *cancel;
 };
 
-/* What depends on the world alone, without virtual lamps yet. Returns 0 or ORL_ERR_NOMEM;
- * orl_backward_done in either case. */
+/* Initialises all that depends on the world alone, without virtual lights. Returns 0 or
+ * ORL_ERR_NOMEM; call orl_backward_done in either case. */
 int orl_backward_init(struct orl_backward *backward, const struct orl_world *world,
                       struct orl_crew *crew);
-void orl_backward_done(struct orl_backward *backward); /* also of one that is all zero */
+void orl_backward_done(struct orl_backward *backward); /* also accepts an all-zero struct */
 
-/* Virtual lamps from photons, of which it takes copies, in place of those it had; and the seed of
- * views by them. Returns 0, ORL_ERR_NOMEM or what orl_crew_try does. */
+/* Replaces the virtual lights by ones made from photons, which are copied, and sets the seed of
+ * views. Returns 0, ORL_ERR_NOMEM or the codes of orl_crew_try. */
 int orl_backward_put_lamps(struct orl_backward *backward, struct orl_crew *crew, uint64_t seed,
                            const struct orl_photon *photons, size_t count, uint64_t emitted);
 
-/* Samples of a sensor: so many of its sequences, which seed and index name, from one of them on. */
+/* A range of a sensor's samples: seed and index name its sequences, first is the first sample. */
 struct orl_span {
     uint64_t seed, index;
     uint32_t first, samples; /* multiples of ORL_MAP_BATCHES, or fewer */
 };
 
 /*
- * Irradiance on a plane at a position, with unit normal, both in moved coordinates; and what each
- * group found. Spans that follow one another, of virtual lamps that may be others, are together as
- * even as one. Counts into health.
+ * Estimates the irradiance on a plane at a position, with unit normal, both in moved coordinates.
+ * ret_groups receives each group's mean. Consecutive spans are together as well stratified as one,
+ * even if their virtual lights differ. Counts into health.
  */
 struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
                                             struct orl_vec3 position, struct orl_vec3 normal,
                                             const struct orl_span *span, struct orl_health *health,
                                             struct orl_rgb ret_groups[ORL_MAP_BATCHES]);
 
-/* A view, of that many rays a pixel; of_sums: what is wanted are sums over many pixels, such as
- * glare, and a ray is given less than for a picture. Returns 0 or ORL_ERR_CANCELLED. */
+/*
+ * Renders a view with that many rays a pixel. of_sums: the result is a sum over many pixels, such
+ * as glare, so that each ray gets fewer samples than for a picture. Returns 0 or ORL_ERR_CANCELLED.
+ */
 int orl_backward_render(const struct orl_backward *backward, const struct orl_painting *painting,
                         uint32_t samples, bool of_sums, struct orl_error *err);
 
 /* ---- One sample ------------------------------------------------------------------------------ */
 
-/* What the paths of one sample share. */
+/* State shared by the paths of one sample. */
 struct orl_tracer {
     const struct orl_backward *backward;
-    uint32_t group; /* whose virtual lamps it is lit by */
+    uint32_t group; /* group of virtual lights that light it */
     struct orl_random random;
     struct orl_health *health;
 };
 
-/* What a sample at a place is made of. Its first numbers are the points of even sequences. */
+/* Parameters of a sample at a place. Its first random numbers are points of Sobol sequences. */
 struct orl_sampling {
     uint32_t sequence, index;
     struct orl_effort effort;
     uint32_t lamps;
 };
 
-/* One estimate of the irradiance at a place. */
+/* Returns one estimate of the irradiance at a place. */
 struct orl_rgb orl_backward_light(struct orl_tracer *tracer, const struct orl_place *place,
                                   const struct orl_sampling *sampling);
 
-/* One estimate of the radiance along a ray that a lobe sent: suns not seen straight. */
+/* Returns one estimate of the radiance along a ray that a lobe has scattered; suns seen directly
+ * are left out. */
 struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 origin,
                                      struct orl_vec3 direction, bool outside,
                                      struct orl_chance chance);

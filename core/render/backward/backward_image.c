@@ -1,14 +1,14 @@
-/* Views by the backward technique: every pixel the mean of a number of rays through it. */
+/* Views by the backward technique: every pixel is the mean of a number of rays through it. */
 #include "render/backward/backward.h"
 #include "render/image/discs.h"
 #include "render/picture/error_map.h"
 
-/* What is spent on a ray: where every pixel is to be good, and where sums over many are. */
+/* Samples per ray: for pictures, and for sums over many pixels. */
 static const struct ray_effort {
     uint32_t lamps, pane_samples, gloss_samples;
     struct orl_effort at_surfaces;
 } efforts[] = {{8, 4, 2, {{1, 2, 1}}}, {2, 1, 1, {{1, 1, 1}}}};
-static const double dimmest = 0.1; /* branches below this share of a ray are followed by lot */
+static const double dimmest = 0.1; /* branches below this share of a ray undergo Russian roulette */
 
 struct painter {
     const struct orl_backward *backward;
@@ -20,7 +20,8 @@ struct painter {
     struct orl_small_lights discs;
 };
 
-/* A lobe's ray has its own numbers: those of the look go on with it. */
+/* Returns the radiance of a lobe's ray. It has its own random stream, so that the view ray
+ * continues with its own. */
 static struct orl_rgb lobe_radiance(const void *ctx, const struct orl_lobe_ray *ray,
                                     struct orl_random *random, struct orl_search *search)
 {
@@ -34,7 +35,7 @@ static struct orl_rgb lobe_radiance(const void *ctx, const struct orl_lobe_ray *
         orl_backward_radiance(&tracer, ray->origin, ray->direction, ray->outside, ray->chance));
 }
 
-/* The light of all diffuse surfaces that a ray came to. */
+/* Returns the light that all diffuse surfaces met by a ray send along it. */
 static struct orl_rgb lit_surfaces(const struct orl_shaded *shaded, struct orl_sampling sampling,
                                    struct orl_tracer *tracer)
 {
@@ -61,13 +62,13 @@ static struct orl_rgb ray_radiance(const struct painter *p, const struct orl_sha
                        lit_surfaces(&shaded, sampling, tracer));
 }
 
-/* Sums of groups of samples, and how many each has. */
+/* Sums over groups of samples, and the number of samples in each. */
 struct groups {
     double sums[ORL_MAP_BATCHES];
     uint32_t counts[ORL_MAP_BATCHES];
 };
 
-/* Standard error of the mean of all, by how far the groups' means lie apart. */
+/* Returns the standard error of the overall mean, from the spread of the groups' means. */
 static double error_of(const struct groups *groups, uint32_t n, double mean)
 {
     double square = 0;

@@ -1,33 +1,37 @@
-/* One sample of the backward technique: the light of a place, and the paths that look for it. */
+/* One sample of the backward technique: the light at a place, and the paths that estimate it. */
 #include "light/proxies.h"
 #include "render/backward/backward.h"
 #include "scene/material/hemisphere.h"
 
 enum { SURE_BOUNCES = 3 };
-/* Paths go on for certain from this weight on, and else by lot; those that were aimed from less. */
+/* Weights below which paths undergo Russian roulette: in general, and in the first bounces, which
+ * were importance sampled. */
 static const double certain_weight = 0.25, dimmest_aimed = 0.002;
-/* Surfaces that they come to are lit from this on: a patch of sun on one is a thousand times as
- * bright as others are, and one that is seen in a pane by a lot of few would be an outlier. */
+/*
+ * Weight below which surfaces that a path meets are lit only with a probability. It is low because
+ * a patch of sun can be a thousand times as bright as its surroundings. If few such paths saw it in
+ * a pane, it would be an outlier.
+ */
 static const double dimmest_lit = 0.02;
 
-/* A path on its way, from the last place where light was asked for in all its parts. */
+/* State of a path since the last place where all parts of the light were estimated. */
 struct walk {
-    struct orl_eye_path eye; /* first: what sinks are given */
+    struct orl_eye_path eye; /* must be first: sinks receive a pointer to it */
     struct orl_tracer *tracer;
-    double importance;            /* of the walk's start in the sample, at most 1 or about that */
-    uint32_t reflections;         /* diffuse ones before that */
-    double cos_start, travelled;  /* since that place */
-    bool straight;                /* nothing but panes since then */
-    struct orl_image_trail trail; /* since the last lobe or diffuse surface */
+    double importance;            /* weight of the path's start in the sample, at most about 1 */
+    uint32_t reflections;         /* number of diffuse reflections before the start */
+    double cos_start, travelled;  /* cosine at that place, and length travelled since */
+    bool straight;                /* true if the path has met only panes since then */
+    struct orl_image_trail trail; /* mirrors met since the last lobe or diffuse surface */
     bool been_outside;
 };
 
-/* A place on the way, to be lit. */
+/* A place on a path where light is estimated. */
 struct stop {
     struct orl_place place;
     double importance;
     uint32_t reflections;
-    const struct orl_sampling *sampling; /* of the sample's first place; then NULL */
+    const struct orl_sampling *sampling; /* for the sample's first place; NULL at later ones */
 };
 
 static struct orl_rgb light_at(struct orl_tracer *tracer, const struct stop *stop);
@@ -37,7 +41,7 @@ static struct walk *walk_of(struct orl_eye_path *p)
     return (struct walk *)p;
 }
 
-/* One that sets out, and weighs nothing less for how it came about. */
+/* Returns a new path with weight 1 and no MIS correction. */
 static struct walk walk_from(struct orl_tracer *tracer, struct orl_vec3 origin,
                              struct orl_vec3 direction)
 {
@@ -49,11 +53,11 @@ static struct walk walk_from(struct orl_tracer *tracer, struct orl_vec3 origin,
                          .trail = orl_image_trail_from(direction)};
 }
 
-/* ---- A path ---------------------------------------------------------------------------------- */
+/* ---- Paths ----------------------------------------------------------------------------------- */
 
 /*
- * Light that a diffuse surface on the way reflects. Virtual lamps stand for it where they see the
- * place that the path set out from; the path takes the share of it that they leave.
+ * Adds the light that a diffuse surface on the path reflects. Virtual lights account for it if they
+ * see the place that the path started from; the path adds the share that they leave (orl_vpl_left).
  */
 static void add_diffuse(struct walk *w, struct orl_rgb albedo)
 {
@@ -79,7 +83,7 @@ static void add_diffuse(struct walk *w, struct orl_rgb albedo)
                                       left / (chance * ORL_PI)));
 }
 
-/* A sun's disc counts only where no shadow ray could have looked for it. */
+/* Adds a sun's disc only if no shadow ray could have sampled it. */
 static void add_sun(struct orl_eye_path *p)
 {
     const struct walk *w = walk_of(p);
@@ -91,7 +95,8 @@ static void add_sun(struct orl_eye_path *p)
         orl_eye_path_see(p, sun);
 }
 
-/* Dim paths and long ones end by lot. Those that were aimed are not dim for being some of many. */
+/* Applies Russian roulette to dim and to long paths. The threshold of the first bounces is lower,
+ * because importance-sampled rays have small weights only for being many. */
 static bool survives(struct walk *w)
 {
     const double matters = w->importance * orl_rgb_max(w->eye.path.weight);
@@ -100,8 +105,9 @@ static bool survives(struct walk *w)
     return !(chance < 1) || orl_path_survives(&w->eye.path, chance, w->eye.random);
 }
 
-/* What the surface shines and reflects of suns, lamps and all else; on by mirrors, panes, lobes. */
-static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
+/* Adds the light that the surface emits and reflects. The path continues by mirrors, panes and
+ * lobes. */
+static enum orl_lobes shade_surface(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct walk *w = walk_of(p);
     const struct orl_vec3 eye = orl_path_back(&p->path);
@@ -134,11 +140,9 @@ static bool note_event(struct orl_eye_path *p, const struct orl_scatter *s)
     return true;
 }
 
-/*
- * No virtual lamps have been looked for outdoors (vpl.c), but all of the suns that shadow rays to
- * images do.
- */
-static bool come_back(struct orl_eye_path *p)
+/* Continues the path outdoors, where virtual lights account for nothing (vpl.c). Shadow rays to
+ * mirror images account for the suns there. */
+static bool continue_outdoors(struct orl_eye_path *p)
 {
     struct walk *w = walk_of(p);
     w->straight = false;
@@ -146,8 +150,8 @@ static bool come_back(struct orl_eye_path *p)
     return orl_exterior_pass(p, w->tracer->health);
 }
 
-/* By mist: suns and lamps have been looked for there. */
-static bool scattered(struct orl_eye_path *p)
+/* Handles scattering by mist, where suns and lamps have been sampled already. */
+static bool handle_mist_event(struct orl_eye_path *p)
 {
     struct walk *w = walk_of(p);
     w->straight = false;
@@ -155,14 +159,14 @@ static bool scattered(struct orl_eye_path *p)
     return survives(w);
 }
 
-static const struct orl_eye_sink sink = {.outdoors = come_back,
+static const struct orl_eye_sink sink = {.outdoors = continue_outdoors,
                                          .escaped = add_sun,
-                                         .met = meet,
-                                         .scattered = scattered,
+                                         .met = shade_surface,
+                                         .scattered = handle_mist_event,
                                          .sent_on = note_event};
 
-/* Follows the path to its end; returns what it saw. */
-static struct orl_rgb follow(struct walk *w)
+/* Follows the path to its end and returns the radiance that it has collected. */
+static struct orl_rgb follow_path(struct walk *w)
 {
     orl_eye_path_follow(&w->eye, &sink, w->tracer->health);
     return w->eye.seen;
@@ -176,23 +180,23 @@ struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 
     w.eye.chance = chance;
     w.eye.outside = outside;
     tracer->health->paths++;
-    return follow(&w);
+    return follow_path(&w);
 }
 
-/* ---- The light of a place -------------------------------------------------------------------- */
+/* ---- Light at a place ------------------------------------------------------------------------ */
 
-/* About which light comes. */
+/* Returns the normal that cosines are measured from. */
 static struct orl_vec3 normal_of(const struct stop *stop)
 {
     return stop->place.textured ? stop->place.shading : stop->place.normal;
 }
 
-/* Which numbers of a sample something takes. */
+/* Dimensions of a sample's sequence, by use. */
 enum slot { SLOT_SUN, SLOT_LAMPS, SLOT_WAYS };
 
-/* Numbers in [0,1): of the n-th of each sample's such draws. */
-static void numbers(struct orl_tracer *tracer, const struct stop *stop, uint32_t slot,
-                    uint32_t each, uint32_t n, uint32_t count, double *ret_u)
+/* Returns numbers in [0,1) for the n-th of each sample's draws in that slot. */
+static void draw_numbers(struct orl_tracer *tracer, const struct stop *stop, uint32_t slot,
+                         uint32_t each, uint32_t n, uint32_t count, double *ret_u)
 {
     const struct orl_sampling *s = stop->sampling;
     if (s)
@@ -214,7 +218,7 @@ static struct orl_rgb direct_light(struct orl_tracer *tracer, const struct stop 
                                            .through_ports = true,
                                            .mirrored = true,
                                            .u = u};
-    numbers(tracer, stop, SLOT_SUN, 1, 0, 2, u);
+    draw_numbers(tracer, stop, SLOT_SUN, 1, 0, 2, u);
     return orl_direct_light(stop->place.proxied ? orl_world_seen(world) : world, &query,
                             &tracer->random);
 }
@@ -222,15 +226,15 @@ static struct orl_rgb direct_light(struct orl_tracer *tracer, const struct stop 
 static struct orl_rgb some_lamps(struct orl_tracer *tracer, const struct stop *stop)
 {
     double u;
-    numbers(tracer, stop, SLOT_LAMPS, 1, 0, 1, &u);
+    draw_numbers(tracer, stop, SLOT_LAMPS, 1, 0, 1, &u);
     return orl_vpl_light(&tracer->backward->vpls, tracer->group, u,
                          stop->sampling ? stop->sampling->lamps : 1, stop->place.point,
                          normal_of(stop));
 }
 
-/* A direction about a turned normal that goes below the surface is folded up: false where it
- * is not. */
-static bool fold(const struct stop *stop, struct orl_vec3 *direction)
+/* Reflects a direction about a turned normal that points below the surface back above it. Returns
+ * false if the direction is left as it is. */
+static bool fold_direction(const struct stop *stop, struct orl_vec3 *direction)
 {
     const double cosine = orl_dot(*direction, stop->place.normal);
     if (!stop->place.textured || cosine > 0)
@@ -239,9 +243,10 @@ static bool fold(const struct stop *stop, struct orl_vec3 *direction)
     return true;
 }
 
-/* What one aimed ray adds. */
-static struct orl_rgb look(struct orl_tracer *tracer, const struct stop *stop,
-                           const struct orl_effort *effort, enum orl_way way, const double u[3])
+/* Returns the contribution of one importance-sampled ray. */
+static struct orl_rgb trace_aimed_ray(struct orl_tracer *tracer, const struct stop *stop,
+                                      const struct orl_effort *effort, enum orl_way way,
+                                      const double u[3])
 {
     struct orl_aimed aimed;
     tracer->health->paths++;
@@ -249,16 +254,16 @@ static struct orl_rgb look(struct orl_tracer *tracer, const struct stop *stop,
                         &aimed))
         return orl_gray(0);
     const double cosine = orl_dot(aimed.direction, normal_of(stop));
-    const bool folded = fold(stop, &aimed.direction);
+    const bool folded = fold_direction(stop, &aimed.direction);
     struct walk w = walk_from(tracer, stop->place.point, aimed.direction);
     w.eye.path.weight = orl_gray(aimed.weight / ORL_PI);
     w.importance = stop->importance;
     w.reflections = stop->reflections;
     w.cos_start = cosine;
-    w.straight = !folded; /* of what lies there lamps have told nothing */
+    w.straight = !folded; /* virtual lights have not accounted for light from there */
     if (!folded)
         orl_eye_path_foresee(&w.eye, aimed.met ? &aimed.hit : NULL);
-    return orl_rgb_scale(follow(&w), ORL_PI);
+    return orl_rgb_scale(follow_path(&w), ORL_PI);
 }
 
 static struct orl_rgb aimed_light(struct orl_tracer *tracer, const struct stop *stop)
@@ -272,21 +277,22 @@ static struct orl_rgb aimed_light(struct orl_tracer *tracer, const struct stop *
         const uint32_t rays = (uint32_t)whole + more, each = (uint32_t)ceil(wanted);
         for (uint32_t n = 0; n < rays; n++) {
             double u[3];
-            numbers(tracer, stop, SLOT_WAYS + (uint32_t)way, each, n, 3, u);
-            sum = orl_rgb_add(sum, look(tracer, stop, effort, (enum orl_way)way, u));
+            draw_numbers(tracer, stop, SLOT_WAYS + (uint32_t)way, each, n, 3, u);
+            sum = orl_rgb_add(sum, trace_aimed_ray(tracer, stop, effort, (enum orl_way)way, u));
         }
     }
     return sum;
 }
 
-/* Places that photons do not come to: outside, and what a BSDF stands for. */
+/* Returns the light at places that photons do not reach: outdoors, and on surfaces that a BSDF
+ * stands for. */
 static struct orl_rgb light_outside(struct orl_tracer *tracer, const struct stop *stop)
 {
     const struct orl_world *world = tracer->backward->world;
     double u[3];
-    numbers(tracer, stop, SLOT_WAYS, 1, 0, 3, u);
+    draw_numbers(tracer, stop, SLOT_WAYS, 1, 0, 3, u);
     struct orl_vec3 direction = orl_hemisphere_about(normal_of(stop), u[0], u[1]);
-    fold(stop, &direction);
+    fold_direction(stop, &direction);
     if (stop->place.proxied)
         return orl_rgb_scale(orl_exterior_radiance(orl_world_seen(world), stop->place.point,
                                                    direction, orl_chance_found(), &tracer->random,
@@ -296,7 +302,7 @@ static struct orl_rgb light_outside(struct orl_tracer *tracer, const struct stop
     w.importance = stop->importance;
     w.reflections = stop->reflections;
     w.eye.outside = true;
-    return orl_rgb_scale(follow(&w), ORL_PI);
+    return orl_rgb_scale(follow_path(&w), ORL_PI);
 }
 
 static struct orl_rgb light_at(struct orl_tracer *tracer, const struct stop *stop)

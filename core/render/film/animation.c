@@ -31,8 +31,8 @@ static int read_picture(const char *path, struct picture *ret_picture, struct or
     return 0;
 }
 
-static int add(struct orl_apng *apng, const char *path, const struct picture *first,
-               struct orl_error *err)
+static int add_frame(struct orl_apng *apng, const char *path, const struct picture *first,
+                     struct orl_error *err)
 {
     struct picture picture = {0};
     int code = read_picture(path, &picture, err);
@@ -58,6 +58,6 @@ int orl_animation_write(const char *const *pictures, size_t count, double frame_
     if (code < 0)
         return code;
     for (size_t i = 0; i < count && code == 0; i++)
-        code = add(apng, pictures[i], &first, err);
+        code = add_frame(apng, pictures[i], &first, err);
     return orl_apng_close(apng, code, err);
 }

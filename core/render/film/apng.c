@@ -13,11 +13,11 @@ enum { CHUNK = 1 << 16, CHANNELS = 3, PAETH = 4, THOUSANDTHS = 1000 };
 struct orl_apng {
     struct orl_out_file file;
     uint32_t width, height, frames, added;
-    uint32_t number;    /* of the next fcTL or fdAT */
-    bool poster;        /* there is one, or it is being written */
-    bool plain;         /* what is being written goes where PNG has its picture */
-    uint16_t delay;     /* thousandths of a second */
-    unsigned char *row; /* a filtered one, its filter in front; owned */
+    uint32_t number;    /* number of the next fcTL or fdAT */
+    bool poster;        /* true if there is one, or it is being written */
+    bool plain;         /* true if the current picture goes to IDAT */
+    uint16_t delay;     /* frame time, thousandths of a second */
+    unsigned char *row; /* a filtered row, preceded by its filter type; owned */
     unsigned char *out; /* a chunk's data, with room for its number in front; owned */
 };
 
@@ -59,14 +59,14 @@ static void write_start(struct orl_apng *apng)
     put_32(header + 4, apng->height);
     header[8] = BITS;
     header[9] = TRUE_COLOUR;
-    put_32(frames, apng->frames); /* then how often: 0, for ever */
+    put_32(frames, apng->frames); /* number of repetitions follows: 0, for ever */
     fwrite(signature, 1, sizeof signature, apng->file.stream);
     write_chunk(apng, "IHDR", header, sizeof header);
     write_chunk(apng, "sRGB", perceptual, sizeof perceptual);
     write_chunk(apng, "acTL", frames, sizeof frames);
 }
 
-/* The whole picture, put in the place of what was there. */
+/* Writes the control chunk of a frame that replaces the whole picture. */
 static void write_control(struct orl_apng *apng)
 {
     unsigned char control[26] = {0};
@@ -80,26 +80,26 @@ static void write_control(struct orl_apng *apng)
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
-static unsigned char predict(int left, int above, int corner)
+static unsigned char predict_byte(int left, int above, int corner)
 {
     const int p = left + above - corner;
     const int a = abs(p - left), b = abs(p - above), c = abs(p - corner);
     return (unsigned char)(a <= b && a <= c ? left : b <= c ? above : corner);
 }
 
-/* above: the row before, NULL in the first. */
-static void filter(unsigned char *out, const unsigned char *row, const unsigned char *above,
-                   size_t size)
+/* Filters a row; above: the row before, NULL for the first. */
+static void filter_row(unsigned char *out, const unsigned char *row, const unsigned char *above,
+                       size_t size)
 {
     out[0] = PAETH;
     for (size_t i = 0; i < size; i++) {
         const int left = i < CHANNELS ? 0 : row[i - CHANNELS], up = above ? above[i] : 0;
         const int corner = i < CHANNELS || !above ? 0 : above[i - CHANNELS];
-        out[1 + i] = (unsigned char)(row[i] - predict(left, up, corner));
+        out[1 + i] = (unsigned char)(row[i] - predict_byte(left, up, corner));
     }
 }
 
-/* What the coder has, as a chunk. */
+/* Writes the coder's output as a chunk. */
 static void flush_chunk(struct orl_apng *apng, z_stream *coder)
 {
     enum { NUMBER = 4 };
@@ -121,7 +121,7 @@ static int code_rows(struct orl_apng *apng, z_stream *coder, const unsigned char
     for (uint32_t y = 0; y < apng->height; y++) {
         const unsigned char *row = rgb + size * y;
         const bool last = y + 1 == apng->height;
-        filter(apng->row, row, y > 0 ? row - size : NULL, size);
+        filter_row(apng->row, row, y > 0 ? row - size : NULL, size);
         coder->next_in = apng->row;
         coder->avail_in = (uInt)(size + 1);
         while (state == Z_OK && (coder->avail_in > 0 || last)) {

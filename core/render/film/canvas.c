@@ -10,16 +10,18 @@
 #include "base/letters.h"
 #include "render/film/pdf.h"
 #include "render/film/png.h"
+/* Widths of strokes, as a share of the letters' size. */
 
-static const double usual_weight = 0.13, bold_weight = 0.17; /* of strokes, in letters' sizes */
-static const double rim = 1.5;                               /* about letters, page units */
+static const double usual_weight = 0.13, bold_weight = 0.17;
+/* Width of the rim about letters, page units. */
+static const double rim = 1.5;
 
 struct orl_canvas {
     double scale;
-    struct orl_raster raster; /* its pixels are owned; NULL when it is none */
-    char *path;               /* owned; of a PNG or PDF */
-    struct orl_out_file svg;  /* its stream is NULL when it is none */
-    struct orl_pdf *pdf;      /* likewise */
+    struct orl_raster raster; /* its pixels are owned; NULL if the page is no raster */
+    char *path;               /* path of a PNG or PDF, owned */
+    struct orl_out_file svg;  /* its stream is NULL if the page is no SVG */
+    struct orl_pdf *pdf;      /* NULL if the page is no PDF */
 };
 
 /* ---- The page -------------------------------------------------------------------------------- */
@@ -121,7 +123,7 @@ static void print_corners(FILE *svg, size_t n, const double x[], const double y[
 struct shape {
     size_t n;
     const double *x, *y;
-    double scale, turn; /* turn: which way about its corners go */
+    double scale, turn; /* turn: sign of the orientation */
 };
 
 static double area_of(const struct shape *s)
@@ -156,7 +158,7 @@ static void clip_row(const struct shape *s, size_t k, uint32_t row, uint32_t *fi
         (*end)--;
 }
 
-/* Pixels whose middle it holds. */
+/* Fills the pixels whose centres the shape contains. */
 static void fill_pixels(const struct orl_raster *raster, struct shape *s,
                         const unsigned char rgb[3])
 {
@@ -233,8 +235,8 @@ void orl_canvas_line(struct orl_canvas *canvas, double x0, double y0, double x1,
 
 /* ---- Texts ----------------------------------------------------------------------------------- */
 
-/* What XML does not take, controls and the two non-characters of UTF-8's third plane, is a space.
- */
+/* Prints text for XML. Control characters and the two non-characters of UTF-8's third plane, which
+ * XML forbids, become spaces. */
 static void print_text(FILE *svg, const char *text)
 {
     for (; *text; text++) {
@@ -248,11 +250,11 @@ static void print_text(FILE *svg, const char *text)
     }
 }
 
-/* As wide as the house's letters are, whatever font the reader has. */
+/* Writes a text stretched to the width of the stroke font's letters, for any font of the reader. */
 static void write_text(FILE *svg, double x, double y, double width,
                        const struct orl_canvas_letters *letters, const char *text)
 {
-    static const double capitals = 0.72; /* of a usual font's size */
+    static const double capitals = 0.72; /* height of capitals, as a share of a usual font's size */
     fprintf(svg, "<text x=\"%.2f\" y=\"%.2f\" font-size=\"%.2f\" textLength=\"%.2f\"", x, y,
             letters->size / capitals, width);
     fputs(" lengthAdjust=\"spacingAndGlyphs\"", svg);

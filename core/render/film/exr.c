@@ -9,18 +9,18 @@
 
 #include "base/file.h"
 
-enum { BLOCK_LINES = 16 }; /* that are compressed together */
+enum { BLOCK_LINES = 16 }; /* lines that are compressed together */
 
 struct writer {
     const struct orl_film *film;
     const struct orl_view *view;
     struct orl_out_file *file;
     bool halves;
-    float *lines; /* of a block, as they go out */
+    float *lines; /* clamped values of a block's lines; owned */
 };
 
-/* The library's messages are of files; what went wrong is told by its codes. */
-static void keep_silent(exr_const_context_t context, exr_result_t code, const char *message)
+/* Ignores the library's messages, which are about files; its return codes give the error. */
+static void ignore_message(exr_const_context_t context, exr_result_t code, const char *message)
 {
     (void)context;
     (void)code;
@@ -51,7 +51,7 @@ static exr_result_t add_channels(exr_context_t exr, bool halves)
     return rc;
 }
 
-/* Rows: what becomes of x, y, z and of the origin. */
+/* Sets worldToCamera. Its rows are the images of x, y, z and of the origin. */
 static exr_result_t add_camera(exr_context_t exr, const struct orl_view *view)
 {
     const struct orl_vec3 right = orl_normalize(view->h), up = orl_normalize(view->v);
@@ -78,7 +78,7 @@ static exr_result_t add_attributes(exr_context_t exr, const struct writer *w)
     if (rc == EXR_ERR_SUCCESS)
         rc = add_camera(exr, w->view);
     if (rc == EXR_ERR_SUCCESS)
-        /* Ours is a pixel's height over its width, theirs the other way round. */
+        /* Our aspect is a pixel's height over its width, OpenEXR's the inverse. */
         rc = exr_set_pixel_aspect_ratio(exr, 0, (float)(1 / aspect));
     if (rc == EXR_ERR_SUCCESS)
         rc = exr_set_screen_window_center(exr, 0, &middle);
@@ -110,7 +110,7 @@ static exr_result_t write_header(exr_context_t exr, const struct writer *w)
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
-/* The block's lines, red first. */
+/* Fills the block's lines, red first. */
 static void fill_lines(const struct writer *w, uint32_t first, uint32_t count)
 {
     const float *from = w->film->pixels[(size_t)first * w->film->width];
@@ -129,7 +129,8 @@ static exr_result_t encode_block(exr_context_t exr, const struct writer *w,
         channel->user_data_type = EXR_PIXEL_FLOAT;
         channel->user_pixel_stride = 3 * (int32_t)sizeof(float);
         channel->user_line_stride = (int32_t)(3 * sizeof(float) * w->film->width);
-        channel->encode_from_ptr = (const uint8_t *)(w->lines + 2 - c); /* B, G, R by name */
+        channel->encode_from_ptr =
+            (const uint8_t *)(w->lines + 2 - c); /* B, G, R in order of names */
     }
     exr_result_t rc = exr_encoding_choose_default_routines(exr, 0, pipeline);
     return rc == EXR_ERR_SUCCESS ? exr_encoding_run(exr, 0, pipeline) : rc;
@@ -158,7 +159,7 @@ static exr_result_t write_file(struct writer *w)
 {
     exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
     exr_context_t exr;
-    how.error_handler_fn = keep_silent;
+    how.error_handler_fn = ignore_message;
     how.user_data = w;
     how.write_fn = write_bytes;
     exr_result_t rc = exr_start_write(&exr, w->file->part, EXR_WRITE_FILE_DIRECTLY, &how);

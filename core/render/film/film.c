@@ -28,7 +28,7 @@ void orl_film_set(struct orl_film *film, uint32_t x, uint32_t y, const struct or
     const size_t at = (size_t)y * film->width + x;
     const struct orl_rgb color = pixel->value;
     float *rgb = film->pixels[at];
-    /* What a float cannot hold becomes infinite before it is looked at. */
+    /* A value beyond the range of floats becomes infinite before it is tested. */
     const struct orl_rgb held =
         orl_health_keep(health, (struct orl_rgb){(float)color.r, (float)color.g, (float)color.b});
     rgb[0] = (float)held.r;

@@ -24,7 +24,7 @@ void orl_rgbe_encode(const float rgb[3], unsigned char ret_rgbe[4])
     memset(ret_rgbe, 0, 4);
     if (most < 1e-32F)
         return;
-    /* most is below 2^exponent, and at least half of that; it is no denormal. */
+    /* `most` is below 2^exponent, and at least half of that; it is not denormal. */
     memcpy(&bits, &most, sizeof bits);
     const int exponent = (int)(bits >> 23) - 126;
     const double scale = ldexp(256, -exponent);
@@ -33,7 +33,7 @@ void orl_rgbe_encode(const float rgb[3], unsigned char ret_rgbe[4])
     ret_rgbe[3] = (unsigned char)(exponent + 128);
 }
 
-/* Length of the run of equal bytes at the start. */
+/* Returns the length of the run of equal bytes at the start. */
 static uint32_t run_length(const unsigned char *bytes, uint32_t count)
 {
     uint32_t n = 1;
@@ -42,8 +42,8 @@ static uint32_t run_length(const unsigned char *bytes, uint32_t count)
     return n;
 }
 
-/* One component of a scanline, as runs (128 + length, byte) and dumps (length, bytes). Returns the
- * end of what it wrote: at most half as much again, and two. */
+/* Encodes one component of a scanline, as runs (128 + length, byte) and dumps (length, bytes).
+ * Returns the end of the output: at most 1.5 times the input, and two bytes. */
 static unsigned char *put_component(unsigned char *out, const unsigned char *bytes, uint32_t count)
 {
     for (uint32_t at = 0; at < count;) {
@@ -69,7 +69,7 @@ static unsigned char *put_component(unsigned char *out, const unsigned char *byt
     return out;
 }
 
-/* parts: a row of each component. Returns how much of out it is. */
+/* Encodes a scanline. parts: one row of each component. Returns the number of bytes written. */
 static size_t put_scanline(unsigned char *out, const unsigned char *parts, uint32_t width)
 {
     unsigned char *end = out;
@@ -105,7 +105,7 @@ int orl_film_write_hdr(const struct orl_film *film, const struct orl_view *view,
 {
     struct orl_out_file file = {.stream = NULL};
     char text[1024];
-    unsigned char *scratch = malloc((size_t)film->width * 4 * 3 + 16); /* see put_component */
+    unsigned char *scratch = malloc((size_t)film->width * 4 * 3 + 16); /* size: see put_component */
     int code = scratch ? orl_out_open(&file, path, err)
                        : orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an image");
     if (code == 0 && file.stream) {

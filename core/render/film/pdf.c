@@ -10,14 +10,15 @@
 
 #include "base/file.h"
 
-/* Of the fonts, in units of their size. */
+/* Height of capitals, and the unit of letter widths, relative to the font size. */
 static const double capitals = 0.72, thousandth = 1e-3;
-/* About what is filled, lest readers that smooth edges leave seams where two polygons meet. */
+/* Line width around filled polygons; without it antialiasing readers show seams between
+ * neighbours. */
 static const double seam = 0.3;
 
 struct orl_pdf {
-    double width, height, scale; /* page units, and points for each */
-    FILE *page;                  /* what is drawn, as it is drawn */
+    double width, height, scale; /* size in page units, and points per unit */
+    FILE *page;                  /* stream of the page's drawing operators */
     char *content;
     size_t size;
 };
@@ -102,20 +103,20 @@ static const uint16_t widths[2][95] = {
      333, 556, 611, 556, 611, 556, 333, 611, 611, 278, 278, 556, 278, 889, 611, 611,
      611, 611, 389, 556, 333, 611, 556, 778, 556, 556, 500, 389, 280, 389, 584}};
 
-/* What Latin-1 has above: as wide as these letters are. */
+/* For each code of Latin-1 from 160 on, a letter of equal width. */
 static const char like[] =
     " !ccccI\"sa<=-s\"-?=\"\"`gp.,\"oo\"\"\"?AAAAAAMCEEEEIIIIDNOOOOO=OUUUUYPs"
     "aaaaaamceeeeiiiidnooooo=ouuuuypy";
 _Static_assert(sizeof like == 97, "one for each of 96");
 
-/* A letter as a font has it. */
+/* A letter in a font. */
 struct letter {
     enum font font;
     unsigned char code;
     double width;
 };
 
-/* Of the letters that only Symbol has. */
+/* Characters that only Symbol contains. */
 static const struct {
     uint32_t point;
     struct letter letter;
@@ -125,8 +126,8 @@ static const struct {
                {0x0394, {SYMBOL, 0x44, 612}},
                {0x221a, {SYMBOL, 0xd6, 549}}};
 
-/* What stands from code 128 on, where Latin-1 has nothing: a dash, and letters of Poland, Turkey,
- * Bohemia and Hungary, as wide as those that they are made of. */
+/* Characters at codes 128 and up, which Latin-1 leaves empty: a dash, and letters of Poland,
+ * Turkey, Bohemia and Hungary. Each has the width of its base letter. */
 static const struct {
     uint32_t point;
     char like;
@@ -146,7 +147,7 @@ static const struct {
 enum { FIRST_ADDED = 128, ADDED = sizeof added / sizeof *added };
 _Static_assert(ADDED <= 32, "up to where Latin-1 begins");
 
-/* One of UTF-8; what is none is taken byte by byte. */
+/* Returns the next UTF-8 code point; bytes of invalid sequences are taken one by one. */
 static uint32_t next_point(const char **text)
 {
     const unsigned char *s = (const unsigned char *)*text;
@@ -183,7 +184,7 @@ static struct letter letter_of(uint32_t point, bool bold)
     return (struct letter){DINGBATS, 'o', 762};
 }
 
-static double measure(const char *text, bool bold)
+static double text_width(const char *text, bool bold)
 {
     double sum = 0;
     while (*text)
@@ -201,7 +202,7 @@ static void put_code(FILE *page, unsigned char code)
         fputc(code, page);
 }
 
-/* In runs of one font. */
+/* Writes the letters in runs of one font. */
 static void put_letters(const struct orl_pdf *pdf, double size, bool bold, const char *text)
 {
     enum font font = FONTS;
@@ -220,7 +221,7 @@ void orl_pdf_text(struct orl_pdf *pdf, double x, double y, double most, double r
                   const struct orl_canvas_letters *letters, const char *text)
 {
     static const unsigned char white[3] = {255, 255, 255};
-    const double size = letters->size / capitals, wide = size * measure(text, letters->bold);
+    const double size = letters->size / capitals, wide = size * text_width(text, letters->bold);
     const double squeezed = wide > most && most > 0 ? most / wide : 1;
     const double left = x - 0.5 * (int)letters->align * wide * squeezed;
     for (int pass = letters->rimmed ? 0 : 1; pass < 2; pass++) {
@@ -306,8 +307,8 @@ static void put_file(const struct orl_pdf *pdf, FILE *file, const unsigned char 
             OBJECTS, CATALOG, INFO, table);
 }
 
-/* What was drawn, in fewer bytes; NULL: out of memory. */
-static unsigned char *pack(struct orl_pdf *pdf, unsigned long *ret_bytes)
+/* Returns the compressed page, owned by the caller, or NULL if out of memory. */
+static unsigned char *compress_page(struct orl_pdf *pdf, unsigned long *ret_bytes)
 {
     const bool failed = ferror(pdf->page);
     const bool closed = fclose(pdf->page) == 0;
@@ -328,7 +329,7 @@ int orl_pdf_write(struct orl_pdf *pdf, const char *path, struct orl_error *err)
 {
     struct orl_out_file file;
     unsigned long bytes = 0;
-    unsigned char *packed = pack(pdf, &bytes);
+    unsigned char *packed = compress_page(pdf, &bytes);
     if (!packed)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory drawing '%s'", path);
     int code = orl_out_open(&file, path, err);

@@ -9,11 +9,11 @@
 struct picture {
     uint32_t width, height;
     const unsigned char *rgb;
-    int bits; /* a channel */
+    int bits; /* per channel */
 };
 
-/* libpng reports failure by jumping back here. */
-static int encode(const struct picture *picture, FILE *stream)
+/* Encodes a picture. libpng reports failure by a jump back to here. */
+static int encode_png(const struct picture *picture, FILE *stream)
 {
     errno = 0;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
@@ -42,7 +42,7 @@ static int write_picture(const struct picture *picture, const char *path, struct
     int code = orl_out_open(&file, path, err);
     if (code < 0)
         return code;
-    code = encode(picture, file.stream);
+    code = encode_png(picture, file.stream);
     if (code < 0)
         orl_error_set(err, code, "libpng failed writing '%s'%s", path,
                       code == ORL_ERR_NOMEM ? ": out of memory" : "");

@@ -69,7 +69,7 @@ static int take_line(void *ctx, const struct orl_rgbe *rgbe, const char *line,
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
-static int decode(struct reading *r, const unsigned char (*pixels)[4], struct orl_error *err)
+static int decode_pixels(struct reading *r, const unsigned char (*pixels)[4], struct orl_error *err)
 {
     struct orl_film *const film = &r->picture.film;
     for (size_t i = 0; i < (size_t)film->width * film->height; i++) {
@@ -94,7 +94,7 @@ static int read_pixels(struct reading *r, struct orl_error *err)
     if (code == 0)
         code = orl_rgbe_pixels(&r->rgbe, pixels, err);
     if (code == 0)
-        code = decode(r, (const unsigned char(*)[4])pixels, err);
+        code = decode_pixels(r, (const unsigned char(*)[4])pixels, err);
     free(pixels);
     return code;
 }

@@ -8,8 +8,8 @@
 #include <oriel/limits.h>
 #include <oriel/scanner.h>
 
-/* One word of the options, NUL-terminated in word; returns where the next begins, NULL at the end.
- */
+/* Copies the next word of the options to word, NUL-terminated. Returns the position after it, or
+ * NULL at the end. */
 static const char *next_word(const char *text, char *word, size_t size)
 {
     size_t length;
@@ -60,10 +60,11 @@ static int set_type(struct orl_view *view, const char *word, struct orl_error *e
     return 0;
 }
 
-/* What no picture needs, and rays could not be computed from. */
+/* Rejects sizes that no picture needs and for which rays cannot be computed. */
 static int check_sizes(const struct orl_view *view, struct orl_error *err)
 {
-    const double closed = 1.0001; /* 180 and 360 degrees are within, where they may be */
+    /* Tolerance that includes 180 and 360 degrees, for types that allow them. */
+    const double closed = 1.0001;
     const double widest = view->type == 'v'   ? 180.0
                           : view->type == 'h' ? 180.0 * closed
                           : view->type == 's' ? 359.9999
@@ -84,8 +85,9 @@ static int check_sizes(const struct orl_view *view, struct orl_error *err)
     return 0;
 }
 
-/* The image axes from direction, up and the angles; the checks Radiance makes too. */
-static int set_up(struct orl_view *view, struct orl_error *err)
+/* Sets the image axes from direction, up and the angles, with the checks that Radiance makes
+ * too. */
+static int set_image_axes(struct orl_view *view, struct orl_error *err)
 {
     double h = view->horizontal, v = view->vertical;
     struct orl_vec3 right, above;
@@ -173,7 +175,7 @@ static const char *parse_option(const char *word, const char *text, struct orl_v
     return text;
 }
 
-/* rpict's -bv, which turns the other way what was, -bv+ and -bv-: false where it is none. */
+/* Parses rpict's -bv, which toggles, -bv+ and -bv-. Returns false for other words. */
 static bool parse_backs(const char *word, struct orl_view *view)
 {
     if (strncmp(word, "-bv", 3) != 0 || strlen(word) > 4)
@@ -189,7 +191,7 @@ static bool parse_backs(const char *word, struct orl_view *view)
     return true;
 }
 
-/* rpict's -x -y -pa. */
+/* Parses rpict's -x -y -pa. */
 static const char *parse_size(const char *word, const char *text, struct orl_view *view,
                               struct orl_error *err)
 {
@@ -237,7 +239,7 @@ int orl_view_parse(const char *text, struct orl_view *ret_view, struct orl_error
         if (!text)
             return err->code;
     }
-    code = set_up(&view, err);
+    code = set_image_axes(&view, err);
     if (code == 0)
         *ret_view = view;
     return code;
@@ -284,8 +286,8 @@ bool orl_view_ray(const struct orl_view *view, double x, double y, struct orl_ve
     }
     const struct orl_vec3 way = orl_madd(orl_madd(orl_scale(d, along), view->h, x), view->v, y);
     d = orl_normalize(way);
-    /* -vo is a plane's distance in perspective, a cylinder's radius in a panorama, else a sphere's.
-     */
+    /* -vo is a plane's distance in perspective, a cylinder's radius in a panorama, a sphere's
+     * otherwise. */
     *ret_origin = orl_madd(o, view->type == 'v' || view->type == 'c' ? way : d, view->fore);
     *ret_direction = d;
     return true;
@@ -364,7 +366,7 @@ double orl_view_pixel_aspect(const struct orl_view *view, unsigned width, unsign
 void orl_view_fit(const struct orl_view *view, double pixel_aspect, uint32_t *width,
                   uint32_t *height)
 {
-    /* Height over width of the view: that of one pixel in an image of one. */
+    /* Height over width of the view, which is the aspect of a 1 x 1 image's pixel. */
     const double aspect = orl_view_pixel_aspect(view, 1, 1);
     if (!(pixel_aspect > 0))
         return;

@@ -19,39 +19,40 @@ struct orl_view {
     struct orl_vec3 point, direction, up; /* direction is unit */
     double horizontal, vertical;          /* degrees; scene units for 'l' */
     double shift, lift, fore, aft;
-    struct orl_vec3 h, v; /* image axes, scaled to the image's extent, but for 'a' and of 'c' h */
-    uint32_t x, y;        /* pixels asked for; 0: not said */
-    double pixel_aspect;  /* likewise */
-    bool backs_unseen;    /* -bv-: backs of opaque surfaces are not there for its rays */
+    /* Image axes, scaled to the image's extent; not scaled for 'a', nor h for 'c'. */
+    struct orl_vec3 h, v;
+    uint32_t x, y;       /* requested pixels; 0: none given */
+    double pixel_aspect; /* requested aspect; 0: none given */
+    bool backs_unseen;   /* -bv-: rays ignore backs of opaque surfaces */
 };
 
-/* Parses "-vtv -vp 0 0 0 ..."; a leading VIEW=, rpict, rvu or rview is passed over. */
+/* Parses "-vtv -vp 0 0 0 ..."; a leading VIEW=, rpict, rvu or rview is skipped. */
 int orl_view_parse(const char *text, struct orl_view *ret_view, struct orl_error *err);
 
-/* The ray through (x, y), false where the view sees nothing. ret_direction is unit. */
+/* Returns the ray through (x, y), with a unit direction; false if the view shows nothing there. */
 bool orl_view_ray(const struct orl_view *view, double x, double y, struct orl_vec3 *ret_origin,
                   struct orl_vec3 *ret_direction);
 
-/* How far the ray through (x, y) goes until it is cut off by -va; INFINITY: for ever. */
+/* Returns the distance along the ray through (x, y) at which -va clips it, or INFINITY. */
 double orl_view_reach(const struct orl_view *view, double x, double y);
 
-/* Where a view of the types v, h and a has a unit direction; false where it has not, and of others.
- */
+/* Returns the image coordinates of a unit direction for views of the types v, h and a. Returns
+ * false if it is outside the view, and for other types. */
 bool orl_view_place(const struct orl_view *view, struct orl_vec3 direction, double *ret_x,
                     double *ret_y);
 
-/* Solid angle of a rectangle of the image, from its lower left corner: that of the two triangles
- * between its corners. 0 where a corner sees nothing. */
+/* Returns the solid angle of a rectangle of the image, given by its lower left corner: that of the
+ * two triangles between its corners. Returns 0 if the view shows nothing at a corner. */
 double orl_view_solid_angle(const struct orl_view *view, double x, double y, double width,
                             double height);
 
-/* The whole view as options, for a VIEW= line: every parameter written out. */
+/* Formats the whole view as options for a VIEW= line, with every parameter. */
 void orl_view_format(const struct orl_view *view, char *ret_text, unsigned long size);
 
-/* Pixel height over pixel width in an image of that size; 1 is square. */
+/* Returns pixel height over pixel width in an image of that size; 1 is square. */
 double orl_view_pixel_aspect(const struct orl_view *view, unsigned width, unsigned height);
 
-/* Makes one side of an image smaller so that its pixels have that aspect, as rpict does. */
+/* Reduces one side of an image so that its pixels have that aspect, as rpict does. */
 void orl_view_fit(const struct orl_view *view, double pixel_aspect, uint32_t *width,
                   uint32_t *height);
 

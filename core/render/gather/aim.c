@@ -4,15 +4,15 @@
 
 #include "scene/material/hemisphere.h"
 
-/* What aims are made with. */
+/* Inputs for building an aim. */
 struct maker {
     struct orl_aim *aim;
     const struct orl_sobol *sobol;
     struct orl_crew *crew;
 };
 
-/* The beam of a sun in a kind of pane, new where there is none yet. Returns its index, or
- * ORL_MOST_BEAMS where there are so many, or ORL_ERR_NOMEM. */
+/* Finds the beam of a sun in a kind of pane, or adds it. Returns its index, or ORL_MOST_BEAMS if
+ * the table is full, or ORL_ERR_NOMEM. */
 static int find_beam(const struct maker *maker, uint32_t facet, const struct orl_sun *sun)
 {
     struct orl_aim *aim = maker->aim;
@@ -42,7 +42,8 @@ static bool is_pane(const struct orl_world *world, uint32_t facet)
            orl_material_transmits_lobes(&world->materials[f->material]);
 }
 
-/* Ports, or else what stands free; those beyond the most are left to the other ways. */
+/* Lists the ports or, if there are none, free-standing panes. Panes beyond MOST_FREE_PANES are left
+ * to the other strategies. */
 static bool list_panes(struct orl_aim *aim)
 {
     const struct orl_world *world = aim->world;
@@ -62,7 +63,7 @@ static uint32_t pane_facet(const struct orl_aim *aim, uint32_t pane)
     return aim->panes ? aim->panes[pane] : aim->world->ports[pane].facet;
 }
 
-/* ORL_NO_PORT: it is none. */
+/* Returns the index of a facet's pane, or ORL_NO_PORT. */
 static int32_t pane_of(const struct orl_aim *aim, uint32_t facet)
 {
     uint32_t low = 0, high = aim->n_panes;
@@ -149,7 +150,7 @@ struct orl_effort orl_aim_effort(const struct orl_aim *aim, struct orl_effort wa
     return wanted;
 }
 
-/* Density, per steradian, with which a ray is aimed at the port it meets. */
+/* Returns the density, per steradian, with which a ray is aimed at the port that it meets. */
 static double port_density(const struct orl_aim *aim, const struct orl_hit *hit,
                            struct orl_vec3 direction)
 {
@@ -167,7 +168,7 @@ double orl_aim_port_density(const struct orl_aim *aim, const struct orl_hit *hit
                : port_density(aim, hit, direction);
 }
 
-/* The same for rays drawn along beams. */
+/* Returns the density, per steradian, of rays drawn along beams. */
 static double beam_density(const struct orl_aim *aim, const struct orl_aimed *aimed, int32_t pane,
                            struct orl_vec3 point)
 {
@@ -178,16 +179,16 @@ static double beam_density(const struct orl_aim *aim, const struct orl_aimed *ai
     return sum / aim->n_shafts;
 }
 
-/* What a ray must first meet to count. */
+/* The thing that a ray must meet first to count. */
 struct goal {
     uint32_t facet;  /* UINT32_MAX: any */
     uint32_t target; /* ORL_NO_TARGET: any */
 };
 
-/* Draws a direction. */
-static bool draw(const struct orl_aim *aim, enum orl_way way, struct orl_vec3 point,
-                 struct orl_vec3 normal, const double u[3], struct orl_vec3 *ret_direction,
-                 struct goal *ret_goal)
+/* Draws a direction by one strategy, and sets what the ray must meet first. */
+static bool draw_direction(const struct orl_aim *aim, enum orl_way way, struct orl_vec3 point,
+                           struct orl_vec3 normal, const double u[3],
+                           struct orl_vec3 *ret_direction, struct goal *ret_goal)
 {
     const struct orl_world *world = aim->world;
     const size_t choices[ORL_WAYS] = {1, world->n_ports, aim->n_shafts, aim->targets.n};
@@ -224,7 +225,7 @@ bool orl_aim_draw(const struct orl_aim *aim, enum orl_way way, struct orl_vec3 p
                   struct orl_vec3 normal, const double u[3], struct orl_aimed *ret_aimed)
 {
     struct goal goal;
-    if (!draw(aim, way, point, normal, u, &ret_aimed->direction, &goal) ||
+    if (!draw_direction(aim, way, point, normal, u, &ret_aimed->direction, &goal) ||
         !(orl_dot(ret_aimed->direction, normal) > 0))
         return false;
     ret_aimed->met = orl_geometry_intersect(aim->world->geometry, point, ret_aimed->direction,

@@ -7,47 +7,51 @@
 
 enum { WIDTHS = 8, TASK = 8192, FIRST_ROUND = ORL_AIR_FEWEST, TASKS_A_ROUND = 64 };
 
-/* The widest disc: so many times a search among caustic photons, but no more than of the scene. */
+/* Radius of the widest disc: in radii of a search among caustic photons, and the most as a share of
+ * the scene's radius. */
 static const double wider = 4, widest_of_scene = 0.1;
-/* Where there is no search to go by: of the distance of what is about; and how far above a surface
- * that the sensor may lie on, of that. */
+/*
+ * Without a search radius: the widest disc's radius as a share of the distance to the surroundings.
+ * above: the disc's height above a surface that the sensor may lie on, as a share of the disc's
+ * radius.
+ */
 static const double widest_of_distance = 0.2, above = 1e-3;
 enum { LOOKS = 64 };
 
-/* Enough have flown by when almost all sensors have an error that is small beside that of the rest,
- * or beside all of their light. */
+/* Rounds end when this share of the sensors has an error small beside that of their other light, or
+ * beside all of their light. */
 static const double beside_rest = 0.5, beside_light = 0.01, almost_all = 0.95;
 
-/* What differs by so many standard errors is no scatter. */
+/* A difference of more standard errors than this is no scatter. */
 static const double certain = 3.5;
 
-/* Light is felt at a sensor when it is so many of the standard errors that the sensor has with it.
- */
+/* Light changes a sensor if it exceeds this many of the sensor's standard errors, its own error
+ * included. */
 static const double felt = 2;
 
-/* What came through a ring of a disc: from the next narrower width to its own. */
+/* Flux through one ring of a disc, between the next narrower width and its own. */
 struct ring {
     struct orl_rgb flux;
-    float luma[ORL_MAP_BATCHES], lamps; /* what of it is of lamps */
+    float luma[ORL_MAP_BATCHES], lamps; /* luma, by batch and of lamps */
 };
 
 struct sensor {
     struct orl_estimate rest;
-    uint32_t disc; /* or NONE */
+    uint32_t disc; /* index of its disc, or NONE */
 };
 
 #define NONE UINT32_MAX
 
 struct orl_air {
     const struct orl_world *world;
-    const struct orl_gather *gather; /* or NULL: what paths would have to happen on */
+    const struct orl_gather *gather; /* NULL: measures what paths find only by chance */
     size_t n_sensors;
     struct sensor *sensors;
-    struct orl_disc *discs; /* per sensor; once gathered in, the first n_discs */
+    struct orl_disc *discs; /* one per sensor; after compact_discs the first n_discs */
     size_t n_discs;
     struct ring (*rings)[WIDTHS];
     uint64_t emitted, rays;
-    double flux, photons; /* that set out: luma, and how many */
+    double flux, photons; /* emitted luma, and number of photons emitted */
 };
 
 /* ---- Discs ----------------------------------------------------------------------------------- */
@@ -91,7 +95,7 @@ void orl_air_free(struct orl_air *air)
     free(air);
 }
 
-/* How far away things are on the lit side: the median of what is met. */
+/* Returns the median distance of surfaces on the lit side. */
 static double distance_about(const struct orl_geometry *g, const struct orl_place *place)
 {
     double met[LOOKS];
@@ -111,8 +115,9 @@ static double distance_about(const struct orl_geometry *g, const struct orl_plac
     return n > 0 ? met[n / 2] : INFINITY;
 }
 
-/* Returns true if light close to it may vary more than discs can tell: a lens or curved mirror. */
-static bool focuses(const struct orl_world *world, const struct orl_hit *hit)
+/* Returns true if light close to it may vary more than discs can resolve: a lens or curved
+ * mirror. */
+static bool may_focus(const struct orl_world *world, const struct orl_hit *hit)
 {
     const struct orl_material *m = orl_world_material(world, hit);
     const enum orl_surface_kind kind = orl_facet_kind(world->geometry, hit->facet);
@@ -120,7 +125,7 @@ static bool focuses(const struct orl_world *world, const struct orl_hit *hit)
            (kind != ORL_SURFACE_POLYGON && kind != ORL_SURFACE_RING && orl_material_is_mirror(m));
 }
 
-/* Less of it where something stands on its plane. */
+/* Makes the disc of a place. Objects that stand in its plane reduce the reach of its sectors. */
 static void make_disc(const struct orl_air *air, const struct orl_place *place,
                       struct orl_disc *ret_disc)
 {
@@ -141,7 +146,7 @@ static void make_disc(const struct orl_air *air, const struct orl_place *place,
         const bool ends = orl_geometry_intersect(g, ret_disc->center, out, radius, &hit);
         const double reach = ends ? fmin(hit.distance, radius) : radius;
         ret_disc->reach2[i] = (float)(reach * reach);
-        if (ends && focuses(air->world, &hit))
+        if (ends && may_focus(air->world, &hit))
             ret_disc->curved = fminf(ret_disc->curved, (float)hit.distance);
     }
 }
@@ -164,8 +169,8 @@ bool orl_air_is_needed(const struct orl_air *air)
     return false;
 }
 
-/* Those that there are, side by side. */
-static int gather_in(struct orl_air *air)
+/* Moves the discs that exist to the front and allocates their rings. */
+static int compact_discs(struct orl_air *air)
 {
     air->n_discs = 0;
     for (size_t i = 0; i < air->n_sensors; i++) {
@@ -186,7 +191,7 @@ struct round {
     struct orl_deposits deposits[TASKS_A_ROUND];
 };
 
-static void fly(void *arg, size_t index, uint32_t member)
+static void trace_task(void *arg, size_t index, uint32_t member)
 {
     struct round *round = arg;
     const uint64_t first = round->first + index * TASK;
@@ -197,13 +202,14 @@ static void fly(void *arg, size_t index, uint32_t member)
                                  &round->deposits[index]);
 }
 
-/* Squared, as a share of the disc's: each holds twice the area of the one before. */
+/* Returns the squared width as a share of the disc's. Each width has twice the area of the one
+ * before. */
 static double width2(int width)
 {
     return 1.0 / (1 << (WIDTHS - 1 - width));
 }
 
-static void count(struct orl_air *air, const struct orl_pass *pass)
+static void add_pass(struct orl_air *air, const struct orl_pass *pass)
 {
     const double radius = air->discs[pass->disc].radius;
     const struct orl_rgb flux = {(double)pass->flux[0], (double)pass->flux[1],
@@ -217,15 +223,15 @@ static void count(struct orl_air *air, const struct orl_pass *pass)
     ring->lamps += pass->lamp ? (float)orl_luma(flux) : 0;
 }
 
-/* Task by task, in their order: sums are the same for any crew. */
-static int fly_round(struct orl_air *air, struct round *round, const struct orl_discs *discs,
-                     struct orl_health *health)
+/* Traces a round. Tasks are added in order, so that sums do not depend on the crew. */
+static int trace_round(struct orl_air *air, struct round *round, const struct orl_discs *discs,
+                       struct orl_health *health)
 {
     const size_t tasks = (round->end - round->first + TASK - 1) / TASK;
     int code = 0;
     for (size_t i = 0; i < tasks; i++)
         round->deposits[i] = (struct orl_deposits){.discs = discs, .by_chance = !air->gather};
-    orl_crew_for(round->env->crew, tasks, fly, round);
+    orl_crew_for(round->env->crew, tasks, trace_task, round);
     if (orl_is_cancelled(round->env->cancel))
         code = ORL_ERR_CANCELLED;
     for (size_t i = 0; i < tasks; i++) {
@@ -240,7 +246,7 @@ static int fly_round(struct orl_air *air, struct round *round, const struct orl_
         if (deposits->passes.out_of_memory)
             code = ORL_ERR_NOMEM;
         for (size_t k = 0; k < deposits->passes.count && code == 0; k++)
-            count(air, &deposits->passes.passes[k]);
+            add_pass(air, &deposits->passes.passes[k]);
         free(deposits->passes.passes);
         free(deposits->photons);
     }
@@ -250,12 +256,12 @@ static int fly_round(struct orl_air *air, struct round *round, const struct orl_
 
 /* ---- Estimates ------------------------------------------------------------------------------- */
 
-/* What came through a width, whole. */
+/* Flux through a whole width. */
 struct reading {
     struct orl_rgb irradiance;
     struct orl_batches parts;
     double area, variance, bias;
-    double lamps; /* luma of what is of lamps */
+    double lamps; /* luma of the lamps' part */
 };
 
 static double area_of(const struct orl_disc *disc, int width)
@@ -303,8 +309,9 @@ static double luma_of(const struct orl_batches *parts)
 }
 
 /*
- * Beyond its scatter, what an area more has brought, in proportion to the area; and no less than
- * what any narrower width says, where that is no scatter: of a focus the widest see nothing.
+ * Estimates each width's bias: the change from the next area beyond its scatter, in proportion to
+ * the area. It is at least the significant difference to any narrower width, because the widest
+ * discs do not resolve a focus.
  */
 static void find_biases(struct reading readings[WIDTHS])
 {
@@ -326,9 +333,9 @@ static void find_biases(struct reading readings[WIDTHS])
 }
 
 /*
- * Of the error of a width, to choose by. What has caught little has little scatter, too, and chosen
- * by its own it would be light that is missed: scatter counts as no less than the widest one's,
- * which goes by area.
+ * Returns the expected squared error of a width, to choose by. A width that few photons crossed has
+ * little scatter, and choosing by that would miss light. Scatter therefore is at least the widest
+ * width's, scaled by area.
  */
 static double expected_square(const struct reading readings[WIDTHS], int width)
 {
@@ -357,7 +364,8 @@ static struct reading read_disc(const struct orl_air *air, uint32_t disc)
         if (expected_square(readings, w) < expected_square(readings, best))
             best = w;
     const double luma = orl_luma(readings[best].irradiance);
-    /* All that is known of light beside a lens is its mean over more than the lens is away. */
+    /* Light beside a lens is known only as its mean over a disc wider than the distance to the
+     * lens. */
     if ((double)d->curved < sqrt(width2(best)) * d->radius && luma > fabs(readings[best].bias))
         readings[best].bias = copysign(luma, readings[best].bias);
     return readings[best];
@@ -387,8 +395,9 @@ struct orl_estimate orl_air_caught(const struct orl_air *air, size_t sensor, dou
     return estimate_of(&reading);
 }
 
-/* Whether what comes through its disc is known well enough; and whether it is felt. */
-static bool is_content(const struct sensor *s, const struct reading *more, bool *ret_felt)
+/* Returns true if the light through the sensor's disc is known well enough. *ret_felt: it changes
+ * the sensor's estimate. */
+static bool is_accurate(const struct sensor *s, const struct reading *more, bool *ret_felt)
 {
     const double luma = orl_luma(more->irradiance), scatter = sqrt(more->variance);
     *ret_felt = luma > felt * hypot(s->rest.standard_error, scatter);
@@ -396,9 +405,9 @@ static bool is_content(const struct sensor *s, const struct reading *more, bool 
                            beside_light * (orl_luma(s->rest.value) + luma));
 }
 
-/* Twice as many are not flown for what almost all sensors know; nor, beyond the rays that are no
- * loss, for what no sensor feels that does not know it. */
-static bool is_enough(const struct orl_air *air, double rays_not_felt)
+/* Returns true if no further round is needed: almost all sensors are known well enough. Beyond
+ * rays_not_felt it also suffices that no sensor with a large error is changed by the light. */
+static bool rounds_suffice(const struct orl_air *air, double rays_not_felt)
 {
     size_t content = 0, feeling = 0;
     for (size_t i = 0; i < air->n_sensors; i++) {
@@ -407,7 +416,7 @@ static bool is_enough(const struct orl_air *air, double rays_not_felt)
         if (s->disc == NONE)
             continue;
         const struct reading more = read_disc(air, s->disc);
-        const bool is = is_content(s, &more, &feels);
+        const bool is = is_accurate(s, &more, &feels);
         content += is;
         feeling += feels && !is;
     }
@@ -420,7 +429,7 @@ int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env,
 {
     struct orl_discs *discs = NULL;
     struct round *round = malloc(sizeof *round);
-    int code = round ? gather_in(air) : ORL_ERR_NOMEM;
+    int code = round ? compact_discs(air) : ORL_ERR_NOMEM;
     if (code == 0)
         code = orl_discs_new(air->discs, air->n_discs, &discs);
     const uint64_t most = bounds->emissions - bounds->emissions % ORL_MAP_BATCHES;
@@ -430,9 +439,9 @@ int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env,
         round->env = env;
         round->first = air->emitted;
         round->end = wanted < largest ? wanted : largest;
-        code = fly_round(air, round, discs, health);
+        code = trace_round(air, round, discs, health);
         if (code == 0 && air->emitted == wanted) {
-            if (is_enough(air, bounds->rays_not_felt))
+            if (rounds_suffice(air, bounds->rays_not_felt))
                 break;
             wanted = 2 * wanted < most ? 2 * wanted : most;
         }

@@ -1,19 +1,20 @@
 /*
- * Caustics in mid-air: light of suns and lamps that mirrors, lobes and dielectrics have sent on, at
- * sensors where no photon lands. Suns by their images in flat mirrors or one pane's lobes are
- * sampled (sensor.c); all else - off rough metal, through two panes, down a light pipe, out of a
- * lens, of lamps - comes as photons that fly through a disc about the sensor
+ * Caustics at sensors in mid-air, where no photon lands: light of suns and lamps that mirrors,
+ * lobes and dielectrics have redirected. sensor.c samples suns seen by flat mirrors or by one
+ * pane's lobes. All other caustics (off rough metal, through two panes, down a light pipe, out of a
+ * lens, of lamps) are measured by photons that pass through a disc about the sensor
  * (photon/flight/discs.h).
  *
- * They are flights of their own, in rounds, and end where more of them would not change the
- * sensors' errors by much, where what they have found is not felt at any sensor beside its error,
- * or at a number. Each disc is read at several widths at once; of these the one counts whose
- * scatter and bias together are least, a bias being in proportion to the area and so told by the
- * next width. The scatter that is chosen by is no less than the widest's, by area: what has caught
- * little by chance scatters little, too. The standard error is that of batches, and no less than if
- * one photon more had come: where none came there may be light that is rare.
+ * These photons are emitted for this purpose, in rounds. Rounds end when more photons would change
+ * the sensors' errors little, when no sensor's estimate changes by more than its error, or at a
+ * number of emissions. Each disc is read at several widths at once, and the width with the least
+ * sum of scatter and bias is used. Bias is in proportion to the area, so that the next width shows
+ * it. For this choice the scatter is at least the widest disc's, scaled by area: a width that few
+ * photons crossed has a small scatter by chance. The standard error is that of batches, but at
+ * least that of one more photon: a disc that no photon crossed may still receive rare light.
  *
- * A sensor's disc may be made by any member of the crew, each sensor once; all else by the lead.
+ * Any member of the crew may make a sensor's disc, each sensor once; all other calls are for the
+ * crew's lead.
  */
 #ifndef ORL_RENDER_GATHER_AIR_H
 #define ORL_RENDER_GATHER_AIR_H
@@ -22,48 +23,51 @@
 
 struct orl_air;
 
-/* Whether anything sends such light on in that world, as it is simulated. */
+/* Returns true if some caustics in mid-air need photons, in that world as it is simulated. */
 bool orl_air_may_be_lit(const struct orl_world *world);
 
-/* Whether all such light is of suns by flat mirrors, so that their images tell it exactly. */
+/* Returns true if all caustics are of suns by flat mirrors, so that their images give them
+ * exactly. */
 bool orl_air_is_by_images(const struct orl_world *world);
 
-/* For so many sensors. *ret_air is NULL where nothing can send such light on. Returns 0 or
- * ORL_ERR_NOMEM. */
+/* Creates the estimator for a number of sensors. *ret_air is NULL if no caustics in mid-air need
+ * photons. Returns 0 or ORL_ERR_NOMEM. */
 int orl_air_new(const struct orl_gather *gather, size_t sensors, struct orl_air **ret_air);
 
 /*
- * Of another kind: for the backward technique, of light that its paths would have to happen on
- * (photon/flight/found.h), at all of so many sensors, wherever they are. It is not added to
- * anything but told: orl_air_caught.
+ * Creates an estimator for the backward technique: of light that its paths find only by chance
+ * (photon/flight/found.h), at all of the sensors, wherever they are. The result is reported by
+ * orl_air_caught and not added to any estimate.
  */
 int orl_air_by_chance(const struct orl_world *world, size_t sensors, struct orl_air **ret_air);
 void orl_air_free(struct orl_air *air); /* NULL is allowed */
 
-/* A sensor's place, and what it gets besides. */
+/* Sets a sensor's place, and the estimate of its other light. */
 void orl_air_put(struct orl_air *air, size_t sensor, const struct orl_place *place,
                  const struct orl_estimate *rest);
 
-/* Whether there is any sensor in mid-air. */
+/* Returns true if any sensor is in mid-air. */
 bool orl_air_is_needed(const struct orl_air *air);
 
-/* The first round has so many emissions, or all there are. */
+/* Number of emissions in the first round, unless the limit is lower. */
 enum { ORL_AIR_FEWEST = 1 << 16 };
 
 struct orl_air_bounds {
-    uint64_t emissions;   /* at the most */
-    double rays_not_felt; /* rays are no more than these, but for the first round, while no sensor
-                             feels what they bring; INFINITY: however many */
+    uint64_t emissions; /* upper limit */
+    /* Limit of rays after the first round, while no sensor's estimate changes by more than its
+     * error; INFINITY: no limit. */
+    double rays_not_felt;
 };
 
-/* Flies photons by. Counts into health. Returns 0, ORL_ERR_CANCELLED or ORL_ERR_NOMEM. */
+/* Traces photons in rounds. Counts into health. Returns 0, ORL_ERR_CANCELLED or ORL_ERR_NOMEM. */
 int orl_air_catch(struct orl_air *air, const struct orl_shoot_env *env,
                   const struct orl_air_bounds *bounds, struct orl_health *health);
 
-/* The sensor's estimate with what was caught. */
+/* Returns the sensor's estimate including the measured caustics. */
 struct orl_estimate orl_air_estimate(const struct orl_air *air, size_t sensor);
 
-/* What was caught alone, at a sensor that has a disc; and the luma of what of it is of lamps. */
+/* Returns the measured caustics alone, for a sensor that has a disc; *ret_lamps: the luma of the
+ * lamps' part. */
 struct orl_estimate orl_air_caught(const struct orl_air *air, size_t sensor, double *ret_lamps);
 
 #endif

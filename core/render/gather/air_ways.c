@@ -1,4 +1,4 @@
-/* Whether anything sends suns and lamps on into mid-air. */
+/* Tests whether caustics in mid-air need photons. */
 #include "render/gather/air.h"
 #include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"
@@ -16,7 +16,7 @@ static bool is_flat(const struct orl_facet *f)
     return f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
 }
 
-/* Of flat ones. */
+/* Returns true if two flat facets lie in one plane. */
 static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_facet *a,
                              const struct orl_facet *b)
 {
@@ -29,10 +29,11 @@ static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_face
 }
 
 /*
- * Of surfaces in one plane, panes with lobes and flat mirrors, light is sent on once, and that is
- * found otherwise when it is a sun's; as it is by flat mirrors alone, however many.
+ * Returns true if caustics in mid-air need photons. Panes with lobes and flat mirrors that all lie
+ * in one plane redirect light once. For suns sensor.c samples such light, as it does any number of
+ * flat mirrors alone.
  */
-static bool may_send_on(const struct orl_world *world)
+static bool caustics_need_photons(const struct orl_world *world)
 {
     const struct orl_geometry *g = world->geometry;
     const bool lamps = has_lamps(world);
@@ -61,7 +62,8 @@ static bool may_send_on(const struct orl_world *world)
 
 bool orl_air_may_be_lit(const struct orl_world *world)
 {
-    return !(world->omit.mirror_caustics && world->omit.lobe_caustics) && may_send_on(world);
+    return !(world->omit.mirror_caustics && world->omit.lobe_caustics) &&
+           caustics_need_photons(world);
 }
 
 bool orl_air_is_by_images(const struct orl_world *world)
@@ -70,5 +72,5 @@ bool orl_air_is_by_images(const struct orl_world *world)
     for (struct orl_kept_walk walk = orl_kept_walk(g); orl_kept_next(&walk);)
         if (orl_material_has_lobes(&world->materials[orl_facet_material(g, walk.facet)]))
             return false;
-    return !may_send_on(world);
+    return !caustics_need_photons(world);
 }

@@ -6,15 +6,16 @@
 #include "bsdf/shirley.h"
 
 enum { DRAWS = 1 << 15, DRAWS_A_ROW = DRAWS / ORL_BEAM_SIDE };
-static const double drawn_share = 0.8; /* of the table; the rest is evaluated */
+static const double drawn_share =
+    0.8; /* share of the table that comes from samples; the rest comes from evaluations */
 
-/* Index of the first cell of a level. */
-static uint32_t first_of(uint32_t level)
+/* Returns the index of a level's first cell. */
+static uint32_t first_cell_of(uint32_t level)
 {
     return ((1U << 2 * level) - 1) / 3;
 }
 
-/* Cells of a level are in Morton order: the four quarters of one are neighbours. */
+/* Returns the Morton index of a cell, so that the four quarters of a cell are neighbours. */
 static uint32_t interleave(uint32_t x, uint32_t y)
 {
     uint32_t sum = 0;
@@ -34,7 +35,7 @@ void orl_beam_cells_init(struct orl_beam_cells *cells)
         const uint32_t side = 1U << level;
         for (uint32_t y = 0; y < side; y++)
             for (uint32_t x = 0; x < side; x++) {
-                const uint32_t cell = first_of(level) + interleave(x, y);
+                const uint32_t cell = first_cell_of(level) + interleave(x, y);
                 const struct orl_vec3 middle = direction_at(x + 0.5, y + 0.5, side);
                 double reach = 0;
                 for (uint32_t corner = 0; corner < 4; corner++) {
@@ -50,7 +51,7 @@ void orl_beam_cells_init(struct orl_beam_cells *cells)
     }
 }
 
-/* The finest cell of a direction in the beam's frame, as a Morton index. */
+/* Returns the finest cell of a direction in the beam's frame, as a Morton index. */
 static uint32_t cell_of(struct orl_vec3 d)
 {
     const struct orl_square s = orl_disk_to_square(d.x, d.y);
@@ -60,7 +61,7 @@ static uint32_t cell_of(struct orl_vec3 d)
                       (uint32_t)orl_smaller(orl_larger(y, 0), most));
 }
 
-/* What a table is made from: rows of it are worked out by a crew, and added up in order. */
+/* Samples that a table is made from; the crew computes its rows, which are added up in order. */
 struct samples {
     const struct orl_beam *beam;
     const struct orl_sobol *sobol;
@@ -80,7 +81,8 @@ static void sample_row(void *arg, size_t row, uint32_t member)
     for (uint32_t i = (uint32_t)row * DRAWS_A_ROW; i < (row + 1) * DRAWS_A_ROW; i++) {
         double u[5];
         orl_sobol_point(s->sobol, i, 1, 5, u);
-        /* Of all the disc: parts of it may be in other cells of the data, and go other ways. */
+        /* All of the sun's disc is sampled: parts of it may be in other cells of the data, with
+         * other lobes. */
         const struct orl_scatter drawn =
             orl_scatter_sample_at(beam->material, &s->hit, orl_sun_sample(beam->sun, u + 3),
                                   ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u);
@@ -96,8 +98,9 @@ static void sample_row(void *arg, size_t row, uint32_t member)
     }
 }
 
-/* Draws show lobes however narrow; values show what is too dim for draws. */
-static void fill(const struct samples *s, double *finest)
+/* Fills the finest level: samples resolve narrow lobes, evaluations include directions too dim to
+ * be sampled. */
+static void fill_finest(const struct samples *s, double *finest)
 {
     double drawn = 0, valued = 0;
     for (uint32_t i = 0; i < DRAWS; i++) {
@@ -133,17 +136,18 @@ int orl_beam_init(struct orl_beam *beam, const struct orl_sobol *sobol, struct o
     samples->hit = orl_hit_anywhere(beam->normal, false);
     const int code = orl_crew_try(crew, ORL_BEAM_SIDE, sample_row, samples);
     if (code == 0)
-        fill(samples, finest);
+        fill_finest(samples, finest);
     free(samples);
     if (code < 0)
         return code;
     memset(beam->light, 0, sizeof beam->light);
     for (uint32_t i = 0; i < ORL_BEAM_SIDE * ORL_BEAM_SIDE; i++)
-        beam->light[first_of(last) + i] = (float)finest[i];
+        beam->light[first_cell_of(last) + i] = (float)finest[i];
     for (uint32_t level = last; level-- > 0;)
         for (uint32_t i = 0; i < 1U << 2 * level; i++)
             for (uint32_t k = 0; k < 4; k++)
-                beam->light[first_of(level) + i] += beam->light[first_of(level + 1) + 4 * i + k];
+                beam->light[first_cell_of(level) + i] +=
+                    beam->light[first_cell_of(level + 1) + 4 * i + k];
     return 0;
 }
 
@@ -178,7 +182,8 @@ struct orl_shaft orl_shaft_of(const struct orl_geometry *geometry, const struct 
     return shaft;
 }
 
-/* A cell's light, as far as it may come to a place, which is given from the pane's center. */
+/* Returns the part of a cell's light that may reach a place, given relative to the pane's
+ * centre. */
 static double light_of(const struct orl_shaft *shaft, const struct orl_beam *beam,
                        const struct orl_beam_cells *cells, uint32_t cell, struct orl_vec3 place)
 {
@@ -186,7 +191,7 @@ static double light_of(const struct orl_shaft *shaft, const struct orl_beam *bea
     const double radius = cells->radius[cell], cosine = d[2];
     if (!(beam->light[cell] > 0))
         return 0;
-    if (cosine <= 1.5 * radius) /* it may come from anywhere */
+    if (cosine <= 1.5 * radius) /* the cell may come from any direction */
         return beam->light[cell];
     const double way = place.z / cosine, wide = 1.2 * way * radius / cosine;
     return fabs(place.x - way * d[0]) <= shaft->half_u + wide &&
@@ -195,10 +200,10 @@ static double light_of(const struct orl_shaft *shaft, const struct orl_beam *bea
                : 0;
 }
 
-/* The light of the four quarters from that cell on; returns their sum. */
-static double quarters(const struct orl_shaft *shaft, const struct orl_beam *beam,
-                       const struct orl_beam_cells *cells, uint32_t first, struct orl_vec3 place,
-                       double ret_light[4])
+/* Computes the light of the four quarters that begin at cell `first`; returns their sum. */
+static double light_of_quarters(const struct orl_shaft *shaft, const struct orl_beam *beam,
+                                const struct orl_beam_cells *cells, uint32_t first,
+                                struct orl_vec3 place, double ret_light[4])
 {
     double sum = 0;
     for (uint32_t k = 0; k < 4; k++) {
@@ -219,10 +224,11 @@ bool orl_shaft_draw(const struct orl_shaft *shaft, const struct orl_beam *beam,
         return false;
     for (uint32_t level = 1; level < ORL_BEAM_LEVELS; level++) {
         double light[4];
-        const double sum = quarters(shaft, beam, cells, first_of(level) + 4 * index, place, light);
+        const double sum =
+            light_of_quarters(shaft, beam, cells, first_cell_of(level) + 4 * index, place, light);
         if (!(sum > 0))
             return false;
-        /* First the column, then the row in it. */
+        /* Choose the column first, then the row in it. */
         const double left = (light[0] + light[2]) / sum;
         const uint32_t column = across >= left;
         across = column ? (across - left) / (1 - left) : across / left;
@@ -251,8 +257,8 @@ double orl_shaft_density(const struct orl_shaft *shaft, const struct orl_beam *b
     for (uint32_t level = 1; level < ORL_BEAM_LEVELS; level++) {
         const uint32_t cell = finest >> 2 * (ORL_BEAM_LEVELS - 1 - level);
         double light[4];
-        const double sum =
-            quarters(shaft, beam, cells, first_of(level) + (cell & ~3U), place, light);
+        const double sum = light_of_quarters(shaft, beam, cells,
+                                             first_cell_of(level) + (cell & ~3U), place, light);
         if (!(light[cell & 3] > 0))
             return 0;
         density *= light[cell & 3] / sum;

@@ -9,11 +9,11 @@
 enum { RUN = 16, MOST_DEPTH = 18, ROOM = 8 * ORL_BRIGHT_SPOTS };
 
 static const double least_share = 1.0 / 256; /* cells with less light are not halved */
-static const double contrast = 8;            /* of what is bright, to the mean */
-static const double tolerated = 0.005;       /* error of even rays, of the photons' light */
-static const double generous = 1.25;         /* patches end beyond their outermost photons */
+static const double contrast = 8;            /* ratio of a bright cell to the mean */
+static const double tolerated = 0.005; /* error of even rays, as a share of the photons' light */
+static const double generous = 1.25;   /* factor by which patches exceed their outermost photons */
 
-/* Sums over the photons of a run; places from its first one on. */
+/* Sums over the photons of a run; offsets are from its first one. */
 struct run {
     struct orl_vec3 origin, offsets, normals;
     double squares, flux;
@@ -39,7 +39,7 @@ static double luma_of(const struct orl_photon_map *map, uint64_t photon)
         (struct orl_rgb){(double)(float)flux.r, (double)(float)flux.g, (double)(float)flux.b});
 }
 
-/* Neighbours mostly face one way, which is worked out once. */
+/* Sums up a run. Neighbours mostly have one normal, so that it is decoded only when it changes. */
 static struct run sum_run(const struct orl_photon_map *map, uint64_t first, uint64_t n)
 {
     struct run run = {.origin = place_of(map, first)};
@@ -59,7 +59,7 @@ static struct run sum_run(const struct orl_photon_map *map, uint64_t first, uint
     return run;
 }
 
-/* Photons first .. first + n - 1 of the map's order. */
+/* Returns the spot of photons first .. first + n - 1 of the map's order. */
 static struct orl_bright_spot spot_of(const struct orl_photon_map *map, uint64_t first, uint64_t n)
 {
     const struct run run = sum_run(map, first, n);
@@ -68,7 +68,7 @@ static struct orl_bright_spot spot_of(const struct orl_photon_map *map, uint64_t
     const double spread2 = orl_larger(run.squares / (double)n - orl_dot(mean, mean), 0);
     const struct orl_vec3 normal =
         orl_length(run.normals) > 0 ? orl_normalize(run.normals) : run.normals;
-    /* Of a square the mean square of the distance from its middle is 2/3 of that of half a side. */
+    /* The mean squared distance from a square's centre is 2/3 of the square of half its side. */
     return (struct orl_bright_spot){.at = {(float)at.x, (float)at.y, (float)at.z},
                                     .normal = {(float)normal.x, (float)normal.y, (float)normal.z},
                                     .half = (float)(generous * sqrt(1.5 * spread2)),
@@ -78,7 +78,7 @@ static struct orl_bright_spot spot_of(const struct orl_photon_map *map, uint64_t
 struct making {
     const struct orl_photon_map *map;
     struct orl_bright_spot *spots;
-    uint64_t run; /* photons in each, but for the last */
+    uint64_t run; /* photons in each run but the last */
 };
 
 static void make_spot(void *arg, size_t index, uint32_t member)
@@ -109,25 +109,25 @@ void orl_bright_done(struct orl_bright *bright)
     *bright = (struct orl_bright){.spots = NULL};
 }
 
-/* What a spot covers of the square, evenly. */
+/* The area of the square that a spot covers, as a uniform density. */
 struct splat {
     float at[2], half, light;
 };
 
-/* A view in the making. */
+/* State while a view is built. */
 struct look {
     struct orl_bright_view *view;
     struct splat splats[ORL_BRIGHT_SPOTS];
-    uint16_t room[ROOM]; /* lists of those in a cell, one after another */
-    double light;        /* of all */
-    double variance;     /* of even rays: so many times its square, for one ray */
+    uint16_t room[ROOM]; /* lists of the splats in a cell, one after another */
+    double light;        /* sum over all splats */
+    double variance;     /* even rays' variance for one ray, in units of the squared light */
 };
 
 struct area {
     double low[2], high[2];
 };
 
-/* False when it lies behind the place, or turns its back. */
+/* Projects a spot. Returns false if it lies behind the place or faces away. */
 static bool splat_of(const struct orl_bright_spot *spot, struct orl_vec3 point,
                      const struct orl_frame *frame, struct splat *ret)
 {
@@ -157,9 +157,10 @@ static double overlap(const struct splat *s, const struct area *a, int axis)
     return orl_larger(high - low, 0) / (2 * (double)s->half);
 }
 
-/* Those of a list that are in an area go to the list behind it; how many, and their light there. */
-static uint32_t pick(struct look *look, uint32_t first, uint32_t count, uint32_t to,
-                     const struct area *area, double *ret_light)
+/* Appends the splats of a list that overlap an area to the list at `to`; returns their number and
+ * sets their light there. */
+static uint32_t pick_splats(struct look *look, uint32_t first, uint32_t count, uint32_t to,
+                            const struct area *area, double *ret_light)
 {
     uint32_t n = 0;
     *ret_light = 0;
@@ -174,7 +175,7 @@ static uint32_t pick(struct look *look, uint32_t first, uint32_t count, uint32_t
     return n;
 }
 
-/* Whether anything in it is smaller than the cell. */
+/* Returns true if any splat of a list is smaller than the cell. */
 static bool is_fine(const struct look *look, uint32_t first, uint32_t count, double size)
 {
     for (uint32_t i = first; i < first + count; i++)
@@ -183,9 +184,9 @@ static bool is_fine(const struct look *look, uint32_t first, uint32_t count, dou
     return false;
 }
 
-/* Halves a cell as far as there is something to tell; its mass is what of it is bright. */
-static void divide(struct look *look, uint32_t cell, uint32_t first, uint32_t count,
-                   const struct area *area, double light, int depth)
+/* Divides a cell while it contains finer splats. Its mass is the light of its bright parts. */
+static void divide_cell(struct look *look, uint32_t cell, uint32_t first, uint32_t count,
+                        const struct area *area, double light, int depth)
 {
     struct orl_bright_view *view = look->view;
     struct orl_bright_cell *here = &view->cells[cell];
@@ -207,8 +208,8 @@ static void divide(struct look *look, uint32_t cell, uint32_t first, uint32_t co
         struct area part = *area;
         double within;
         (half ? part.low : part.high)[axis] = 0.5 * (area->low[axis] + area->high[axis]);
-        const uint32_t n = pick(look, first, count, first + count, &part, &within);
-        divide(look, low + half, first + count, n, &part, within, depth + 1);
+        const uint32_t n = pick_splats(look, first, count, first + count, &part, &within);
+        divide_cell(look, low + half, first + count, n, &part, within, depth + 1);
     }
     here->low = low;
     here->mass = view->cells[low].mass + view->cells[low + 1].mass;
@@ -219,7 +220,7 @@ void orl_bright_look(const struct orl_bright *bright, struct orl_vec3 point, str
 {
     const struct orl_frame frame = orl_frame_about(normal);
     const struct area all = {{0, 0}, {1, 1}};
-    struct look look; /* not its splats, which are many */
+    struct look look; /* its splats stay uninitialised, because they are many */
     uint32_t n = 0;
     look.view = ret_view;
     look.light = look.variance = 0;
@@ -233,7 +234,7 @@ void orl_bright_look(const struct orl_bright *bright, struct orl_vec3 point, str
     ret_view->count = 1;
     if (!(look.light > 0))
         return;
-    divide(&look, 0, 0, n, &all, look.light, 0);
+    divide_cell(&look, 0, 0, n, &all, look.light, 0);
     ret_view->worth = ret_view->cells[0].mass > 0 && look.variance > tolerated * tolerated * rays;
 }
 

@@ -1,13 +1,14 @@
 /*
- * Where a sensor's hemisphere is bright: small patches of much light, a sun's on a wall, that few
- * of its even rays meet. The photons of a map, in runs of neighbours, tell where they may be; of a
- * place they make a density of directions, over the square of scene/material/hemisphere.h. Some
- * rays are drawn by it, and all are weighed by how often either way would have drawn them (the
- * balance heuristic of Veach and Guibas 1995), so that it need not be right: what stands between,
- * or what photons have missed, costs rays and no more.
+ * Path guiding for a sensor's hemisphere by photons: small bright patches, such as the sun on a
+ * wall, are met by few evenly distributed rays. Runs of neighbouring photons of a map show where
+ * such patches may be. For a place they make a density of directions, over the square of
+ * scene/material/hemisphere.h. Some rays are drawn by it, and all are weighed by the balance
+ * heuristic (Veach and Guibas 1995). The density need not be right: obstacles and missing photons
+ * cost rays and nothing else.
  *
- * Cells of the square are halved where there is light, down to what the runs can tell; those not
- * much brighter than the mean are left to the even rays, and so is everything where these do well.
+ * Cells of the square are halved where there is light, down to the resolution of the runs. Cells
+ * not much brighter than the mean are left to the even rays, and so is everything if even rays are
+ * accurate enough.
  */
 #ifndef ORL_RENDER_GATHER_BRIGHT_H
 #define ORL_RENDER_GATHER_BRIGHT_H
@@ -21,7 +22,7 @@ enum { ORL_BRIGHT_SPOTS = 2048, ORL_BRIGHT_CELLS = 1024 };
 /* A run of neighbouring photons. */
 struct orl_bright_spot {
     float at[3], normal[3];
-    float half; /* of a square that they fill */
+    float half; /* half the side of a square that they fill */
     float flux;
 };
 
@@ -33,26 +34,27 @@ struct orl_bright {
 /* Builds the bright spots of a global map. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_bright_init(struct orl_bright *bright, const struct orl_photon_map *map,
                     struct orl_crew *crew);
-void orl_bright_done(struct orl_bright *bright); /* also of one that is all zero */
+void orl_bright_done(struct orl_bright *bright); /* also accepts an all-zero struct */
 
 /* A cell, halved across x and y in turn. */
 struct orl_bright_cell {
-    float mass;   /* of the density */
-    uint32_t low; /* its first half, the other being the next; 0: it is whole */
+    float mass;   /* share of the density */
+    uint32_t low; /* index of its first half, which the second follows; 0: not divided */
 };
 
-/* As a place sees it. */
+/* The density of directions at a place. */
 struct orl_bright_view {
-    bool worth; /* some rays are to be drawn by it */
+    bool worth; /* true if some rays should be drawn by it */
     uint32_t count;
     struct orl_bright_cell cells[ORL_BRIGHT_CELLS];
 };
 
-/* For so many even rays. */
+/* Builds the view of a place; rays: the number of even rays. */
 void orl_bright_look(const struct orl_bright *bright, struct orl_vec3 point, struct orl_vec3 normal,
                      uint32_t rays, struct orl_bright_view *ret_view);
 
-/* Draws a point of the square from an even one; the density there, of mean 1. */
+/* Draws a point of the square from an even one in u. orl_bright_density returns the density there,
+ * of mean 1. */
 void orl_bright_draw(const struct orl_bright_view *view, double u[2]);
 double orl_bright_density(const struct orl_bright_view *view, const double u[2]);
 

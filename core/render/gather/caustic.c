@@ -1,12 +1,13 @@
-/* The caustic part, by density. */
+/* The caustic part, by density estimation. */
 #include <stdlib.h>
 
 #include "render/gather/gather.h"
 #include "scene/geometry/stand.h"
 
-enum { WIDTH_PROBES = 31, BLUR_GROUPS = 16, BLUR_POINTS = 8 /* of each */ };
+enum { WIDTH_PROBES = 31, BLUR_GROUPS = 16, BLUR_POINTS = 8 /* points in each group */ };
 
-/* A disc is made anew where what is normal is less than this share of its radius. */
+/* The estimate is repeated with a smaller disc if the normal radius is less than this share of its
+ * radius. */
 static const double much_wider = 0.8;
 
 static struct orl_density_query caustic_query(const struct orl_gather *gather,
@@ -41,7 +42,7 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The median radius of the photons that a search has left: of some of them. */
+/* Returns the median kernel radius over some of the photons that a search has left. */
 static double normal_radius(const struct orl_kernel_density *widths,
                             const struct orl_search *search, uint32_t found)
 {
@@ -68,7 +69,7 @@ struct orl_density orl_gather_caustic_seen(const struct orl_gather *gather,
     const struct orl_health before = search->health;
     query.max_radius = radius;
     density = orl_density_estimate(gather->maps[ORL_MAP_CAUSTIC], &query, search);
-    search->health = before; /* it is no estimate of its own */
+    search->health = before; /* the repetition does not count as another estimate */
     return density;
 }
 
@@ -84,7 +85,7 @@ struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
     return density;
 }
 
-/* A disc to look for images from. */
+/* A disc whose points see the images of suns. */
 struct blur_disc {
     const struct orl_gather *gather;
     const struct orl_footing *footing;
@@ -92,7 +93,7 @@ struct blur_disc {
     double radius;
 };
 
-/* Suns in flat mirrors as a point of the surface sees them. */
+/* Returns the light of suns in flat mirrors at a point of the surface. */
 static struct orl_rgb images_at(const struct blur_disc *disc, struct orl_vec3 point, double *u)
 {
     const struct orl_direct_query query = {
@@ -101,12 +102,12 @@ static struct orl_rgb images_at(const struct blur_disc *disc, struct orl_vec3 po
         .through_ports = true,
         .mirrored = true,
         .u = u};
-    struct orl_random unused = {0}; /* the query has its numbers */
+    struct orl_random unused = {0}; /* never read: the query has its own numbers */
     return orl_direct_by_images(disc->gather->world, &query, &unused);
 }
 
-/* The mean of a group of points; of each the middle is looked at by the same ray to the sun's disc,
- * so that where light is even nothing is left to chance. */
+/* Returns the mean excess of a group of points. The disc's centre is evaluated with the same sample
+ * of the sun's disc, so that under uniform light the difference has no noise. */
 static struct orl_rgb blur_of_group(const struct blur_disc *disc, uint32_t sequence, uint32_t group,
                                     struct orl_image_blur *blur)
 {

@@ -10,7 +10,8 @@
 enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 300, NEIGHBOURS_RECORDS = 4 };
 enum { RADIUS_PROBES = 256 };
 
-static const double texel_share = 0.25; /* a texel's photons, of an estimate's neighbours */
+/* Photons of a texel, as a share of an estimate's neighbours. */
+static const double texel_share = 0.25;
 
 static int compare_doubles(const void *a, const void *b)
 {
@@ -18,7 +19,8 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The radius that k neighbours take at the map's own photons: at the median, or further out. */
+/* Returns the radius of k neighbours at the map's own photons, at a percentile over some of
+ * them. */
 static double typical_radius(const struct orl_photon_map *map, uint32_t k, double percentile,
                              double widest, struct orl_search *search)
 {
@@ -40,9 +42,10 @@ static double typical_radius(const struct orl_photon_map *map, uint32_t k, doubl
 }
 
 /*
- * Dark corners may reach further than most for global photons, but not across the room. Caustics
- * end: where there are few photons a wider search would find another one's. Records are few, and
- * stand for 32 photons or more each.
+ * Chooses the number of neighbours and the largest radius of a map. Global photons of dark corners
+ * may need larger radii than most, but not the width of the room. Caustics end abruptly: where
+ * photons are few, a wider search would find those of another caustic. Records are few, and stand
+ * for 32 photons or more each.
  */
 static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, double bandwidth,
                          double widest, struct orl_search *search)
@@ -65,14 +68,14 @@ static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, doub
     default:
         gather->max_radius[kind] = fmin(far, widest);
     }
-    /* Few photons in a large scene lie far apart, which is no reason to take what is high above
-     * the ground to be on it. */
+    /* Few photons in a large scene lie far apart. The limit keeps sensors high above the ground
+     * from lying on it. */
     const double near_surface = fmin(0.25 * fmin(gather->max_radius[kind], 4 * far), 0.05 * widest);
     gather->reach = gather->reach > 0 ? fmin(gather->reach, near_surface) : near_surface;
 }
 
-/* Why something made of a map is not there. */
-static int reason(const struct orl_crew *crew)
+/* Returns the error code when building from a map has failed. */
+static int build_error(const struct orl_crew *crew)
 {
     return orl_crew_cancelled(crew) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
 }
@@ -96,7 +99,7 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, en
         gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], world, gather->k[ORL_MAP_GLOBAL],
                                         gather->max_radius[ORL_MAP_GLOBAL], crew);
         if (!gather->leaves)
-            return reason(crew);
+            return build_error(crew);
     }
     if (rest == ORL_REST_GATHERED && gather->maps[ORL_MAP_GLOBAL]) {
         const int code = orl_bright_init(&gather->bright, maps[ORL_MAP_GLOBAL], crew);
@@ -116,13 +119,13 @@ int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew)
             orl_kernel_density_new(gather->maps[ORL_MAP_CAUSTIC], gather->k[ORL_MAP_CAUSTIC],
                                    gather->max_radius[ORL_MAP_CAUSTIC], crew);
         if (!gather->caustic_widths)
-            return reason(crew);
+            return build_error(crew);
     }
     if (!gather->maps[ORL_MAP_GLOBAL] || gather->rest != ORL_REST_GATHERED || gather->texels)
         return 0;
     gather->texels = orl_texels_new(gather->maps[ORL_MAP_GLOBAL], gather->world,
                                     texel_share * gather->k[ORL_MAP_GLOBAL], crew);
-    return gather->texels ? 0 : reason(crew);
+    return gather->texels ? 0 : build_error(crew);
 }
 
 void orl_gather_done(struct orl_gather *gather)
@@ -144,8 +147,8 @@ bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
     return orl_footing_find(gather->world, point, normal, rounding, ret_footing);
 }
 
-/* The number found and the radius are the photons' of an adaptive estimate; of records they say no
- * more than that there were any. */
+/* With an adaptive estimate, found and radius are those of the photons; with records, found only
+ * says that there were some. */
 struct orl_density orl_gather_rest(const struct orl_gather *gather,
                                    const struct orl_footing *footing, struct orl_search *search)
 {
@@ -172,14 +175,13 @@ double orl_tally_variance(const struct orl_tally *tally)
     return variance + tally->known * tally->known;
 }
 
-/* Without a caustic map caustics were not asked for: then there are none anywhere. Outside rays
- * find them. */
+/* Without a caustic map caustics were not requested, so there are none. Outside, rays find them. */
 bool orl_gather_catches(const struct orl_gather *gather, const struct orl_place *place)
 {
     return place->in_air && !place->outside && gather->maps[ORL_MAP_CAUSTIC];
 }
 
-/* The scene that lights a place. */
+/* Returns the scene that lights a place. */
 static const struct orl_world *scene_of(const struct orl_gather *gather,
                                         const struct orl_place *place)
 {
@@ -191,7 +193,7 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
                                  double *ret_variance)
 {
     double u[2], squares = 0;
-    /* Where there are no caustic photons the sun in mirrors is found by its images. */
+    /* Where no caustic photons are used, suns in mirrors are sampled by their images. */
     const struct orl_direct_query query = {
         .point = place->point,
         .normal = place->normal,
@@ -200,7 +202,7 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
         .mirrored = place->outside ||
                     (orl_gather_catches(gather, place) && !gather->world->omit.mirror_caustics),
         .u = u};
-    struct orl_random unused = {0}; /* the query has its numbers */
+    struct orl_random unused = {0}; /* never read: the query has its own numbers */
     struct orl_rgb sum = orl_gray(0);
     for (uint32_t i = first; i < first + rays; i++) {
         orl_sobol_point(&gather->sobol, i, sequence, 2, u);

@@ -1,30 +1,34 @@
 /*
- * The techniques of photon maps: light at a point is
- *   direct     from suns and lamps, by shadow rays, through thin glass (at sensors in mid-air by
- *              flat mirrors too);
+ * The techniques by photon maps. Light at a point is the sum of three parts:
+ *   direct     from suns and lamps, by shadow rays, through thin glass (at sensors in mid-air
+ *              also by flat mirrors);
  *   caustic    from suns and lights after a mirror, a lobe or a BSDF: density of caustic photons;
- *   rest       all else. At a surface seen by a view, or with a sensor on it,
- *     gathered   (technique gather, the paper's GCx) by a hemisphere of rays that see the domes,
- *                glow, and the radiance of diffuse surfaces by the density of global photons;
- *     density    (direct) by the density right there of global photons, bias held down by the
- *                choice of bandwidth (photon/density/adaptive_density.h);
+ *   rest       all other light. At a surface that a view sees, or that a sensor lies on, it is
+ *     gathered   (technique gather, GCx in Schregle et al. 2015) by a hemisphere of rays that see
+ *                the domes, glow, and the radiance of diffuse surfaces by the density of global
+ *                photons;
+ *     density    (direct) by the local density of global photons, whose bandwidth is chosen to
+ *                limit bias (photon/density/adaptive_density.h);
  *     records    (precomputed, xCP) from irradiance precomputed at a fraction of the photons
- *                (photon/density/records.h): the global map itself is not needed. Where those about
- * a place differ much views gather (lighting.h). Every path of light is in exactly one of the
- * three. Where no photons land (in mid-air, outside) a hemisphere of rays serves every technique,
- * and so it does where there happen to be none.
+ *                (photon/density/records.h), without the global map. Where the records about a
+ *                place differ much, views gather instead (lighting.h).
+ * Every light path belongs to exactly one of the three. Every technique uses a hemisphere of rays
+ * where no photons land (in mid-air, outside), and where a search finds none.
  *
- * Where it is gathered, the global map holds photons of all light; else of the rest alone
- * (omit.counted_light). What such rays, and those of glossy lobes, meet is lit by the density of
- * global photons (views' hemispheres: by texels where it is flat; else by leaves), or by all three
- * parts once more. Rays pass on through glass and are sampled through BSDFs and mirrors; where the
- * first thing met is a dim pane they go both ways, for the day behind it may be most of the light;
- * where they leave a sealed building they go on as exterior paths. Diffuse surfaces nearer than the
- * density's own width are not read from the map but lit again, directly and by one more ray, so
- * that corners are not dark; or by irradiance records, where there are some by then: half of what
- * is seen from the line where walls meet is near, and one ray's noise is much. So are crowded
- * places (photon/density/crowd.h), however far: between slats a density's width is as wide as what
- * hides them from each other, and from who looks. Texels do not know of those.
+ * With gathering the global map holds photons of all light, otherwise only those of the rest
+ * (omit.counted_light). Surfaces that these rays and those of glossy lobes meet are lit by the
+ * density of global photons, or by all three parts again. The density is read from texels for
+ * views' hemispheres on flat surfaces, and from leaves otherwise. Rays pass through glass and are
+ * sampled through BSDFs and mirrors. If the first surface met is a dim pane, both ways are
+ * followed, because the daylight behind it may be most of the light. Rays that leave a sealed
+ * building continue as exterior paths.
+ *
+ * Diffuse surfaces nearer than the density's own width are not read from the map, so that corners
+ * are not dark. They are lit again, directly and by one more ray, or by irradiance records if there
+ * are some: half of what is seen from a line where walls meet is near, and one ray is noisy. The
+ * same holds for crowded places (photon/density/crowd.h) at any distance: between slats the
+ * density's width is as large as the gap between the slats that occlude each other. Texels do not
+ * detect crowded places.
  *
  * A scene point is inside or outside (light/world.h); callers carry that along with the point.
  */
@@ -48,122 +52,132 @@ struct orl_icache;
 
 struct orl_gather {
     const struct orl_world *world;
-    enum orl_rest rest;                               /* how it is read at surfaces */
+    enum orl_rest rest;                               /* method for the rest at surfaces */
     const struct orl_photon_map *maps[ORL_MAP_KINDS]; /* NULL: no photons of that kind */
-    uint32_t k[ORL_MAP_KINDS];                        /* neighbours */
+    uint32_t k[ORL_MAP_KINDS];                        /* number of neighbours per estimate */
     double max_radius[ORL_MAP_KINDS];
     double near;               /* hits closer than this are lit again */
-    double reach;              /* a sensor so close to a surface lies on it */
-    bool by_images;            /* suns in flat mirrors are all the caustics there are: air.h */
-    struct orl_leaves *leaves; /* of the global map, owned; NULL when there is none */
-    struct orl_texels *texels; /* of the same, for flat surfaces; NULL until views want them, as */
-    struct orl_kernel_density
-        *caustic_widths;               /* are the radii that are normal among caustic photons */
-    struct orl_bright bright;          /* of the global map: where sensors' rays are drawn to */
-    struct orl_adaptive_density adapt; /* ORL_REST_DENSITY: for its estimates */
-    const struct orl_aim *aim;         /* of sensors' rays, borrowed; NULL: none are aimed */
+    double reach;              /* a sensor this close to a surface lies on it */
+    bool by_images;            /* true if suns in flat mirrors are the only caustics (air.h) */
+    struct orl_leaves *leaves; /* leaves of the global map, owned; NULL if there is no global map */
+    /* Texels of the global map's flat surfaces; NULL until a view is rendered. */
+    struct orl_texels *texels;
+    /* Usual kernel radii of caustic photons; NULL likewise. */
+    struct orl_kernel_density *caustic_widths;
+    /* Bright patches of the global map, which guide sensors' rays. */
+    struct orl_bright bright;
+    struct orl_adaptive_density adapt; /* estimator for ORL_REST_DENSITY */
+    /* Importance sampling of sensors' rays, borrowed; NULL: none. */
+    const struct orl_aim *aim;
     struct orl_sobol sobol;
     uint64_t seed;
-    const atomic_bool *cancel; /* ends a sensor's sampling, whose value is none then; or NULL */
+    /* If set, ends a sensor's sampling, whose value is then invalid; may be NULL. */
+    const atomic_bool *cancel;
 };
 
 /*
- * Chooses neighbours and radii from the maps themselves. With ORL_REST_RECORDS the global map is
- * not looked at, otherwise the precomputed one. bandwidths: areas of kernels
- * in terms of the usual ones; NULL: as usual. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
+ * Chooses neighbours and radii from the maps themselves. ORL_REST_RECORDS ignores the global map,
+ * other methods the precomputed one. bandwidths: kernel areas relative to the usual ones; NULL: the
+ * usual ones. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
 int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
                     const double bandwidths[ORL_MAP_KINDS], uint64_t seed, struct orl_crew *crew,
                     struct orl_search *search);
 
-/*
- * What only views read, if it is not there: texels, where the rest is gathered, and how wide
- * kernels of caustics are to be at the most. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
- */
+/* Makes the data that only views read, unless it exists: texels, if the rest is gathered, and
+ * maximum kernel widths of caustics. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew);
 
 void orl_gather_done(struct orl_gather *gather);
 
 /*
- * Between jobs (gather_kept.c): of one that is paused only the world and the maps are forgotten,
- * and what was worked out from them stays, for a job with the same scene, maps and bandwidths to
- * resume with its own copies of them; or for orl_gather_done. Pausing returns the bytes it takes.
+ * Detaches a gather from its world and maps between jobs (gather_kept.c), and keeps what was
+ * computed from them. A later job with the same scene, maps and bandwidths resumes it with its own
+ * copies of these; orl_gather_done frees it. Pausing returns its size in bytes.
  */
 uint64_t orl_gather_pause(struct orl_gather *gather);
 void orl_gather_resume(struct orl_gather *gather, const struct orl_world *world,
                        const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed);
 
-/* Where light is asked for. */
+/* A place at which light is estimated. */
 struct orl_place {
     struct orl_vec3 point;  /* on or off a surface, clear of it */
     struct orl_vec3 normal; /* unit */
     bool outside;
-    bool in_air;   /* off any surface: no photon lands there, or images tell better */
-    bool proxied;  /* on a surface that a BSDF stands for: lit as views see it; then outside too */
-    bool textured; /* seen by a view that turns the normal: light is asked for ... */
-    struct orl_vec3
-        shading; /* ... about this one, unit; but what is below the surface counts not */
+    bool in_air; /* off any surface: no photon lands there, or suns' images are more accurate */
+    /* On a surface that a BSDF stands for: lit as views see it; outside is then true as well. */
+    bool proxied;
+    bool textured; /* seen by a view with a textured normal: light is estimated about `shading` */
+    /* The textured normal, unit; light from below the surface does not count. */
+    struct orl_vec3 shading;
 };
 
-/* What the batches of emission hold of a sum, map by map: maps are independent of each other. */
+/* Contributions of the emission batches to a sum, by map, because maps are independent. */
 struct orl_tally {
     struct orl_batches parts[ORL_MAP_KINDS];
-    double known; /* standard errors of what records have told (icache.h), which share theirs */
+    /* Standard error of what was read from cached records (icache.h), which share theirs. */
+    double known;
 };
 double orl_tally_variance(const struct orl_tally *tally);
 
-/* A texel that a ray is yet to read, on its way from memory; NULL: none. */
+/* A texel that a ray reads later, when it has arrived from memory; NULL: none. */
 struct orl_glimpse {
     const struct orl_texel *texel;
-    struct orl_rgb weight; /* of its irradiance in the ray's radiance */
+    struct orl_rgb weight; /* weight of its irradiance in the ray's radiance */
 };
 
-/* Three numbers in [0,1), those after the first `skip` of a point of a Sobol sequence, so that of
- * many rays through a pane even shares are mirrored and sent on. Most rays come to need none. */
+/*
+ * Three numbers in [0,1) for a ray's first surface, those after the first `skip` of a Sobol point.
+ * They split many rays through a pane evenly into reflected and transmitted ones. Few rays need
+ * them.
+ */
 struct orl_even {
     uint32_t index, sequence, skip;
 };
 
-/* A ray that gathers. */
+/* A ray of a final gather. */
 struct orl_gather_ray {
     struct orl_vec3 origin, direction;
     bool outside;
-    /* Of a view's lobe, where no density counts caustics: the ray is to find them. Or NULL. */
+    /* Set for a ray of a view's lobe if no density counts caustics, so that the ray must find them;
+     * else NULL. */
     const struct orl_chance *of_lobe;
-    const struct orl_even *first; /* for what happens at the first surface; NULL: by chance */
-    /* Where it is known what is met first: that hit, or nothing_ahead. Else NULL and false. */
+    /* Numbers for the event at the first surface; NULL: random ones. */
+    const struct orl_even *first;
+    /* The first hit if it is known, or nothing_ahead; else NULL and false. */
     const struct orl_hit *ahead;
     bool nothing_ahead;
-    bool to_ports; /* where it goes on from a matt surface, some rays are aimed at ports */
-    /* Flat surfaces may be read by texels: for hemispheres, which themselves are averaged. */
+    bool to_ports; /* true if some rays are aimed at ports when it continues from a matt surface */
+    /* True if flat surfaces may be read from texels: for hemispheres, which average many rays. */
     bool by_texels;
-    /* NULL, or records that tell the rest where they reach what is met near. */
+    /* Irradiance cache that gives the rest at near surfaces within its reach; NULL: none. */
     const struct orl_icache *known;
-    struct orl_tally *tally; /* NULL, or what the radiance's parts are added to */
-    double share;            /* of the radiance in it */
-    double *ret_distance;    /* NULL, or takes how far the first thing met inside is, if any is */
-    /* NULL, or empty at first: takes the first texel met, whose light is then not in the radiance
-     * (orl_gather_read). Who follows many rays has memory answer all of them meanwhile. */
+    struct orl_tally *tally; /* receives the parts of the radiance; may be NULL */
+    double share;            /* factor of the radiance in the tally */
+    /* Receives the distance of the first surface inside, if any; may be NULL. */
+    double *ret_distance;
+    /* NULL, or empty at first. Receives the first texel met, whose light is then left out of the
+     * radiance (orl_gather_read). A caller that traces many rays thereby hides memory latency. */
     struct orl_glimpse *ret_glimpse;
 };
 
-/* Radiance along it: suns not seen straight; of lamps what its lobe leaves to it. */
+/* Returns the radiance along a ray. Suns seen directly are left out; lamps count with the share
+ * that their lobe's MIS weight leaves. */
 struct orl_rgb orl_gather_radiance(const struct orl_gather *gather,
                                    const struct orl_gather_ray *ray, struct orl_random *random,
                                    struct orl_search *search);
 
-/* What such a texel adds to the radiance of the ray, whose tally takes its parts. */
+/* Returns the radiance that a texel adds to the ray; the ray's tally receives its parts. */
 struct orl_rgb orl_gather_read(const struct orl_gather_ray *ray, const struct orl_glimpse *glimpse);
 
-/*
- * The surface at a place that came without its facet; false when there is none within rounding.
- */
+/* Finds the surface at a place that came without its facet. Returns false if there is none within
+ * rounding. */
 bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
                         struct orl_vec3 normal, struct orl_footing *ret_footing);
 
-/* The caustic part, by density, for a point of a surface: by k photons, and by as many as are
- * usual. */
+/* Returns the caustic part by density at a point of a surface: from k photons, and from the usual
+ * number. */
 struct orl_density orl_gather_caustic_by(const struct orl_gather *gather,
                                          const struct orl_footing *footing, uint32_t k,
                                          struct orl_search *search);
@@ -171,50 +185,49 @@ struct orl_density orl_gather_caustic(const struct orl_gather *gather,
                                       const struct orl_footing *footing, struct orl_search *search);
 
 /*
- * The same for views, by a disc no wider than is normal among the photons it has found: in a dark
- * place beside a bright one the nearest are far, and the disc that holds so many would carry the
- * bright one's light over the edge between them.
+ * Returns the caustic part for views, from a disc no wider than usual among the photons found. In a
+ * dark place beside a bright one the nearest photons are far, and a disc that holds enough of them
+ * would carry the bright light over the edge.
  */
 struct orl_density orl_gather_caustic_seen(const struct orl_gather *gather,
                                            const struct orl_footing *footing,
                                            struct orl_search *search);
 
-/* The first with its bias, for twice the time. */
+/* Returns orl_gather_caustic with its bias, in twice the time. */
 struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
                                                 const struct orl_footing *footing,
                                                 struct orl_search *search);
 
 /*
- * What that density of a radius has too much, by its width, of suns in flat mirrors: their images
- * over its disc, less those at its middle, by points of the Sobol sequence of that name. A control
- * variate: the density less this has only the bias of its other light. found is 0 where nothing is
- * mirrored, or the surface is bent.
+ * The excess of that density through its kernel's width, for suns in flat mirrors: their images
+ * averaged over the disc, less those at its centre, at Sobol points of that sequence. It is a
+ * control variate: the density less this has only the bias of its other light. found is 0 if
+ * nothing is mirrored or the surface is curved.
  */
 struct orl_image_blur {
-    struct orl_estimate excess; /* no bias, and errors of the points alone */
-    double mean;                /* luma of the images over the disc */
-    uint32_t found;             /* points of it */
+    struct orl_estimate excess; /* without bias; its errors are those of the points alone */
+    double mean;                /* luma of the images, averaged over the disc */
+    uint32_t found;             /* number of points on the disc */
 };
 struct orl_image_blur orl_gather_image_blur(const struct orl_gather *gather,
                                             const struct orl_footing *footing, double radius,
                                             uint32_t sequence);
 
-/*
- * The rest at a point of a surface, by density or from records; found is 0 where there are none, or
- * when it is to be gathered.
- */
+/* Returns the rest at a point of a surface, by density or from records. found is 0 if there are
+ * none, or if the rest is to be gathered. */
 struct orl_density orl_gather_rest(const struct orl_gather *gather,
                                    const struct orl_footing *footing, struct orl_search *search);
 
 /*
- * The gathered part at a place, by a stratified cosine-weighted hemisphere of rows x columns rays,
- * and more through those strata whose neighbours differ (their own ray has no say, so that the mean
- * stays what it is), with its gradients, the harmonic mean of the rays' lengths (Ward and Heckbert
- * 1992) and the least. Standard errors, of its luma, are the photons' and the rays': of these each
- * is compared with the next in its row, as if both were drawn from both strata (which errs on the
- * high side). known: records made before, or NULL.
+ * Returns the gathered part at a place, by a stratified cosine-weighted hemisphere of rows x
+ * columns rays. Strata whose neighbours differ get more rays; their own ray does not decide, so
+ * that the mean stays unbiased. Also returns its gradients, the harmonic mean of the rays' lengths
+ * (Ward and Heckbert 1992) and the least length. Standard errors, of its luma, are those of the
+ * photons and of the rays. The rays' error compares each stratum with the next in its row, as if
+ * both rays were drawn from both strata, which overestimates it. known: records made before, or
+ * NULL.
  */
-enum { ORL_HEMISPHERE_ROWS = 18, ORL_HEMISPHERE_COLUMNS = 56 }; /* at most */
+enum { ORL_HEMISPHERE_ROWS = 18, ORL_HEMISPHERE_COLUMNS = 56 }; /* maximum */
 struct orl_hemisphere {
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3]; /* per channel */
@@ -227,32 +240,34 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             struct orl_random *random, struct orl_search *search);
 
 /*
- * Direct light at a place: mean of that many shadow rays per light, the points first, first + 1,
- * ... of the Sobol sequence of that name, so that a pixel's rays can share one. ret_variance is
- * NULL, or takes the mean's, of its luma, as if points fell by chance; of one ray it is 0.
+ * Returns the direct light at a place: the mean of that many shadow rays per light. They use the
+ * points first, first + 1, ... of one Sobol sequence, so that a pixel's rays can share it.
+ * ret_variance may be NULL. It receives the variance of the mean's luma, as if points were random;
+ * it is 0 for one ray.
  */
 struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct orl_place *place,
                                  uint32_t sequence, uint32_t first, uint32_t rays,
                                  double *ret_variance);
 
-/*
- * Where a sensor is. One that lies on a surface has it as its footing, else it is in mid-air.
- */
+/* Returns the place of a sensor. *ret_footing is set if it lies on a surface; otherwise the place
+ * is in mid-air. */
 struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_vec3 position,
                                   struct orl_vec3 direction, struct orl_footing *ret_footing);
 
-/* Whether caustics are to come to it otherwise than by density: inside, in mid-air, if any are. */
+/* Returns true if the place receives caustics otherwise than by density: inside, in mid-air, and if
+ * there are any. */
 bool orl_gather_catches(const struct orl_gather *gather, const struct orl_place *place);
 
 /*
- * Irradiance of a sensor: all three parts. A sensor on a surface reads caustics by density, less
- * what that has blurred of suns in flat mirrors; where the blur would show and suns' images tell
- * all caustics, its place is as if in mid-air. There, where no photon lands, it takes the sun by
- * points on panes with lobes and by the sun's images in flat mirrors; all other caustics are to be
- * added by air.h. Where the global map shows small patches of much light some more rays are aimed
- * at them (bright.h). The standard error is that of the photons, by their batches, and of the rays,
- * by a few groups of them; what single rays see of the photons' scatter is in both, so that it is
- * on the high side where rays are fewer than leaves.
+ * Returns the irradiance of a sensor, with all three parts. A sensor on a surface reads caustics by
+ * density, less the excess by blurred suns in flat mirrors. Its place is treated as in mid-air if
+ * the blur would show and suns' images give all caustics. In mid-air, where no photon lands, the
+ * sun is sampled by points on panes with lobes and by its images in flat mirrors. air.h adds all
+ * other caustics. Small bright patches of the global map get some more rays (bright.h).
+ *
+ * The standard error combines that of the photons, by their batches, and that of the rays, by a few
+ * groups. Both contain the photons' scatter that single rays see, so that it is an overestimate if
+ * rays are fewer than leaves.
  */
 struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_place *place,
                                       const struct orl_footing *footing, uint32_t samples,

@@ -1,4 +1,4 @@
-/* What a final gather has worked out from scene and maps, kept from one job to the next. */
+/* Results that a final gather has computed from scene and maps, kept from one job to the next. */
 #include "render/gather/gather.h"
 
 uint64_t orl_gather_pause(struct orl_gather *gather)

@@ -1,25 +1,28 @@
-/* Rays that gather: what they meet, how it is lit, and where they go on. */
+/* Rays of a final gather: the surfaces they meet, the light there, and their continuation. */
 #include "photon/density/records.h"
 #include "render/gather/aim.h"
 #include "render/gather/icache.h"
 #include "scene/material/color_at.h"
 
 enum { SURE_BOUNCES = 4 };
-enum { NEIGHBOURS_CAUSTIC_RELIT = 32 }; /* seen by one ray of many: noise averages out */
+/* Smaller, because one ray of many sees it and noise averages out. */
+enum { NEIGHBOURS_CAUSTIC_RELIT = 32 };
 
-static const double near_texels = 0.5; /* what is nearer than so many of its widths is lit again */
+/* Surfaces nearer than this many texel widths are lit again. */
+static const double near_texels = 0.5;
 
 static const enum orl_lobes but_diffuse =
     (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
 
-/* Rays that are weaker are followed by lot; glass of such a transmissivity mirrors less than it
- * lets through, but towards grazing. */
+/* Rays weaker than `dim` undergo Russian roulette. Glass of this transmissivity transmits more than
+ * it reflects, except near grazing angles. */
 static const double dim = 0.2, clear_glass = 0.5, half = 0.5;
 
-/* A diffuse surface that a ray met, lit by shadow rays and caustic photons. */
-static struct orl_rgb lit_again(const struct orl_gather *gather, const struct orl_hit *hit,
-                                const struct orl_footing *footing, struct orl_random *random,
-                                struct orl_search *search, struct orl_tally *tally)
+/* Returns the irradiance of a diffuse surface that a ray met, by shadow rays and caustic
+ * photons. */
+static struct orl_rgb relight_surface(const struct orl_gather *gather, const struct orl_hit *hit,
+                                      const struct orl_footing *footing, struct orl_random *random,
+                                      struct orl_search *search, struct orl_tally *tally)
 {
     const struct orl_vec3 lit = footing->normal;
     const struct orl_direct_query query = {.point =
@@ -32,10 +35,8 @@ static struct orl_rgb lit_again(const struct orl_gather *gather, const struct or
     return orl_rgb_add(orl_direct_light(gather->world, &query, random), caustic.irradiance);
 }
 
-/*
- * The irradiance that a ray finds where it meets a diffuse surface: from a map, or lit again when
- * near or, which *relit then says, crowded. The tally takes its parts.
- */
+/* Returns the irradiance of a diffuse surface that a ray met: from a map, or lit again if it is
+ * near or crowded. *relit: in: near; out: lit again. The tally receives its parts. */
 static struct orl_rgb met_irradiance(const struct orl_gather *gather, const struct orl_hit *hit,
                                      bool *relit, bool roughly, struct orl_random *random,
                                      struct orl_search *search, struct orl_tally *tally)
@@ -60,14 +61,15 @@ static struct orl_rgb met_irradiance(const struct orl_gather *gather, const stru
     }
     if (*relit || gather->rest != ORL_REST_GATHERED)
         irradiance =
-            orl_rgb_add(lit_again(gather, hit, &footing, random, search, tally), irradiance);
+            orl_rgb_add(relight_surface(gather, hit, &footing, random, search, tally), irradiance);
     return irradiance;
 }
 
-/* What the surface sends back of it along the ray; photons are of no colour of their own. */
-static struct orl_rgb send_back(const struct orl_gather *gather, const struct orl_gather_ray *ray,
-                                struct orl_rgb weight, struct orl_rgb irradiance,
-                                const struct orl_tally *met)
+/* Returns the radiance that the surface reflects along the ray. Photons are taken to have the
+ * irradiance's colour. */
+static struct orl_rgb reflect_irradiance(const struct orl_gather *gather,
+                                         const struct orl_gather_ray *ray, struct orl_rgb weight,
+                                         struct orl_rgb irradiance, const struct orl_tally *met)
 {
     const struct orl_rgb sent = orl_rgb_mul(weight, irradiance);
     const double luma = orl_luma(irradiance);
@@ -90,9 +92,9 @@ struct orl_rgb orl_gather_read(const struct orl_gather_ray *ray, const struct or
     return sent;
 }
 
-/* By a texel: at once, or as a glimpse. */
-static struct orl_rgb send_back_texel(const struct orl_gather_ray *ray, struct orl_rgb weight,
-                                      const struct orl_texel *texel)
+/* Reads a texel at once, or stores it as the ray's glimpse for later. */
+static struct orl_rgb reflect_texel(const struct orl_gather_ray *ray, struct orl_rgb weight,
+                                    const struct orl_texel *texel)
 {
     const struct orl_glimpse glimpse = {texel, weight};
     if (!ray->ret_glimpse || ray->ret_glimpse->texel)
@@ -102,10 +104,8 @@ static struct orl_rgb send_back_texel(const struct orl_gather_ray *ray, struct o
     return orl_gray(0);
 }
 
-/*
- * The same of a surface that is met near, where records know the rest that it is lit by; false
- * where they do not. They may know of one reflection more than the plan counts: next to nothing.
- */
+/* Computes the reflected radiance of a near surface from cached records. Returns false if there are
+ * none. The records may include one reflection more than the plan counts, which is negligible. */
 static bool known_radiance(const struct orl_gather *gather, const struct orl_gather_ray *ray,
                            const struct orl_hit *hit, struct orl_rgb weight,
                            struct orl_random *random, struct orl_search *search,
@@ -122,18 +122,16 @@ static bool known_radiance(const struct orl_gather *gather, const struct orl_gat
         orl_material_diffuse(orl_world_material(gather->world, hit), hit);
     const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
     struct orl_tally met = {.known = 0};
-    const struct orl_rgb direct = lit_again(gather, hit, &footing, random, search, &met);
+    const struct orl_rgb direct = relight_surface(gather, hit, &footing, random, search, &met);
     if (ray->tally)
         ray->tally->known += ray->share * orl_luma(reflected) * rest.standard_error;
-    *ret_radiance = orl_rgb_add(send_back(gather, ray, reflected, direct, &met),
+    *ret_radiance = orl_rgb_add(reflect_irradiance(gather, ray, reflected, direct, &met),
                                 orl_rgb_mul(reflected, rest.irradiance));
     return true;
 }
 
-/*
- * The diffuse part of what a ray of that weight sees of a surface, but for the glossy one; *relit:
- * lit again, as what is near is to be, and as it then turns out to have been.
- */
+/* Returns the diffuse radiance of a surface along a ray of that weight. *relit: in: must be lit
+ * again, because it is near; out: was lit again. */
 static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
                                        const struct orl_gather_ray *ray, const struct orl_hit *hit,
                                        struct orl_rgb weight, bool *relit,
@@ -147,18 +145,16 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
         const struct orl_texel *texel =
             orl_texels_at(gather->texels, hit->facet, hit->front, hit->point, &cut);
         if (!cut)
-            return texel ? send_back_texel(ray, reflected, texel) : orl_gray(0);
+            return texel ? reflect_texel(ray, reflected, texel) : orl_gray(0);
     }
     struct orl_tally met = {.known = 0};
     const struct orl_rgb irradiance =
         met_irradiance(gather, hit, relit, ray->by_texels, random, search, &met);
-    return send_back(gather, ray, reflected, irradiance, &met);
+    return reflect_irradiance(gather, ray, reflected, irradiance, &met);
 }
 
-/*
- * What a surface shines and, to a ray that is to find caustics itself, what its lobes send on of
- * suns and lights.
- */
+/* Returns the radiance that a surface emits. For a ray that must find caustics itself it adds suns
+ * and lights by the surface's lobes. */
 static struct orl_rgb shining_radiance(const struct orl_world *world, const struct orl_hit *hit,
                                        struct orl_vec3 eye, bool caustics, struct orl_chance chance,
                                        struct orl_random *random)
@@ -171,7 +167,7 @@ static struct orl_rgb shining_radiance(const struct orl_world *world, const stru
     return sum;
 }
 
-/* What is met closer than that is not read from the map. */
+/* Returns the distance below which a surface is not read from the map. */
 static double near_of(const struct orl_gather *gather, bool by_texels, const struct orl_hit *hit)
 {
     return by_texels && gather->texels && orl_texels_has(gather->texels, hit->facet)
@@ -179,17 +175,17 @@ static double near_of(const struct orl_gather *gather, bool by_texels, const str
                : gather->near;
 }
 
-/* ---- A ray's way ----------------------------------------------------------------------------- */
+/* ---- Tracing a ray --------------------------------------------------------------------------- */
 
-/* A ray on its way. */
+/* State of a ray as it is traced. */
 struct leg {
-    struct orl_eye_path eye; /* first: what sinks are given */
+    struct orl_eye_path eye; /* must be first: sinks receive a pointer to it */
     const struct orl_gather *gather;
     const struct orl_gather_ray *ray;
     struct orl_search *search;
-    struct leg *through;  /* takes the other way on, where the first surface is a dim pane */
-    uint32_t reflections; /* diffuse ones */
-    bool caustics;        /* it is to find them itself */
+    struct leg *through;  /* receives the other branch if the first surface is a dim pane */
+    uint32_t reflections; /* number of diffuse reflections */
+    bool caustics;        /* true if it must find caustics itself */
     bool aims;            /* aims extra rays at ports from matt surfaces that are lit again */
     double by_cosine;     /* pdf of its direction if port rays compete with it; else 0 */
     bool weighed; /* by the balance heuristic: a small weight is then no reason for roulette */
@@ -200,13 +196,13 @@ static struct leg *leg_of(struct orl_eye_path *p)
     return (struct leg *)p;
 }
 
-/* It goes on outdoors, and in again; or it has ended there. */
-static bool comes_in(struct orl_eye_path *p)
+/* Continues outdoors. Returns true if the ray comes in again. */
+static bool continue_outdoors(struct orl_eye_path *p)
 {
     return orl_exterior_pass(p, &leg_of(p)->search->health);
 }
 
-static void leaks(struct orl_eye_path *p)
+static void count_leak(struct orl_eye_path *p)
 {
     struct orl_health *health = &leg_of(p)->search->health;
     health->rays++;
@@ -214,9 +210,9 @@ static void leaks(struct orl_eye_path *p)
 }
 
 /*
- * Whether both ways are followed, back and through: of a pane that is darker to look through than
- * it mirrors, or lets and sends hardly any light on. What is behind may be a hundred times as
- * bright as the room, and then the few rays that chance lets through are most of the light.
+ * Returns true if both ways are followed, reflected and transmitted: at a pane that reflects more
+ * than it transmits, or does little of either. The scene behind may be a hundred times as bright as
+ * the room; the few rays transmitted by chance would then carry most of the light.
  */
 static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
                         struct orl_vec3 eye)
@@ -225,14 +221,14 @@ static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
         (m->kind == ORL_MATERIAL_GLASS && orl_rgb_max(orl_transmissivity_at(m, hit)) > clear_glass))
         return false;
     const double through = orl_luma(orl_material_albedo(m, hit, eye, ORL_LOBE_TRANSMITTED));
-    /* No pane sends back more than it does not let through. */
+    /* No pane reflects more than it does not transmit. */
     if (!(through > 0) || through > half)
         return false;
     const double back = orl_luma(orl_material_albedo(m, hit, eye, ORL_LOBE_REFLECTED));
     return through < back || through + back < dim;
 }
 
-/* Draws the way on from a surface by its lobes; from the first one evenly, if asked. */
+/* Samples the lobes of a surface; stratified at the first one if the ray asks for it. */
 static struct orl_scatter draw_by_lobes(struct orl_eye_path *p, const struct orl_material *m,
                                         enum orl_lobes lobes)
 {
@@ -249,8 +245,8 @@ static struct orl_scatter draw_by_lobes(struct orl_eye_path *p, const struct orl
 static void note_event(struct leg *leg, const struct orl_scatter *s)
 {
     struct orl_eye_path *p = &leg->eye;
-    /* To rays that are not to find caustics, photons bring the light of lamps by lobes, mirrors and
-     * dielectrics: of lamps outside too, which a ray sees beyond a port. */
+    /* For rays that need not find caustics, photons bring the light of lamps by lobes, mirrors and
+     * dielectrics. That includes lamps outside, which a ray sees beyond a port. */
     p->chance = !leg->caustics && s->event != ORL_EVENT_DIFFUSE
                     ? orl_chance_found_straight()
                     : orl_chance_after(p->world, &p->hit, orl_path_back(&p->path), s, p->chance);
@@ -260,8 +256,8 @@ static void note_event(struct leg *leg, const struct orl_scatter *s)
     orl_eye_path_cross(p, s);
 }
 
-/* The way through a dim pane. */
-static void look_through(const struct leg *leg, const struct orl_material *m)
+/* Starts the branch through a dim pane. */
+static void branch_through_pane(const struct leg *leg, const struct orl_material *m)
 {
     struct leg *through = leg->through;
     struct orl_eye_path *p = &through->eye;
@@ -308,7 +304,7 @@ static uint32_t draw_port(const struct orl_world *world, struct orl_vec3 from,
 static void follow_leg(struct leg *leg);
 
 /* Aims a ray at a port and adds the light that it finds; drawn: the ray that goes on. */
-static void look_at_port(struct leg *leg, const struct orl_scatter *drawn)
+static void trace_port_ray(struct leg *leg, const struct orl_scatter *drawn)
 {
     struct orl_eye_path *p = &leg->eye;
     const struct orl_world *world = p->world;
@@ -338,8 +334,8 @@ static void look_at_port(struct leg *leg, const struct orl_scatter *drawn)
     p->seen = orl_rgb_add(p->seen, q->seen);
 }
 
-static struct orl_scatter draw(struct orl_eye_path *p, const struct orl_material *m,
-                               enum orl_lobes lobes)
+static struct orl_scatter draw_continuation(struct orl_eye_path *p, const struct orl_material *m,
+                                            enum orl_lobes lobes)
 {
     struct leg *leg = leg_of(p);
     const struct orl_scatter s = draw_by_lobes(p, m, lobes);
@@ -347,12 +343,13 @@ static struct orl_scatter draw(struct orl_eye_path *p, const struct orl_material
         !orl_material_is_matt(m))
         return s;
     if (orl_random_uniform(p->random) < aimed)
-        look_at_port(leg, &s);
+        trace_port_ray(leg, &s);
     leg->by_cosine = orl_dot(s.direction, orl_hit_facing(&p->hit)) / ORL_PI;
     return s;
 }
 
-/* The diffuse light of a surface that a leg meets; ret_relit: it goes on to find more of it. */
+/* Returns the diffuse light of a surface that a leg meets. *ret_relit: the leg must continue to
+ * find the rest of it. */
 static struct orl_rgb met_diffuse(const struct leg *leg, bool *ret_relit)
 {
     const struct orl_gather *gather = leg->gather;
@@ -377,8 +374,8 @@ static void weigh_leg(struct leg *leg)
     leg->weighed = weight < 1;
 }
 
-/* What the surface shines and reflects; it goes on by what maps do not tell of. */
-static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
+/* Adds what the surface emits and reflects. Returns the lobes that the maps do not account for. */
+static enum orl_lobes shade_surface(struct orl_eye_path *p, const struct orl_material *m)
 {
     struct leg *leg = leg_of(p);
     const struct orl_vec3 eye = orl_path_back(&p->path);
@@ -399,12 +396,12 @@ static enum orl_lobes meet(struct orl_eye_path *p, const struct orl_material *m)
     const enum orl_lobes lobes = relit ? ORL_LOBE_ALL : but_diffuse;
     if (p->bounce > 0 || !is_dim_pane(m, &p->hit, eye))
         return lobes;
-    look_through(leg, m);
+    branch_through_pane(leg, m);
     return (enum orl_lobes)((uint32_t)lobes & ~(uint32_t)ORL_LOBE_TRANSMITTED);
 }
 
-/* Dim lobes and long chains end by roulette. */
-static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
+/* Applies roulette to dim lobes and long chains. Returns false if the leg ends. */
+static bool continue_leg(struct orl_eye_path *p, const struct orl_scatter *s)
 {
     const double survive = fmin(orl_rgb_max(p->path.weight), 1.0);
     if (!leg_of(p)->weighed && (p->bounce >= SURE_BOUNCES || survive < dim) &&
@@ -414,8 +411,11 @@ static bool goes_on(struct orl_eye_path *p, const struct orl_scatter *s)
     return true;
 }
 
-static const struct orl_eye_sink sink = {
-    .outdoors = comes_in, .escaped = leaks, .met = meet, .draw = draw, .sent_on = goes_on};
+static const struct orl_eye_sink sink = {.outdoors = continue_outdoors,
+                                         .escaped = count_leak,
+                                         .met = shade_surface,
+                                         .draw = draw_continuation,
+                                         .sent_on = continue_leg};
 
 static void follow_leg(struct leg *leg)
 {

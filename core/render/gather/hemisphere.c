@@ -1,28 +1,27 @@
-/*
- * The gathered part at a place: a stratified hemisphere of rays, one a stratum, and three or
- * fifteen more where the strata about it differ.
- */
+/* The gathered part at a place: a stratified hemisphere of one ray a stratum, and three or fifteen
+ * more in strata whose neighbours differ. */
 #include "light/proxies.h"
 #include "render/gather/gather.h"
 
 enum { AHEAD = 16 };
 
 /*
- * Strata whose neighbours differ by more than such shares of the mean of all take so many rays
- * across and down. What the one ray of a stratum says by chance is up to half of what its
- * neighbours differ by: of some hundred strata ten that differ by 20 tell the mean to a third, and
- * by sixteen rays each, which leave but the edge of a window to chance, to some hundredths.
+ * Strata get CLOSER or CLOSEST rays across and down if their neighbours differ by more than
+ * `contrast` or `much_contrast` times the mean of all strata. The noise of a stratum's only ray is
+ * up to half of its neighbours' difference. If ten of some hundred strata differ by 20, one ray
+ * each gives the mean to a third. Sixteen rays each leave only the edge of a window to chance, and
+ * give the mean to some hundredths.
  */
 enum { CLOSER = 2, CLOSEST = 4 };
 static const double contrast = 5, much_contrast = 20;
 
-/* A stratum: what its rays have seen, and how far they went. */
+/* A stratum: the radiance and the distance that its rays have found. */
 struct strand {
     struct orl_rgb radiance;
     double distance;     /* harmonic mean */
-    double variance;     /* of its luma, of several rays; less than 0: there was one */
-    double down, across; /* where in the stratum the first ray went */
-    uint32_t side;       /* so many rays are to be sent across, and down */
+    double variance;     /* variance of its luma over several rays; negative if there was one ray */
+    double down, across; /* position of the first ray in the stratum */
+    uint32_t side;       /* number of rays across, and down */
 };
 
 static double channel(struct orl_rgb c, uint32_t i)
@@ -30,7 +29,8 @@ static double channel(struct orl_rgb c, uint32_t i)
     return i == 0 ? c.r : i == 1 ? c.g : c.b;
 }
 
-/* A column's directions in the plane: along its middle, across that, and across its first edge. */
+/* A column's directions in the plane: along its middle, normal to that, and normal to its first
+ * edge. */
 struct spoke {
     struct orl_vec3 out, turn, around;
 };
@@ -44,12 +44,12 @@ static struct spoke spoke_of(const struct orl_frame *frame, uint32_t column, uin
         .around = orl_add(orl_scale(frame->u, -sin(edge)), orl_scale(frame->v, cos(edge)))};
 }
 
-static double nearer(const struct strand *a, const struct strand *b)
+static double nearer_distance(const struct strand *a, const struct strand *b)
 {
     return a->distance < b->distance ? a->distance : b->distance;
 }
 
-/* Adds one row's share of the gradients: differences to strands' neighbours below and beside. */
+/* Adds one row's share of the gradients: differences to the strata below and beside. */
 static void add_row(struct orl_hemisphere *h, const struct spoke *spokes,
                     const struct strand *strands, uint32_t rows, uint32_t columns, uint32_t row,
                     uint32_t channels)
@@ -62,8 +62,8 @@ static void add_row(struct orl_hemisphere *h, const struct spoke *spokes,
         const struct strand *here = &strands[row * columns + column];
         const struct strand *beside = &strands[row * columns + (column + columns - 1) % columns];
         const struct strand *below = row > 0 ? here - columns : NULL;
-        const double by_below = below ? outwards / nearer(here, below) : 0;
-        const double by_beside = (sine_high - sine_low) / nearer(here, beside);
+        const double by_below = below ? outwards / nearer_distance(here, below) : 0;
+        const double by_beside = (sine_high - sine_low) / nearer_distance(here, beside);
         for (uint32_t c = 0; c < channels; c++) {
             const double value = channel(here->radiance, c);
             struct orl_vec3 *shift = &h->by_translation[c];
@@ -92,8 +92,8 @@ static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *fram
     }
 }
 
-/* Of the mean: where a stratum had one ray half the squared difference to its neighbour's is a
- * variance. */
+/* Returns the variance of the mean. For strata with one ray it takes half the squared difference to
+ * the next stratum. */
 static double variance_of_mean(const struct strand *strands, uint32_t rows, uint32_t columns)
 {
     double sum = 0;
@@ -106,7 +106,7 @@ static double variance_of_mean(const struct strand *strands, uint32_t rows, uint
     return sum / ((double)rows * columns * rows * columns);
 }
 
-/* A hemisphere in the making. */
+/* State while a hemisphere is gathered. */
 struct making {
     const struct orl_gather *gather;
     const struct orl_place *place;
@@ -115,13 +115,13 @@ struct making {
     uint32_t rows, columns;
     struct orl_random *random;
     struct orl_search *search;
-    uint32_t sequence, rays; /* so far */
+    uint32_t sequence, rays; /* rays sent so far */
     struct strand strands[ORL_HEMISPHERE_ROWS * ORL_HEMISPHERE_COLUMNS];
     struct orl_tally tally;
     double least_distance;
 };
 
-/* A ray under way: it may be to read a texel yet. */
+/* A ray that may still have to read a texel. */
 struct under_way {
     struct orl_gather_ray ray;
     struct orl_even first;
@@ -131,10 +131,10 @@ struct under_way {
     uint32_t stratum;
 };
 
-/* Sends a ray through a place of a stratum. On a surface that a BSDF stands for it sees as views
- * do. */
-static void send(struct making *m, uint32_t stratum, double down, double across,
-                 struct orl_tally *tally, struct under_way *w)
+/* Sends a ray through a position in a stratum. On a surface that a BSDF stands for, the ray sees
+ * the scene as views do. */
+static void send_ray(struct making *m, uint32_t stratum, double down, double across,
+                     struct orl_tally *tally, struct under_way *w)
 {
     const uint32_t row = stratum / m->columns, column = stratum % m->columns;
     const double sine = sqrt((row + down) / m->rows),
@@ -165,15 +165,15 @@ static void send(struct making *m, uint32_t stratum, double down, double across,
     m->least_distance = fmin(m->least_distance, w->distance);
 }
 
-/* What a ray has seen when its texel, if any, has come. */
-static struct orl_rgb arrived(const struct under_way *w)
+/* Returns the radiance of a ray after its texel, if any, has arrived. */
+static struct orl_rgb arrived_radiance(const struct under_way *w)
 {
     return w->glimpse.texel ? orl_rgb_add(w->radiance, orl_gather_read(&w->ray, &w->glimpse))
                             : w->radiance;
 }
 
-/* One ray a stratum. Texels are read when memory has had the time of some more rays to answer. */
-static void send_first(struct making *m)
+/* Sends one ray a stratum. A texel is read some rays later, when memory has delivered it. */
+static void send_first_rays(struct making *m)
 {
     struct under_way under_way[AHEAD];
     const uint32_t strata = m->rows * m->columns;
@@ -181,19 +181,22 @@ static void send_first(struct making *m)
         struct under_way *w = &under_way[i % AHEAD];
         if (i >= AHEAD && i - AHEAD < strata) {
             struct strand *strand = &m->strands[w->stratum];
-            strand->radiance = arrived(w);
+            strand->radiance = arrived_radiance(w);
             strand->distance = w->distance;
         }
         if (i >= strata)
             continue;
         const double down = orl_random_uniform(m->random), across = orl_random_uniform(m->random);
         m->strands[i] = (struct strand){.variance = -1, .down = down, .across = across};
-        send(m, i, down, across, &m->tally, w);
+        send_ray(m, i, down, across, &m->tally, w);
     }
 }
 
-/* By how much the strata about one differ, of up to eight: the ends are dear, but what is bright
- * and no wider than a stratum has its edges in those at its corners as well. */
+/*
+ * Returns the range of luma over the up to eight strata about one. The next strata in the row and
+ * column do not suffice: the edges of a bright patch no wider than a stratum also lie in the
+ * diagonal ones.
+ */
 static double range_about(const double *lumas, uint32_t rows, uint32_t columns, uint32_t stratum)
 {
     const uint32_t row = stratum / columns, column = stratum % columns;
@@ -210,12 +213,9 @@ static double range_about(const double *lumas, uint32_t rows, uint32_t columns, 
     return most - least;
 }
 
-/*
- * Which strata have more to show than one ray tells: where things as bright as a window begin and
- * end. Their own ray has no say in it, for what it has seen by chance would then count by what it
- * has seen.
- */
-static void choose(struct making *m)
+/* Chooses the rays of each stratum: more where bright things such as windows begin and end. A
+ * stratum's own ray does not decide, because its noise would then bias the mean. */
+static void choose_rays(struct making *m)
 {
     double lumas[ORL_HEMISPHERE_ROWS * ORL_HEMISPHERE_COLUMNS], sum = 0;
     const uint32_t strata = m->rows * m->columns;
@@ -232,8 +232,9 @@ static void choose(struct making *m)
     }
 }
 
-/* The other rays of a stratum, one through every part of it. Of the photons its first tells. */
-static void look_closer(struct making *m, uint32_t stratum)
+/* Sends the other rays of a stratum, one through each of its parts. The first ray stands for the
+ * photons' noise. */
+static void refine_stratum(struct making *m, uint32_t stratum)
 {
     struct strand *strand = &m->strands[stratum];
     struct under_way w[CLOSEST * CLOSEST - 1];
@@ -246,13 +247,14 @@ static void look_closer(struct making *m, uint32_t stratum)
             continue;
         const uint32_t row = part / side;
         const double down = (row + orl_random_uniform(m->random)) / side;
-        send(m, stratum, down, (part % side + orl_random_uniform(m->random)) / side, NULL, &w[n++]);
+        send_ray(m, stratum, down, (part % side + orl_random_uniform(m->random)) / side, NULL,
+                 &w[n++]);
     }
     double luma = orl_luma(strand->radiance), squares = luma * luma,
            nearness = 1 / strand->distance;
     struct orl_rgb sum = strand->radiance;
     for (uint32_t i = 0; i < n; i++) {
-        const struct orl_rgb seen = arrived(&w[i]);
+        const struct orl_rgb seen = arrived_radiance(&w[i]);
         sum = orl_rgb_add(sum, seen);
         squares += orl_luma(seen) * orl_luma(seen);
         nearness += 1 / w[i].distance;
@@ -269,7 +271,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             struct orl_random *random, struct orl_search *search)
 {
     struct orl_hemisphere h = {.irradiance = {0, 0, 0}};
-    struct making m; /* not its strands, which are many */
+    struct making m; /* its strands stay uninitialised, because they are many */
     m.gather = gather;
     m.place = place;
     m.known = known;
@@ -282,12 +284,12 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     m.rays = 0;
     m.tally = (struct orl_tally){.known = 0};
     m.least_distance = INFINITY;
-    send_first(&m);
-    choose(&m);
+    send_first_rays(&m);
+    choose_rays(&m);
     double nearness = 0;
     for (uint32_t i = 0; i < rows * columns; i++) {
         if (m.strands[i].side > 1)
-            look_closer(&m, i);
+            refine_stratum(&m, i);
         h.irradiance = orl_rgb_add(h.irradiance, m.strands[i].radiance);
         nearness += 1 / m.strands[i].distance;
     }

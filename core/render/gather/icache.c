@@ -38,13 +38,15 @@ double orl_record_served(const struct orl_record *record)
     return fmax(record->radius, record->least);
 }
 
-/* A record that serves further than it should, for pixels' sake, is not read further still. */
+/* Returns the radius for reading. A record whose radius was raised to the pixels' limit is not
+ * extended further. */
 static double radius_read(const struct orl_record *record)
 {
     return fmax(ORL_ICACHE_OVERLAP * record->radius, record->least);
 }
 
-/* How far a record is read at most; a cell of its level is at least twice as wide. */
+/* Returns the largest distance at which a record is read; a cell of its level is at least twice as
+ * wide. */
 static double reach_of(const struct orl_record *record)
 {
     return ORL_ICACHE_ACCURACY * radius_read(record);
@@ -57,8 +59,8 @@ static int exponent_of(double value)
     return exponent;
 }
 
-/* Coordinates of cells have at most about so many bits: smaller cells would hold no more than one
- * place, and their numbers would overflow. */
+/* Approximate limit, in bits, of cells' coordinates. Smaller cells would hold no more than one
+ * place, and their coordinates would overflow. */
 enum { CELL_BITS = 40 };
 
 static int level_of(const struct orl_icache *cache, const struct orl_record *record)
@@ -77,7 +79,7 @@ static void find_least_level(struct orl_icache *cache)
     cache->least_level = largest > 0 ? exponent_of(largest) - CELL_BITS : INT_MIN;
 }
 
-/* The cells that a record's reach touches (at most eight), of its level. */
+/* Cells of a record's level that its reach touches, at most eight. */
 struct cells {
     int level;
     int64_t low[3], high[3];
@@ -98,16 +100,16 @@ static struct cells cells_of(const struct orl_icache *cache, const struct orl_re
 static struct orl_icache_entry entry_of(const struct orl_record *record, uint32_t index)
 {
     const struct orl_vec3 p = record->place.point;
-    /* Places are doubles: what rounding them may do is on the safe side. */
+    /* Places are doubles: the margin exceeds the rounding of them. */
     const double reach = 1.001 * reach_of(record) + 1e-6 * (fabs(p.x) + fabs(p.y) + fabs(p.z));
     return (struct orl_icache_entry){.at = {(float)p.x, (float)p.y, (float)p.z},
                                      .reach2 = (float)(reach * reach),
                                      .record = index};
 }
 
-/* A record into each of its cells; or, with entries not there yet, counts them by bucket. One that
- * reaches no place at all, not even its own, is left out. */
-static void insert(struct orl_icache *cache, uint32_t index, bool count)
+/* Inserts a record into each of its cells, or, if count is set, only counts the cells by bucket. A
+ * record that reaches no place, not even its own, is left out. */
+static void insert_record(struct orl_icache *cache, uint32_t index, bool count)
 {
     if (!(reach_of(&cache->records[index]) > 0))
         return;
@@ -129,7 +131,7 @@ static void insert(struct orl_icache *cache, uint32_t index, bool count)
         cache->highest_level = cells.level;
 }
 
-/* By bucket: each one's entries stand together, from its head to the next one's. */
+/* Builds the index. Each bucket's entries are contiguous, from its head to the next one's. */
 int orl_icache_index(struct orl_icache *cache)
 {
     struct orl_icache_entry *entries =
@@ -149,13 +151,13 @@ int orl_icache_index(struct orl_icache *cache)
     cache->lowest_level = 10000;
     cache->highest_level = -10000;
     for (size_t i = 0; i < cache->count; i++)
-        insert(cache, (uint32_t)i, true);
+        insert_record(cache, (uint32_t)i, true);
     for (size_t i = 0, end = 0; i <= cache->n_heads; i++) {
         end += heads[i];
         heads[i] = (uint32_t)end;
     }
     for (size_t i = 0; i < cache->count; i++)
-        insert(cache, (uint32_t)i, false);
+        insert_record(cache, (uint32_t)i, false);
     return 0;
 }
 
@@ -166,9 +168,10 @@ static double channel_at(const struct orl_record *record, int c, double value, s
            orl_dot(shift, record->by_translation[c]);
 }
 
-/* The record carried over to the place along its gradients, never below zero. */
-static struct orl_rgb carried(const struct orl_record *record, const struct orl_place *place,
-                              uint32_t channels)
+/* Returns a record's irradiance, extrapolated to the place along its gradients and never below
+ * zero. */
+static struct orl_rgb extrapolate_record(const struct orl_record *record,
+                                         const struct orl_place *place, uint32_t channels)
 {
     const struct orl_vec3 turn =
         orl_cross(record->place.normal, place->textured ? place->shading : place->normal);
@@ -181,7 +184,8 @@ static struct orl_rgb carried(const struct orl_record *record, const struct orl_
                             fmax(channel_at(record, 2, e.b, turn, shift), 0)};
 }
 
-/* The error of a record at a place, at that radius, where it is below the accuracy; or INFINITY. */
+/* Returns the error of a record at a place, for that radius, or INFINITY if it exceeds the
+ * accuracy. */
 static double error_of(const struct orl_record *record, const struct orl_place *place,
                        double radius, double overlap)
 {
@@ -205,15 +209,15 @@ bool orl_record_serves(const struct orl_record *record, const struct orl_place *
     return error_of(record, place, orl_record_served(record), 1) < INFINITY;
 }
 
-/* The weight with which a record is read at a place; 0 when it is not. */
+/* Returns the weight of a record at a place; 0 if it is not read there. */
 static double weight_of(const struct orl_record *record, const struct orl_place *place)
 {
     const double error = error_of(record, place, radius_read(record), ORL_ICACHE_OVERLAP);
     return fmax(0, 1 - error / ORL_ICACHE_ACCURACY);
 }
 
-/* Whether nothing stands between a record and a place that it is read at. Both are lifted a little:
- * the straight way between places of a vault's outside goes through it. */
+/* Returns true if nothing occludes a record from a place where it is read. Both are lifted a
+ * little, because the straight line between places on a vault's outside passes through it. */
 static bool is_open(const struct orl_icache *cache, const struct orl_record *record,
                     const struct orl_place *place)
 {
@@ -249,21 +253,21 @@ bool orl_icache_reaches(const struct orl_icache *cache, const struct orl_place *
     return false;
 }
 
-/* Records as they come together at a place. */
+/* Weighted sums over the records read at a place. */
 struct joined {
     struct orl_rgb sum;
     double total, by_photons, by_rays;
-    double squares,
-        noise; /* sums by weight: of what records say, squared; of the variance by rays */
+    /* Weighted sums of the records' squared lumas, and of their variances by rays. */
+    double squares, noise;
 };
 
-static void join(struct joined *joined, const struct orl_icache *cache,
-                 const struct orl_record *record, const struct orl_place *place)
+static void join_record(struct joined *joined, const struct orl_icache *cache,
+                        const struct orl_record *record, const struct orl_place *place)
 {
     const double weight = weight_of(record, place);
     if (!(weight > 0) || !is_open(cache, record, place))
         return;
-    const struct orl_rgb value = carried(record, place, cache->channels);
+    const struct orl_rgb value = extrapolate_record(record, place, cache->channels);
     joined->sum = orl_rgb_add(joined->sum, orl_rgb_scale(value, weight));
     joined->squares += weight * orl_luma(value) * orl_luma(value);
     joined->noise += weight * record->error_by_rays * record->error_by_rays;
@@ -273,11 +277,11 @@ static void join(struct joined *joined, const struct orl_icache *cache,
 }
 
 /*
- * The error of the interpolation is taken to be as much as the records scatter beyond their rays'
- * noise: what each extrapolates is off by the curvature of the light times its squared distance,
- * which differs between them about as much as it is. It does not average out over records.
+ * Computes the interpolated value and its error. The interpolation error is the records' scatter
+ * beyond their rays' noise. Each extrapolation errs by the curvature of the light times its squared
+ * distance. These errors differ between records by about their own size, and do not average out.
  */
-static bool settle(const struct joined *joined, struct orl_cached *ret_cached)
+static bool resolve_interpolation(const struct joined *joined, struct orl_cached *ret_cached)
 {
     const double total = joined->total, by_photons = joined->by_photons;
     if (!(total > 0))
@@ -298,8 +302,8 @@ bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *p
     struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
     for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
          i = orl_icache_visit_next(&v))
-        join(&joined, cache, &cache->records[i], place);
-    return settle(&joined, ret_cached);
+        join_record(&joined, cache, &cache->records[i], place);
+    return resolve_interpolation(&joined, ret_cached);
 }
 
 bool orl_records_lookup(const struct orl_record *records, size_t count,
@@ -308,6 +312,6 @@ bool orl_records_lookup(const struct orl_record *records, size_t count,
 {
     struct joined joined = {.total = 0};
     for (size_t i = 0; i < count; i++)
-        join(&joined, like, &records[i], place);
-    return settle(&joined, ret_cached);
+        join_record(&joined, like, &records[i], place);
+    return resolve_interpolation(&joined, ret_cached);
 }

@@ -1,19 +1,19 @@
 /*
- * An irradiance cache that does not depend on order: records are placed in rounds, each round
- * decided by the records of the rounds before and computed in parallel, so that an image is the
- * same for any number of threads and has no seams.
+ * An irradiance cache that does not depend on order. Records are placed in rounds; each round is
+ * decided by the records of earlier rounds and computed in parallel. An image is therefore the same
+ * for any number of threads and has no seams.
  *
  * A record holds the gathered irradiance at a place with its gradients and a radius: the harmonic
- * mean of the gather's ray lengths, or less near something close, on a steep gradient, and beside
- * such records (orl_icache_hold_back); at most what a number of pixels measure. It serves a place x
- * with error e = |x - x_i| / R + sqrt(1 - n . n_i) below a = ORL_ICACHE_ACCURACY, where R is the
- * radius or the least that pixels allow.
+ * mean of the gather's ray lengths. The radius is smaller near close objects, on a steep gradient,
+ * and beside such records (orl_icache_hold_back). It is at most a number of pixels. A record serves
+ * a place x with error e = |x - x_i| / R + sqrt(1 - n . n_i) below a = ORL_ICACHE_ACCURACY, where R
+ * is the radius or the least that pixels allow.
  *
- * Places are served sparsely, but read from more: from all records whose e is below a when R is
- * ORL_ICACHE_OVERLAP times the radius, or the least, and they turn by as much more. Weights are
- * 1 - e/a. A record is not read through what it has seen near it: a leg of a desk, lit on the other
- * side. Each place is so a mean of several records, whose rays err by chances of their own;
- * weights without a peak leave none of them alone with its noise.
+ * Places are served by few records, but read from more: from all records whose e is below a when R
+ * is ORL_ICACHE_OVERLAP times the radius, or the least, with the tolerance of normals increased
+ * alike. Weights are 1 - e/a. A record is not read through objects that it has seen nearby, such as
+ * the leg of a desk that is lit on the other side. Each place is thus a mean of several records
+ * with independent ray noise. The weights have no peak, so that no record shows its noise alone.
  *
  * References: Ward, Rubinstein, Clear 1988; Ward and Heckbert 1992; Krivanek and Gautron 2009;
  * overlap and weights after Tabellion and Lamorlette 2004.
@@ -30,24 +30,28 @@ struct orl_record {
     struct orl_place place;
     struct orl_rgb irradiance;
     struct orl_vec3 by_rotation[3], by_translation[3];
-    double error_by_photons, error_by_rays; /* standard ones, of the irradiance's luma */
-    double rays;                            /* through strata of its hemisphere: one each */
-    double radius, least;                   /* it serves as if the radius were at least that */
-    double clear; /* nothing that it has seen is nearer: what is farther may stand behind things */
+    double error_by_photons, error_by_rays; /* standard errors, of the irradiance's luma */
+    /* Number of rays through its hemisphere's strata, one each. */
+    double rays;
+    /* Radius, and a lower limit of the radius with which it serves. */
+    double radius, least;
+    /* Distance of the nearest surface that it has seen; farther places may be occluded. */
+    double clear;
 };
 
 struct orl_icache {
-    uint32_t channels;                   /* 3, or 1: all is gray */
-    const struct orl_geometry *geometry; /* borrowed: what stands between places; NULL: nothing */
+    uint32_t channels; /* 3, or 1 if all is gray */
+    /* Borrowed; tests occlusion between places; NULL: no test. */
+    const struct orl_geometry *geometry;
     struct orl_record *records;
     size_t count, capacity;
     /* An index by level (power of two of the record's reach) and cell; rebuilt between rounds. */
     struct orl_icache_entry *entries;
-    uint32_t *heads; /* hash table: first entry of a bucket, and an end */
+    uint32_t *heads; /* hash table: first entry of each bucket, and one past the last */
     size_t n_heads;  /* a power of two */
     int lowest_level, highest_level;
-    int least_level; /* no cell is smaller */
-    size_t looked;   /* parts of the tree and records that orl_icache_hold_back has looked at */
+    int least_level; /* lower limit of the level, which limits the size of cells */
+    size_t looked;   /* tree nodes and records that orl_icache_hold_back has visited */
 };
 
 void orl_icache_init(struct orl_icache *cache, uint32_t channels);
@@ -58,36 +62,36 @@ int orl_icache_add(struct orl_icache *cache, const struct orl_record *records, s
 int orl_icache_index(struct orl_icache *cache);
 
 /*
- * Holds records back where a neighbour within their reach has seen something near: no radius is
- * larger than a neighbour's and the distance to it (Krivanek and Gautron 2009, neighbour clamping).
- * Places that are then no longer served want records of their own. Indexes anew. Takes time
- * n log n for n records of about one radius, however close they stand. Returns 0, ORL_ERR_NOMEM or
- * what orl_crew_try does, and then changes no radius.
+ * Reduces radii by neighbour clamping (Krivanek and Gautron 2009): where a neighbour within reach
+ * has seen a near surface, no radius exceeds the neighbour's plus the distance to it. Places that
+ * are then no longer served need records of their own. Rebuilds the index. Takes time n log n for n
+ * records of about one radius, however close they stand. Returns 0, ORL_ERR_NOMEM or the codes of
+ * orl_crew_try; on error no radius has changed.
  */
 int orl_icache_hold_back(struct orl_icache *cache, struct orl_crew *crew);
 
-/* Whether a place needs no record of its own. */
+/* Returns true if a place needs no record of its own. */
 bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *place);
 
-/* Whether a look-up finds anything there. */
+/* Returns true if a look-up at the place finds a record. */
 bool orl_icache_reaches(const struct orl_icache *cache, const struct orl_place *place);
 
-/* What records say of a place. */
+/* The interpolated irradiance at a place. */
 struct orl_cached {
     struct orl_rgb irradiance;
-    double standard_error; /* of its luma */
+    double standard_error; /* standard error of its luma */
 };
 
 /*
- * Interpolates; false when no record reaches this place, even by overlap. Errors by photons are
- * averaged as values are, for records share photons; errors by rays are each record's own; that of
- * the interpolation is as much as records scatter beyond their rays' noise. What rays do to
- * gradients is not in it.
+ * Interpolates. Returns false if no record reaches this place, even by overlap. Errors by photons
+ * are averaged as values are, because records share photons; errors by rays are independent. The
+ * interpolation error is the records' scatter beyond their rays' noise. The noise of gradients is
+ * not included.
  */
 bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
                        struct orl_cached *ret_cached);
 
-/* The same from a few records that are not in the cache, but like its own. */
+/* Interpolates from a few records outside the cache, with the cache's parameters. */
 bool orl_records_lookup(const struct orl_record *records, size_t count,
                         const struct orl_icache *like, const struct orl_place *place,
                         struct orl_cached *ret_cached);

@@ -5,31 +5,34 @@
 
 #include "render/gather/icache_visit.h"
 
-/* Radii of the discs: pixels; a record's least radius is that of so many. */
+/* Radii of the discs, in pixels, and the pixels of a record's least radius. */
 enum { DISCS = 4, MOST_ABOUT = 256 };
 static const double discs[DISCS] = {3, 6, 12, 24}, least_pixels = 1.5 / ORL_ICACHE_ACCURACY;
 
-/* A disc holds at least so many, or tells nothing; records that are known as well as that, as a
- * share of what they say, are left as they are. */
+/* A disc with fewer records is not used. Records whose error is below this share of their value are
+ * left as they are. */
 enum { FEWEST = 6 };
 static const double good_enough = 0.015;
 
-/* Errors within which values agree: of a record's own with what is about it, and of discs; and how
- * the records of a disc may scatter about their plane, in terms of the most that their rays do by
- * chance (squares): some see more contrast than others, and scatter more. */
+/*
+ * Tolerances in standard errors: of a record's own value, and between discs. plane_agrees limits
+ * the squared scatter of a disc's records about their plane, relative to the most by chance;
+ * records that see more contrast scatter more.
+ */
 static const double own_agrees = 4, disc_agrees = 2, plane_agrees = 1.25;
 
-/* How much neighbours turn, and rise, at the most: a cosine, and a share of the way to them. */
+/* Limits for neighbours: the cosine between normals, and the height over the plane as a share of
+ * the distance. */
 static const double turned = 0.95, risen = 0.1;
 
 struct fitting {
-    struct orl_icache *cache; /* where neighbours are found: radii are those of the largest disc */
-    const struct orl_record *records; /* as they were */
+    struct orl_icache *cache; /* finds neighbours; its radii are those of the largest disc */
+    const struct orl_record *records; /* original values */
     struct orl_record *fitted;
     const struct orl_geometry *geometry;
 };
 
-/* One about the record that is fitted: where, in pixels along the surface. */
+/* A record near the one that is fitted, and its position along the surface in pixels. */
 struct neighbour {
     const struct orl_record *record;
     double x, y;
@@ -40,7 +43,7 @@ struct about {
     uint32_t count;
     struct orl_frame frame;
     double pixel;
-    double variance; /* of the luma by one ray, as the records about tell it */
+    double variance; /* variance of one ray's luma, estimated from these records */
 };
 
 static bool is_of_surface(const struct orl_record *record, const struct orl_record *other,
@@ -53,7 +56,7 @@ static bool is_of_surface(const struct orl_record *record, const struct orl_reco
            fabs(orl_dot(shift, record->place.normal)) <= risen * away;
 }
 
-/* Whether nothing stands between two places. */
+/* Returns true if nothing stands between two places. */
 static bool is_open(const struct orl_geometry *geometry, struct orl_vec3 from,
                     struct orl_vec3 shift)
 {
@@ -62,9 +65,9 @@ static bool is_open(const struct orl_geometry *geometry, struct orl_vec3 from,
 }
 
 /*
- * What their rays scatter by, of all of them together: a single record that has missed what is
- * bright thinks itself surer than one that has found it, so that by errors of their own those that
- * say little would count for too much.
+ * Returns the variance by rays, pooled over all neighbours. A record that has missed a bright patch
+ * has a smaller error than one that has found it; weights by individual errors would favour the
+ * wrong ones.
  */
 static double ray_variance(const struct about *about)
 {
@@ -76,8 +79,9 @@ static double ray_variance(const struct about *about)
     return sum;
 }
 
-/* Within so many pixels; false when there are too many. */
-static bool look_about(const struct fitting *f, uint32_t index, double pixels, struct about *ret)
+/* Collects the records within a number of pixels. Returns false if there are too many. */
+static bool collect_neighbours(const struct fitting *f, uint32_t index, double pixels,
+                               struct about *ret)
 {
     const struct orl_record *record = &f->records[index];
     struct orl_icache_visit v = orl_icache_visit_begin(f->cache, &record->place);
@@ -100,8 +104,8 @@ static bool look_about(const struct fitting *f, uint32_t index, double pixels, s
     return ret->count < MOST_ABOUT;
 }
 
-/* A plane over a disc: value at its middle and slopes a pixel, per channel; the error of the first,
- * of its luma, by rays; and how the records scatter about it, squared, in terms of their errors. */
+/* A plane over a disc: value at its centre and slopes per pixel, by channel; the standard error of
+ * the value's luma by rays; and the squared scatter of the records, relative to their errors. */
 struct plane {
     double at[3], x[3], y[3];
     double error, scatter;
@@ -112,19 +116,20 @@ static double channel(struct orl_rgb c, int i)
     return i == 0 ? c.r : i == 1 ? c.g : c.b;
 }
 
-/* How much a neighbour counts over a disc of that radius. */
+/* Returns the weight of a neighbour over a disc of that radius. */
 static double weight_of(const struct neighbour *n, double radius)
 {
     const double away2 = (n->x * n->x + n->y * n->y) / (radius * radius);
     return away2 < 1 ? (1 - away2) * n->record->rays : 0;
 }
 
-/* The inverse of the moments' matrix, symmetric: by the method of cofactors. */
+/* Inverse of the symmetric moment matrix, by cofactors. */
 struct inverse {
     double a00, a01, a02, a11, a12, a22;
 };
 
-static struct inverse invert(double s, double sx, double sy, double sxx, double sxy, double syy)
+static struct inverse invert_moments(double s, double sx, double sy, double sxx, double sxy,
+                                     double syy)
 {
     const double c00 = sxx * syy - sxy * sxy, c01 = sxy * sy - sx * syy, c02 = sx * sxy - sxx * sy;
     const double d = s * c00 + sx * c01 + sy * c02;
@@ -143,7 +148,7 @@ static struct orl_rgb value_at(const struct plane *plane, double x, double y)
                             plane->at[2] + x * plane->x[2] + y * plane->y[2]};
 }
 
-/* What chi-square over its degrees of freedom does not exceed but by chance, of three standard
+/* Returns the value that chi-square over its degrees of freedom exceeds only beyond three standard
  * deviations: Wilson and Hilferty 1931, Proceedings of the National Academy of Sciences 17, 684. */
 static double most_by_chance(double degrees)
 {
@@ -151,8 +156,11 @@ static double most_by_chance(double degrees)
     return root * root * root;
 }
 
-/* How the records scatter when a plane has taken three degrees of freedom, in terms of the most
- * that their rays do by chance: squares. Those at a disc's rim count less, and so are fewer. */
+/*
+ * Returns the squared scatter of the records about a plane, which takes three degrees of freedom,
+ * relative to the most that their rays explain. Records at the rim weigh less, which reduces the
+ * effective number.
+ */
 static double scatter_about(const struct plane *plane, const struct about *about, double radius)
 {
     double squares = 0, expected = 0, sum = 0, sum2 = 0;
@@ -170,11 +178,11 @@ static double scatter_about(const struct plane *plane, const struct about *about
 }
 
 /*
- * Slopes are held by what is next to nothing where there are many, and keeps them in bounds where
- * they stand in a line: that light changes over the disc by about as much as there is. False where
- * the disc holds too few.
+ * Fits a plane. A ridge term bounds the slopes when the records stand in a line: light then changes
+ * over the disc by about its own value. It is negligible when there are many records. Returns false
+ * if the disc holds too few.
  */
-static bool fit(const struct about *about, double luma, double radius, struct plane *ret)
+static bool fit_plane(const struct about *about, double luma, double radius, struct plane *ret)
 {
     const double held = about->variance * radius * radius / (luma * luma);
     double s = 0, sx = 0, sy = 0, sxx = held, sxy = 0, syy = held;
@@ -190,7 +198,7 @@ static bool fit(const struct about *about, double luma, double radius, struct pl
         sxy += w * n->x * n->y;
         syy += w * n->y * n->y;
     }
-    const struct inverse a = invert(s, sx, sy, sxx, sxy, syy);
+    const struct inverse a = invert_moments(s, sx, sy, sxx, sxy, syy);
     *ret = (struct plane){.error = 0};
     for (uint32_t i = 0; i < about->count; i++) {
         const struct neighbour *n = &about->list[i];
@@ -211,8 +219,10 @@ static bool fit(const struct about *about, double luma, double radius, struct pl
     return within >= FEWEST;
 }
 
-/* Into the record: none gets darker than nothing, nor steeper than it was allowed to be. */
-static void take(struct orl_record *record, const struct plane *plane, const struct about *about)
+/* Stores the plane in the record. The value stays at least zero, and the slope within the limit for
+ * records. */
+static void store_plane(struct orl_record *record, const struct plane *plane,
+                        const struct about *about)
 {
     const double served = fmax(record->radius, record->least);
     for (int c = 0; c < 3; c++) {
@@ -233,18 +243,18 @@ static void fit_record(void *arg, size_t index, uint32_t member)
     const struct fitting *f = arg;
     const struct orl_record *record = &f->records[index];
     const double luma = orl_luma(record->irradiance);
-    struct about about; /* not its list, which is large */
+    struct about about; /* its list stays uninitialised, because it is large */
     struct plane plane;
     (void)member;
     if (!(record->error_by_rays > good_enough * luma) || !(luma > 0))
         return;
     int n = DISCS;
-    while (!look_about(f, (uint32_t)index, discs[n - 1], &about) && n > 1)
+    while (!collect_neighbours(f, (uint32_t)index, discs[n - 1], &about) && n > 1)
         n--;
     const double own = own_agrees * sqrt(about.variance / record->rays);
     double low = luma - own, high = luma + own;
     for (int i = 0; i < n; i++) {
-        if (!fit(&about, luma, discs[i], &plane))
+        if (!fit_plane(&about, luma, discs[i], &plane))
             continue;
         const double at = orl_luma(value_at(&plane, 0, 0));
         low = fmax(low, at - disc_agrees * plane.error);
@@ -252,12 +262,12 @@ static void fit_record(void *arg, size_t index, uint32_t member)
         if (!(low <= high) || plane.scatter > plane_agrees)
             return;
         f->fitted[index] = *record;
-        take(&f->fitted[index], &plane, &about);
+        store_plane(&f->fitted[index], &plane, &about);
     }
 }
 
-/* The same places, found from as far as the largest disc reaches. */
-static int widen(struct orl_icache *wide, const struct orl_icache *cache)
+/* Copies the cache with radii that reach over the largest disc, so that neighbours can be found. */
+static int copy_widened(struct orl_icache *wide, const struct orl_icache *cache)
 {
     orl_icache_init(wide, cache->channels);
     int code = orl_icache_add(wide, cache->records, cache->count);
@@ -275,7 +285,7 @@ int orl_icache_fit(struct orl_icache *cache, const struct orl_geometry *geometry
     if (cache->count == 0)
         return 0;
     struct orl_record *fitted = malloc((cache->count + 1) * sizeof *fitted);
-    int code = widen(&wide, cache);
+    int code = copy_widened(&wide, cache);
     if (!fitted)
         code = ORL_ERR_NOMEM;
     if (code == 0) {

@@ -1,9 +1,9 @@
 /*
  * Neighbour clamping (icache.h) as a nearest-neighbour search: a record's radius becomes the least
  * "radius of a neighbour + distance to it" among the neighbours within its reach. The neighbours
- * are sorted along the Morton curve; a binary tree over blocks of them knows the box of each part
- * and the least radius in it, so that parts which cannot lower a radius are passed over. Equal
- * radii, as of a thousand records in one place, are settled at the root.
+ * are sorted along the Morton curve. A binary tree over blocks of them stores the box of each node
+ * and the least radius in it, so that nodes which cannot lower a radius are skipped. For equal
+ * radii, such as a thousand records in one place, the search ends at the root.
  */
 #include <stdlib.h>
 
@@ -14,12 +14,13 @@ enum { BLOCK = 8 };
 
 static const double cells_an_axis = (1 << 20) - 1;
 
-/* Distances to boxes stay below those to the points in them, which are rounded, too. */
+/* Factor that keeps distances to boxes below those to the points in them, which are rounded as
+ * well. */
 static const double rounded_down = 1 - 1e-12;
 
 struct node {
     double low[3], high[3];
-    double least; /* radius served in this part; INFINITY: the part is empty */
+    double least; /* least radius served in this node; INFINITY: the node is empty */
 };
 
 struct sorted {
@@ -32,11 +33,11 @@ struct holding {
     struct sorted *sorted;
     struct node *nodes; /* node i has the children 2 i and 2 i + 1; blocks begin at first_block */
     size_t first_block;
-    double *radii;  /* of each record */
+    double *radii;  /* new radius of each record */
     size_t *looked; /* nodes and records looked at for each record */
 };
 
-static void coordinates(struct orl_vec3 p, double ret[3])
+static void get_coordinates(struct orl_vec3 p, double ret[3])
 {
     ret[0] = p.x;
     ret[1] = p.y;
@@ -49,7 +50,7 @@ static struct node empty_node(void)
         {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, INFINITY};
 }
 
-static void extend(struct node *node, const struct node *by)
+static void extend_node(struct node *node, const struct node *by)
 {
     for (int k = 0; k < 3; k++) {
         node->low[k] = fmin(node->low[k], by->low[k]);
@@ -61,8 +62,8 @@ static void extend(struct node *node, const struct node *by)
 static struct node node_of(const struct orl_record *record)
 {
     struct node node = {.least = orl_record_served(record)};
-    coordinates(record->place.point, node.low);
-    coordinates(record->place.point, node.high);
+    get_coordinates(record->place.point, node.low);
+    get_coordinates(record->place.point, node.high);
     return node;
 }
 
@@ -79,11 +80,11 @@ static void sort_records(struct holding *h)
     struct node all = empty_node();
     for (size_t i = 0; i < cache->count; i++) {
         const struct node one = node_of(&cache->records[i]);
-        extend(&all, &one);
+        extend_node(&all, &one);
     }
     for (size_t i = 0; i < cache->count; i++) {
         double at[3];
-        coordinates(cache->records[i].place.point, at);
+        get_coordinates(cache->records[i].place.point, at);
         h->sorted[i] = (struct sorted){.record = (uint32_t)i};
         for (int k = 0; k < 3; k++) {
             const double extent = all.high[k] - all.low[k];
@@ -101,15 +102,15 @@ static void build_tree(struct holding *h)
         h->nodes[i] = empty_node();
     for (size_t i = 0; i < count; i++) {
         const struct node one = node_of(&h->cache->records[h->sorted[i].record]);
-        extend(&h->nodes[h->first_block + i / BLOCK], &one);
+        extend_node(&h->nodes[h->first_block + i / BLOCK], &one);
     }
     for (size_t i = h->first_block - 1; i > 0; i--) {
-        extend(&h->nodes[i], &h->nodes[2 * i]);
-        extend(&h->nodes[i], &h->nodes[2 * i + 1]);
+        extend_node(&h->nodes[i], &h->nodes[2 * i]);
+        extend_node(&h->nodes[i], &h->nodes[2 * i + 1]);
     }
 }
 
-/* One record and the least radius found for it so far. */
+/* State of the search for one record, with the least radius so far. */
 struct search {
     const struct holding *h;
     size_t record;
@@ -117,7 +118,7 @@ struct search {
     size_t looked;
 };
 
-/* A lower bound of what a part may set the radius to; INFINITY when it is out of reach. */
+/* Returns a lower bound of the radius by a node's records; INFINITY if the node is out of reach. */
 static double bound_of(const struct search *s, const struct node *node)
 {
     double square = 0;
@@ -145,7 +146,7 @@ static void search_block(struct search *s, size_t block)
     }
 }
 
-/* The more promising half first, so that the other one may be passed over. */
+/* Searches the half with the lower bound first, so that the other one may be skipped. */
 static void search_part(struct search *s, size_t index)
 {
     if (index >= s->h->first_block) {
@@ -172,7 +173,7 @@ static void hold_record(void *arg, size_t index, uint32_t member)
                        .radius = record->radius,
                        .looked = 1};
     (void)member;
-    coordinates(record->place.point, s.at);
+    get_coordinates(record->place.point, s.at);
     if (bound_of(&s, &h->nodes[1]) < s.radius)
         search_part(&s, 1);
     h->radii[index] = s.radius;
@@ -206,7 +207,7 @@ int orl_icache_hold_back(struct orl_icache *cache, struct orl_crew *crew)
     if (code == 0) {
         sort_records(&h);
         build_tree(&h);
-        /* All at once, from the radii as they were: no order matters. */
+        /* All records use the original radii, so that order does not matter. */
         code = orl_crew_try(crew, cache->count, hold_record, &h);
     }
     for (size_t i = 0; i < cache->count && code == 0; i++) {

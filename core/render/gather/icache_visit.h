@@ -1,7 +1,5 @@
-/*
- * How the records of a cache are found that may serve a place: its index, and a walk through it.
- * For the cache (icache.c) and for who fits records to each other (icache_fit.h).
- */
+/* The index of a cache, and an iterator over the records that may serve a place. Used by the cache
+ * (icache.c) and by the fit of records (icache_fit.h). */
 #ifndef ORL_RENDER_GATHER_ICACHE_VISIT_H
 #define ORL_RENDER_GATHER_ICACHE_VISIT_H
 
@@ -9,16 +7,17 @@
 
 #include "render/gather/icache.h"
 
-/* The radius that it serves by, and whether it serves a place if nothing stands in between. */
+/* orl_record_served returns the radius with which a record serves. orl_record_serves returns true
+ * if it serves a place that nothing occludes. */
 double orl_record_served(const struct orl_record *record);
 bool orl_record_serves(const struct orl_record *record, const struct orl_place *place);
 
 #define ORL_ICACHE_NOTHING UINT32_MAX
 
-/* Half a cache line: most visits end here, without a look at the record. */
+/* Half a cache line. Most visits are decided here without reading the record. */
 struct orl_icache_entry {
     uint64_t key;
-    float at[3], reach2; /* the record's place, and how far it is read at most: a little more */
+    float at[3], reach2; /* the record's place, and its squared reach, rounded up */
     uint32_t record;
 };
 
@@ -28,15 +27,16 @@ static inline uint64_t orl_icache_cell_key(int level, int64_t x, int64_t y, int6
                      (uint64_t)y * 0x94d049bb133111eb + (uint64_t)z * 0xd6e8feb86659fd93);
 }
 
-/* Visits the records whose cells hold a point: those that may serve it, and some that do not. */
+/* Iterates over the records whose cells hold a point: those that may serve it, and some that do
+ * not. */
 struct orl_icache_visit {
     const struct orl_icache *cache;
     const struct orl_place *place;
     float at[3];
-    int64_t cell[3]; /* that of the next level */
+    int64_t cell[3]; /* cell of the next level */
     int level;
     uint64_t key;
-    uint32_t entry, end; /* of the bucket, what is left */
+    uint32_t entry, end; /* remaining entries of the bucket */
 };
 
 static inline struct orl_icache_visit orl_icache_visit_begin(const struct orl_icache *cache,
@@ -63,7 +63,7 @@ static inline bool orl_icache_is_near(const struct orl_icache_entry *entry, cons
     return x * x + y * y + z * z <= entry->reach2;
 }
 
-/* The next one's index, or ORL_ICACHE_NOTHING. */
+/* Returns the next record's index, or ORL_ICACHE_NOTHING. */
 static inline uint32_t orl_icache_visit_next(struct orl_icache_visit *v)
 {
     const struct orl_icache *cache = v->cache;
@@ -76,7 +76,7 @@ static inline uint32_t orl_icache_visit_next(struct orl_icache_visit *v)
         if (++v->level > cache->highest_level)
             return ORL_ICACHE_NOTHING;
         v->key = orl_icache_cell_key(v->level, v->cell[0], v->cell[1], v->cell[2]);
-        /* Of twice the size are those that hold it. */
+        /* Halve the coordinates for the level above, whose cells are twice as wide. */
         for (int k = 0; k < 3; k++)
             v->cell[k] >>= 1;
         const uint32_t *head = &cache->heads[v->key & (cache->n_heads - 1)];

@@ -4,25 +4,25 @@
 #include "scene/material/hemisphere.h"
 #include "scene/material/scatter.h"
 
-enum { PANE_POINTS = 64 }; /* of a pane and sun, in either way */
+enum { PANE_POINTS = 64 }; /* points per pane, sun and strategy */
 
-/* A pane, and what of a sun it may send to the place. */
+/* A pane and a sun whose light it may send to the place. */
 struct pane {
     const struct orl_pane_query *query;
     uint32_t facet;
-    const struct orl_port *port; /* NULL: it is none */
+    const struct orl_port *port; /* NULL: the pane is no port */
     const struct orl_sun *sun;
-    const struct orl_shaft *shaft; /* NULL: points are spread only */
+    const struct orl_shaft *shaft; /* NULL: only uniform points */
 };
 
-/* A point of a pane, as the place sees it. */
+/* A point of a pane, relative to the place. */
 struct seen {
     struct orl_hit hit;
-    struct orl_vec3 eye; /* from there to the place */
+    struct orl_vec3 eye; /* from the point to the place */
     double distance;
 };
 
-/* The shaft of a port that a sun makes; NULL where it makes none. */
+/* Returns the shaft of a port for a sun, or NULL if there is none. */
 static const struct orl_shaft *find_shaft(const struct orl_aim *aim, int32_t port,
                                           const struct orl_sun *sun)
 {
@@ -41,16 +41,16 @@ static struct seen seen_of(const struct pane *pane, const struct orl_hit *hit)
     return (struct seen){*hit, orl_scale(way, 1 / d), d};
 }
 
-static struct seen spread(const struct pane *pane, const double u[2])
+static struct seen spread_point(const struct pane *pane, const double u[2])
 {
     struct orl_hit hit = {.facet = pane->facet};
     orl_facet_sample(pane->query->world->geometry, pane->facet, u, &hit.point, &hit.normal);
     return seen_of(pane, &hit);
 }
 
-/* Along the beam; false where none of it comes from the pane. What stands before the pane does not
- * matter yet. */
-static bool draw(const struct pane *pane, const double u[2], struct seen *ret_seen)
+/* Draws a point along the beam. Returns false if none of the beam reaches the place from the pane.
+ * Occlusion is tested later. */
+static bool draw_point(const struct pane *pane, const double u[2], struct seen *ret_seen)
 {
     const struct orl_aim *aim = pane->query->aim;
     const struct orl_geometry *g = pane->query->world->geometry;
@@ -72,7 +72,7 @@ static bool draw(const struct pane *pane, const double u[2], struct seen *ret_se
     return true;
 }
 
-/* Points a steradian, of both ways. */
+/* Returns the density of points per steradian, summed over both strategies. */
 static double density_of(const struct pane *pane, const struct seen *seen)
 {
     const struct orl_aim *aim = pane->query->aim;
@@ -85,7 +85,7 @@ static double density_of(const struct pane *pane, const struct seen *seen)
     return PANE_POINTS * density;
 }
 
-/* What comes from a point, over how many such points there are. */
+/* Returns the light from a point, divided by the density of points. */
 static struct orl_rgb light_from(const struct pane *pane, const struct seen *seen,
                                  struct orl_vec3 light)
 {
@@ -121,8 +121,8 @@ static struct orl_rgb light_by_pane(const struct pane *pane)
                             (uint32_t)orl_mix64(orl_mix64(query->sequences[way]) + pane->facet), 4,
                             u);
             if (way == 0)
-                seen = spread(pane, u);
-            else if (!draw(pane, u, &seen))
+                seen = spread_point(pane, u);
+            else if (!draw_point(pane, u, &seen))
                 continue;
             sum = orl_rgb_add(sum, light_from(pane, &seen, orl_sun_sample(pane->sun, u + 2)));
         }

@@ -1,9 +1,8 @@
 /*
- * Suns by way of BSDF panes to a place where no photon lands. Half of the points are spread over a
- * pane, half drawn along the beam that its lobes make of the sun (beam.h): a lobe a few degrees
- * wide lights a place from a thousandth of the pane, which the former miss and the latter find.
- * Either way a point weighs by the densities of both, the balance heuristic of Veach and Guibas
- * 1995.
+ * Light of suns through BSDF panes at a place where no photon lands. Half of the points are uniform
+ * over a pane, half are drawn along the beam of its lobes (beam.h). A lobe a few degrees wide
+ * lights a place from a thousandth of the pane, which uniform points miss and the beam's points
+ * find. Points are weighed by the balance heuristic of Veach and Guibas 1995.
  */
 #ifndef ORL_RENDER_GATHER_PANES_H
 #define ORL_RENDER_GATHER_PANES_H
@@ -13,13 +12,14 @@
 
 struct orl_pane_query {
     const struct orl_world *world;
-    const struct orl_aim *aim; /* of that world; NULL: points are spread only */
+    const struct orl_aim *aim; /* made for that world; NULL: only uniform points */
     const struct orl_sobol *sobol;
     const struct orl_place *place;
-    uint32_t sequences[2]; /* names of the points spread, and of those drawn; of all panes */
+    /* Names of the sequences of uniform points and of those drawn, for all panes. */
+    uint32_t sequences[2];
 };
 
-/* Irradiance at the place, W/m2: one estimate. */
+/* Returns one estimate of the irradiance at the place, W/m2. */
 struct orl_rgb orl_light_by_panes(const struct orl_pane_query *query);
 
 #endif

@@ -4,17 +4,17 @@
 
 #include "base/random.h"
 
-/* Columns of a hemisphere: some three for each row. A multiple of four, so that a wall at right
- * angles with the place's own ends where columns do, in rooms that lie along the axes. */
+/* Returns the columns of a hemisphere, about three for each row. The number is a multiple of four.
+ * In rooms aligned with the axes a perpendicular wall then ends at a column. */
 static uint32_t columns_of(uint32_t rows)
 {
     return (3 * rows + 2) / 4 * 4;
 }
 
-/* How far records reach, in pixels: their radii are held between these over the accuracy. */
+/* Limits of records' reach, in pixels; radii are limited to these over the accuracy. */
 static const double least_reach_pixels = 1.5, most_reach_pixels = 40;
 
-/* And no record stands for more than half of the way to the nearest thing it has seen. */
+/* Limit of a record's reach, as a share of the distance to the nearest surface it has seen. */
 static const double nearest_reach = 0.5;
 
 double orl_record_least(const struct orl_grain *grain, double distance)
@@ -24,7 +24,8 @@ double orl_record_least(const struct orl_grain *grain, double distance)
     return width * least_reach_pixels / ORL_ICACHE_ACCURACY;
 }
 
-/* Where light would have changed by as much as there is: no record should reach that far. */
+/* Returns the radius over which light changes by its own value, an upper limit of the record's
+ * radius. */
 static double bend_radius(const struct orl_hemisphere *h)
 {
     const double slope = orl_length(h->by_translation[0]) + orl_length(h->by_translation[1]) +
@@ -54,7 +55,7 @@ struct orl_record orl_record_make(const struct orl_gather *gather, const struct 
     for (int c = 0; c < 3; c++) {
         const double value = c == 0 ? h.irradiance.r : c == 1 ? h.irradiance.g : h.irradiance.b;
         const double steepest = value / served, slope = orl_length(h.by_translation[c]);
-        /* So near an edge that the value would be gone within the radius. */
+        /* Near an edge the extrapolated value would reach zero within the radius. */
         record.by_rotation[c] = h.by_rotation[c];
         record.by_translation[c] =
             orl_scale(h.by_translation[c], slope > steepest ? steepest / slope : 1);
@@ -71,7 +72,7 @@ static uint64_t cell_number(double at, double width)
     return (uint64_t)(int64_t)fmax(fmin(floor(at / width), 0x1p62), -0x1p62);
 }
 
-/* Names the cell of place and normal that a record lies in; never 0. */
+/* Returns a non-zero name of the cell of place and normal that a record lies in. */
 static uint64_t cell_of(const struct orl_record *record)
 {
     const struct orl_place *place = &record->place;
@@ -96,7 +97,7 @@ int orl_records_thin(struct orl_record *records, size_t *count)
     size_t buckets = 1, kept = 0;
     while (buckets < 2 * *count)
         buckets *= 2;
-    uint64_t *cells = calloc(buckets, sizeof *cells); /* a hash table; 0: nothing there */
+    uint64_t *cells = calloc(buckets, sizeof *cells); /* hash table; 0: empty slot */
     if (!cells)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < *count; i++) {

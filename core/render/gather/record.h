@@ -1,24 +1,22 @@
-/*
- * How a record of the irradiance cache (icache.h) is made for a picture: a hemisphere of rays, and
- * how far what it says holds, which pixels bound from both sides.
- */
+/* Makes a record of the irradiance cache (icache.h) for a picture: a hemisphere of rays, and a
+ * radius, which the pixel size bounds from both sides. */
 #ifndef ORL_RENDER_GATHER_RECORD_H
 #define ORL_RENDER_GATHER_RECORD_H
 
 #include "render/gather/icache.h"
 
-/* What a pixel measures: an angle, in radians, or in parallel views a width. */
+/* The footprint of a pixel: an angle, in radians, or a width in parallel views. */
 struct orl_grain {
     double angle, width; /* one of them is 0 */
-    double start;        /* how far from the eye rays start: -vo */
+    double start;        /* distance from the eye at which rays start: -vo */
     double nearest;      /* smaller distances from the eye are rounding errors of the geometry */
 };
 
-/* The least radius that pixels allow at that distance from a ray's start. */
+/* Returns the least radius that pixels allow at that distance from a ray's start. */
 double orl_record_least(const struct orl_grain *grain, double distance);
 
-/* Rays of a hemisphere: so many rows, and about three columns for each. known: records made
- * before. */
+/* Makes a record from a hemisphere of that many rows and about three columns for each. known:
+ * records made before, or NULL. */
 struct orl_record orl_record_make(const struct orl_gather *gather, const struct orl_place *place,
                                   double least, uint32_t rows, const struct orl_icache *known,
                                   struct orl_random *random, struct orl_search *search);
@@ -26,9 +24,9 @@ struct orl_record orl_record_make(const struct orl_gather *gather, const struct 
 /*
  * Thins out records that are still to be made: of those closer together than a quarter of their
  * least reach, with about the same normal, it keeps the first. Other places of the view are at
- * least a pixel apart, which is more. So the number of records of one place is bounded where the
- * pixels of a view show less than records measure: an eye in the plane of a wall, a telescope.
- * Keeps the order. Returns 0 or ORL_ERR_NOMEM.
+ * least a pixel apart, which is more. This bounds the number of records at one place where pixels
+ * are smaller than the geometry's precision: an eye in the plane of a wall, a telescope. Keeps the
+ * order. Returns 0 or ORL_ERR_NOMEM.
  */
 int orl_records_thin(struct orl_record *records, size_t *count);
 

@@ -7,22 +7,23 @@
 #include "scene/geometry/stand.h"
 #include "scene/material/hemisphere.h"
 
-/* Rays fall into groups, each with sequences of its own: their spread tells the error. */
-enum { GROUPS = 16, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* of each */
-enum {
-    HEMISPHERES = 4,
-    SHARE_AIMED = 16,
-    SHARE_PORTS = 8
-}; /* of rays: one such part is aimed; at ports, and at targets */
-/* A bias of caustics is small beside so much of the rest's error, or of all light: of the light
- * less than scatter would be, for it is told to a half of itself. */
+/* Number of groups of rays. Each group has its own sequences; their spread gives the error. */
+enum { GROUPS = 16, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* in each group */
+/* Divisors of the rays: SHARE_AIMED of those guided by photons, SHARE_PORTS of those aimed at ports
+ * and at targets. */
+enum { HEMISPHERES = 4, SHARE_AIMED = 16, SHARE_PORTS = 8 };
+/* A caustic bias is small below this share of the rest's error, or of all light. The share of light
+ * is less than for scatter, because the bias is known only to a half of itself. */
 static const double beside_rest = 0.5, beside_light = 0.002;
-enum { SHARE_CHECKED = 16, LEAST_CHECKED = 128 }; /* of rays: so many check a density */
-/* In joint standard errors, of which rays tell theirs by three degrees of freedom; and of it. */
+/* Divisor of the rays, and least number of rays, that check a density. */
+enum { SHARE_CHECKED = 16, LEAST_CHECKED = 128 };
+/* Limits for a significant difference: in joint standard errors, which are large because the rays'
+ * error has three degrees of freedom, and as a share of the light. */
 static const double differs_in_errors = 5, differs_by = 0.15;
-static const double grazing_discs = 2; /* a sun within so many radii of the sensor's plane */
+/* Distance of a grazing sun from the sensor's plane, in the sun's radii. */
+static const double grazing_discs = 2;
 
-/* Names of sequences: no two of any seeds are alike. */
+/* Sequence names, all distinct for any seed. */
 enum {
     OF_DIRECT,
     OF_HEMISPHERE,
@@ -51,14 +52,15 @@ static struct orl_rgb caustics_in_air(const struct orl_gather *gather,
     return orl_light_by_panes(&query);
 }
 
-/* How large what it belongs to is, at least: a leaf says nothing of what is a metre above it. */
+/* Returns the size of the facet's surface: a leaf is no surface for a sensor a metre above it. */
 static double size_of(const struct orl_geometry *geometry, uint32_t facet)
 {
     struct orl_curved room;
     return sqrt(orl_facet_at(geometry, facet, &room).area);
 }
 
-/* The surface a sensor lies on, if one is close behind it and faces the same way. */
+/* Finds the surface that a sensor lies on: close behind it, facing the same way, and diffuse.
+ * Returns false if there is none. */
 static bool lies_on_surface(const struct orl_gather *gather, const struct orl_place *place,
                             struct orl_footing *ret_footing)
 {
@@ -78,28 +80,27 @@ static bool lies_on_surface(const struct orl_gather *gather, const struct orl_pl
 }
 
 /*
- * The rays of a group, drawn in four ways: evenly by the cosine; by where photons say that it is
- * bright; at points of the ports, so that a deep room does not depend on one ray of a thousand that
- * meets its window; at small mirrors and lenses. The last two count only where they meet that
- * first (aim.h). A direction weighs by the sum of the densities of all four, each times its number
- * of rays: the balance heuristic for many samples of Veach and Guibas 1995.
+ * Strategies for the rays of a group: by the cosine; towards bright patches of photons; at points
+ * of the ports, so that a deep room does not depend on one ray of a thousand that meets its window;
+ * at small mirrors and lenses. The last two count only if they meet their goal first (aim.h). A
+ * direction is weighed by the sum of the densities of all four, each times its number of rays: the
+ * multi-sample balance heuristic of Veach and Guibas 1995.
  */
 enum ray_way { WAY_EVEN, WAY_BRIGHT, WAY_PORT, WAY_TARGET, RAY_WAYS };
 
 struct volley {
     const struct orl_bright_view *bright;
     uint32_t rays[RAY_WAYS];
-    bool aimed; /* some are: at ports or at targets */
+    bool aimed; /* true if some rays are aimed at ports or targets */
 };
 
 /* A ray, and its direction on the square of scene/material/hemisphere.h. */
 struct shot {
-    struct orl_aimed
-        ray; /* without a weight; whether it has met something: of a volley with aims */
+    struct orl_aimed ray; /* without a weight; its hit is set only if the volley is aimed */
     double u[2];
 };
 
-/* Draws a ray by the cosine, or by where it is bright. */
+/* Sets a ray's direction by the cosine from u, which may be guided by bright patches. */
 static bool draw_cosine(const struct orl_gather *gather, const struct orl_place *place,
                         const struct volley *volley, struct shot *ret)
 {
@@ -112,7 +113,7 @@ static bool draw_cosine(const struct orl_gather *gather, const struct orl_place 
     return true;
 }
 
-/* Draws a ray; false: it counts for nothing. */
+/* Draws a ray; returns false if it counts for nothing. */
 static bool draw_shot(const struct orl_gather *gather, const struct orl_place *place,
                       const struct volley *volley, enum ray_way way, const struct orl_even *even,
                       struct shot *ret)
@@ -136,7 +137,8 @@ static bool draw_shot(const struct orl_gather *gather, const struct orl_place *p
     return true;
 }
 
-/* How many rays of the volley would have been drawn there, by projected solid angle over pi. */
+/* Returns the expected number of rays of the volley in that direction, per projected solid angle
+ * over pi. */
 static double drawn_at(const struct orl_gather *gather, const struct orl_place *place,
                        const struct volley *volley, const struct shot *shot)
 {
@@ -153,9 +155,9 @@ static double drawn_at(const struct orl_gather *gather, const struct orl_place *
 }
 
 /*
- * A group's share of the hemisphere by scrambled Sobol points, up to what a ray's first surface
- * does with it: a sensor needs no gradients. The tally takes what the rays saw of photons, seen
- * what each adds to the sensor.
+ * Returns a group's estimate of the hemisphere by scrambled Sobol points, up to the event at each
+ * ray's first surface. A sensor needs no gradients. The tally receives the rays' photon parts, and
+ * seen each ray's contribution to the sensor.
  */
 static struct orl_rgb gather_group(const struct orl_gather *gather, const struct orl_place *place,
                                    const struct volley *volley, uint64_t name,
@@ -195,9 +197,9 @@ static struct orl_rgb gather_group(const struct orl_gather *gather, const struct
 }
 
 /*
- * The groups are few. A sequence of n rays has an error of about n^(-3/4), so that G of n / G have
- * G^(1/4) times that: 16 would double it, and 4 tell their own by a few degrees of freedom, to
- * which the photons add theirs.
+ * Estimates the hemisphere by few groups. A Sobol sequence of n rays has an error of about
+ * n^(-3/4). G groups of n / G rays have G^(1/4) times that: 16 groups would double it. Four groups
+ * give their own error with three degrees of freedom, to which the photons add theirs.
  */
 static struct orl_estimate gather_evenly(const struct orl_gather *gather,
                                          const struct orl_place *place, uint32_t samples,
@@ -228,8 +230,8 @@ static struct orl_estimate gather_evenly(const struct orl_gather *gather,
     return estimate;
 }
 
-/* Of a sun that the sensor's own plane cuts, or nearly, most rays say nothing: then more are sent.
- */
+/* Returns the rays per sun. A sun that the sensor's plane cuts, or nearly, gets more, because most
+ * of its rays miss. */
 static uint32_t sun_rays(const struct orl_gather *gather, struct orl_vec3 normal)
 {
     for (size_t i = 0; i < gather->world->n_suns; i++) {
@@ -241,7 +243,8 @@ static uint32_t sun_rays(const struct orl_gather *gather, struct orl_vec3 normal
     return SUN_RAYS;
 }
 
-/* Light of suns and lamps, straight and, in mid-air, by panes: the mean of the groups. */
+/* Returns the light of suns and lamps, directly and, in mid-air, through panes: the mean of the
+ * groups. */
 static struct orl_estimate sample_lights(const struct orl_gather *gather,
                                          const struct orl_place *place, uint64_t index,
                                          struct orl_health *health)
@@ -261,7 +264,7 @@ static struct orl_estimate sample_lights(const struct orl_gather *gather,
     return orl_estimate_of_mean(means, GROUPS);
 }
 
-/* What one map has to do with a sensor: density at it, if any, and what rays saw. */
+/* Returns one map's part of a sensor: the density at it, if any, and the photons that rays saw. */
 static struct orl_estimate estimate_by_map(const struct orl_density *density,
                                            const struct orl_batches *seen,
                                            struct orl_health *health)
@@ -285,9 +288,11 @@ struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_ve
     return place;
 }
 
-/* Whether the density is of too few photons (on all of a building they lie far apart, and none may
- * be where a pane mirrors the sun), or its bias shows, and there is a better way: suns' images in
- * flat mirrors tell all that there is. Outside rays find it. */
+/*
+ * Returns true if the density has too few photons or shows bias, and suns' images in flat mirrors
+ * give all caustics instead. In a whole building photons lie far apart, and none may lie where a
+ * pane mirrors the sun. Outside, rays find them.
+ */
 static bool is_poor(const struct orl_gather *gather, const struct orl_place *place,
                     const struct orl_density *caustic, const struct orl_image_blur *blur,
                     const struct orl_estimate *rest)
@@ -299,8 +304,10 @@ static bool is_poor(const struct orl_gather *gather, const struct orl_place *pla
             bias > fmax(beside_rest * rest->standard_error, beside_light * light));
 }
 
-/* A density without what of suns in flat mirrors it has blurred: its bias is that of the rest. */
-static struct orl_estimate sharpen(struct orl_estimate caustic, const struct orl_image_blur *blur)
+/* Returns a density less the blur of suns in flat mirrors; its bias is reduced to that of its other
+ * light. */
+static struct orl_estimate remove_blur(struct orl_estimate caustic,
+                                       const struct orl_image_blur *blur)
 {
     const double luma = orl_luma(caustic.value);
     if (blur->found == 0 || !(blur->mean > 0))
@@ -313,9 +320,10 @@ static struct orl_estimate sharpen(struct orl_estimate caustic, const struct orl
 }
 
 /*
- * A density against a few rays of a hemisphere, which read the map elsewhere. A disc that takes in
- * a bright place beyond a wall, or misses photons that are few and heavy, has a small scatter and a
- * wrong value: where the two differ by more than both scatter, the difference is its bias.
+ * Compares a density with a few rays of a hemisphere, which read the map elsewhere. A disc that
+ * includes a bright place beyond a wall, or misses photons that are few and heavy, has a small
+ * scatter and a wrong value. If the two differ by more than both scatter, the difference is taken
+ * as its bias.
  */
 static void check_density(const struct orl_gather *gather, const struct orl_place *place,
                           uint32_t samples, uint64_t index, struct orl_search *search,
@@ -370,5 +378,5 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct or
     sum = orl_estimate_add(sum, lights);
     const struct orl_estimate by_density =
         estimate_by_map(&caustic, &tally.parts[ORL_MAP_CAUSTIC], &search->health);
-    return orl_estimate_add(sum, sharpen(by_density, &blur));
+    return orl_estimate_add(sum, remove_blur(by_density, &blur));
 }

@@ -7,7 +7,8 @@
 #include "scene/geometry/quadric.h"
 #include "scene/material/bounds.h"
 
-/* Of the radius of the scene; and the reflectance from which a flat surface is a mirror. */
+/* Largest radius of a target, as a share of the scene's; reflectance from which a flat surface is a
+ * mirror. */
 static const double largest = 0.25, least_mirrored = 0.2;
 static const double parallel = 0.999; /* cosine between normals of surfaces that face one way */
 
@@ -23,11 +24,11 @@ struct finder {
     struct orl_targets *targets;
     struct item *items;
     size_t n;
-    struct orl_vec3 (*faces)[2]; /* by material: two ways that its flat facets face */
-    bool *solid;                 /* by material: they face a third way */
+    struct orl_vec3 (*faces)[2]; /* by material: two normals of its flat facets */
+    bool *solid;                 /* by material: true if a facet has a third normal */
 };
 
-/* ---- What is a target ------------------------------------------------------------------------ */
+/* ---- Selection of targets -------------------------------------------------------------------- */
 
 static bool is_flat(enum orl_surface_kind kind)
 {
@@ -72,7 +73,7 @@ static struct orl_target_sphere about_box(struct orl_vec3 low, struct orl_vec3 h
                                       0.5 * orl_length(orl_sub(high, low))};
 }
 
-static void grow(struct orl_vec3 *low, struct orl_vec3 *high, struct orl_vec3 point)
+static void extend_box(struct orl_vec3 *low, struct orl_vec3 *high, struct orl_vec3 point)
 {
     *low = orl_v3(fmin(low->x, point.x), fmin(low->y, point.y), fmin(low->z, point.z));
     *high = orl_v3(fmax(high->x, point.x), fmax(high->y, point.y), fmax(high->z, point.z));
@@ -87,9 +88,9 @@ static struct orl_target_sphere about_facet(const struct orl_geometry *g,
     if (facet->kind == ORL_SURFACE_POLYGON)
         for (uint32_t i = 0; i < facet->n_triangles; i++) {
             const struct orl_triangle t = orl_triangle_of(g, orl_facet_triangle(facet, i));
-            grow(&low, &high, t.a);
-            grow(&low, &high, t.b);
-            grow(&low, &high, t.c);
+            extend_box(&low, &high, t.a);
+            extend_box(&low, &high, t.b);
+            extend_box(&low, &high, t.c);
         }
     else
         orl_quadric_bounds(facet, &low, &high);
@@ -101,8 +102,8 @@ static struct orl_target_sphere about_items(const struct item *items, size_t n)
     struct orl_vec3 low = orl_v3(INFINITY, INFINITY, INFINITY), high = orl_neg(low);
     for (size_t i = 0; i < n; i++) {
         const struct orl_vec3 c = items[i].bound.center, r = orl_v3(1, 1, 1);
-        grow(&low, &high, orl_madd(c, r, items[i].bound.radius));
-        grow(&low, &high, orl_madd(c, r, -items[i].bound.radius));
+        extend_box(&low, &high, orl_madd(c, r, items[i].bound.radius));
+        extend_box(&low, &high, orl_madd(c, r, -items[i].bound.radius));
     }
     struct orl_target_sphere bound = {orl_scale(orl_add(low, high), 0.5), 0};
     for (size_t i = 0; i < n; i++)
@@ -118,12 +119,12 @@ static double along(struct orl_vec3 v, int axis)
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-/* Moves the items below the middle of the longest axis to the front; returns how many they are. */
-static size_t divide(struct item *items, size_t n)
+/* Moves the items below the middle of the longest axis to the front; returns their number. */
+static size_t divide_items(struct item *items, size_t n)
 {
     struct orl_vec3 low = items[0].bound.center, high = low;
     for (size_t i = 1; i < n; i++)
-        grow(&low, &high, items[i].bound.center);
+        extend_box(&low, &high, items[i].bound.center);
     const struct orl_vec3 size = orl_sub(high, low);
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const double middle = 0.5 * (along(low, axis) + along(high, axis));
@@ -152,7 +153,7 @@ static void add_target(struct finder *f, const struct item *items, size_t n,
 static void add_groups(struct finder *f, struct item *items, size_t n, uint32_t most)
 {
     const struct orl_target_sphere bound = about_items(items, n);
-    const size_t front = most > 1 ? divide(items, n) : 0;
+    const size_t front = most > 1 ? divide_items(items, n) : 0;
     if (front > 0 && front < n) {
         const double r1 = about_items(items, front).radius,
                      r2 = about_items(items + front, n - front).radius;
@@ -165,7 +166,7 @@ static void add_groups(struct finder *f, struct item *items, size_t n, uint32_t 
     add_target(f, items, n, bound);
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- Search for targets ---------------------------------------------------------------------- */
 
 static void find_facets(struct finder *f)
 {
@@ -283,7 +284,8 @@ double orl_target_density(const struct orl_target_sphere *target, struct orl_vec
 {
     const struct orl_vec3 way = orl_sub(target->center, point);
     const double opening = opening_of(target, way), d2 = orl_dot(way, way);
-    /* By the distance at which the ray passes the centre, which is exact for narrow cones. */
+    /* The test uses the distance at which the ray passes the centre, which is exact for narrow
+     * cones. */
     const double ahead = orl_dot(way, direction), past2 = d2 - ahead * ahead;
     if (opening < 1 && !(ahead > 0 && past2 <= target->radius * target->radius * (1 + 1e-9)))
         return 0;

@@ -1,12 +1,12 @@
 /*
- * Small mirrors and lenses as targets of rays. A ball of glass that fills a thousandth of what a
- * place sees may bring it a tenth of its light, and rays drawn by the cosine meet it a few times at
- * most. Each target is a group of facets with a bounding sphere; directions towards it are uniform
- * in the cone that the sphere fills (Pharr, Jakob and Humphreys 2016, section 14.2.2), or in all
- * directions from within the sphere.
+ * Small mirrors and lenses as targets of rays. A ball of glass that fills a thousandth of the field
+ * of view may bring a tenth of the light at a place. Rays drawn by the cosine meet it a few times
+ * at most. Each target is a group of facets with a bounding sphere. Directions towards it are
+ * uniform in the cone that the sphere fills (Pharr, Jakob and Humphreys 2016, section 14.2.2), or
+ * in all directions if the place is in the sphere.
  *
- * Groups are facets that lie near each other: a set is divided at the middle of its longest axis as
- * long as the spheres about both parts have less than half the surface of the sphere about the set.
+ * Groups are facets that lie near each other. A set is divided at the middle of its longest axis
+ * while the spheres about both parts have less than half the surface of the sphere about the set.
  * Large groups are no targets: other rays meet them often enough.
  */
 #ifndef ORL_RENDER_GATHER_TARGETS_H
@@ -28,10 +28,10 @@ struct orl_targets {
     uint8_t *of_place; /* target of each placed copy (scene/geometry/placed.h); NULL: none */
 };
 
-/* Finds the targets indoors; in a scene that is no building, all of them.
- * Returns 0 or ORL_ERR_NOMEM; orl_targets_done in either case. */
+/* Finds the targets indoors; in a scene that is no building, all of them. Returns 0 or
+ * ORL_ERR_NOMEM; call orl_targets_done in either case. */
 int orl_targets_init(struct orl_targets *targets, const struct orl_world *world);
-void orl_targets_done(struct orl_targets *targets); /* also if all zero */
+void orl_targets_done(struct orl_targets *targets); /* also accepts an all-zero struct */
 
 /* Returns the target that a facet belongs to, or ORL_NO_TARGET. */
 uint32_t orl_targets_of(const struct orl_targets *targets, const struct orl_geometry *geometry,

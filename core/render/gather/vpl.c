@@ -5,7 +5,8 @@
 
 #include "photon/map/facing.h"
 
-/* The cap, as the inverse square of a length: this share of what lamps are typically apart. */
+/* Length that determines the cap, as a share of the typical distance between lamps; the cap is its
+ * inverse square. */
 static const double near_share = 0.12;
 enum { PAIRS = 1024, CUT_A_LAMP = 4, LEAST_CUT = 16, STRIP = 1024 };
 
@@ -21,7 +22,8 @@ static void to_floats(struct orl_vec3 v, float ret[3])
     ret[2] = (float)v.z;
 }
 
-/* The photon's surface is met again, for the map's coded normal is good to a degree only. */
+/* Makes a lamp of a photon. The surface is intersected again, because the map's coded normal is
+ * exact to a degree only. */
 static void make_lamp(const struct orl_world *world, const struct orl_photon *photon,
                       struct orl_vpl *ret_lamp)
 {
@@ -42,13 +44,13 @@ static void make_lamp(const struct orl_world *world, const struct orl_photon *ph
     ret_lamp->intensity[2] = (float)(photon->flux[2] * albedo.b / ORL_PI);
 }
 
-static int compare(const void *a, const void *b)
+static int compare_doubles(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
-/* Lamps are some distance apart: the median over pairs of them. */
+/* Returns the median distance over pairs of lamps. */
 static double typical_distance(const struct orl_vpls *vpls, size_t count)
 {
     double apart[PAIRS];
@@ -57,11 +59,11 @@ static double typical_distance(const struct orl_vpls *vpls, size_t count)
         const struct orl_vpl *b = &vpls->lamps[orl_mix64(2 * i + 2) % count];
         apart[i] = orl_length(orl_sub(from_floats(a->place), from_floats(b->place)));
     }
-    qsort(apart, PAIRS, sizeof *apart, compare);
+    qsort(apart, PAIRS, sizeof *apart, compare_doubles);
     return apart[PAIRS / 2];
 }
 
-/* Photons on their way to become lamps, and which they become. */
+/* Photons, and the index of the lamp that each becomes. */
 struct making {
     struct orl_vpls *vpls;
     const struct orl_photon *photons;
@@ -78,7 +80,7 @@ static void make_strip(void *arg, size_t strip, uint32_t member)
         make_lamp(m->vpls->world, &m->photons[i], &m->vpls->lamps[m->places[i]]);
 }
 
-/* Group by group, and within one in the order of photons. */
+/* Sorts lamps by group, and within a group in the order of photons. */
 static void find_places(const struct making *making)
 {
     struct orl_vpls *vpls = making->vpls;
@@ -109,7 +111,7 @@ int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world, struct o
     if (code)
         return code;
     const double near = count > 0 ? near_share * typical_distance(vpls, count) : 1;
-    /* Where there are no lamps all is left to paths. */
+    /* Without lamps the paths carry all light. */
     vpls->most_sr_m2 = count == 0 ? 0 : near > 0 ? 1 / (near * near) : INFINITY;
     return orl_vpl_plant(vpls, crew);
 }
@@ -121,7 +123,7 @@ void orl_vpls_done(struct orl_vpls *vpls)
     memset(vpls, 0, sizeof *vpls);
 }
 
-/* Irradiance at a place by one lamp. */
+/* Returns the irradiance at a place by one lamp. */
 static struct orl_rgb light_of(const struct orl_vpls *vpls, const struct orl_vpl *lamp,
                                struct orl_vec3 point, struct orl_vec3 normal)
 {
@@ -132,7 +134,7 @@ static struct orl_rgb light_of(const struct orl_vpls *vpls, const struct orl_vpl
     if (!(d > 0) || !(here > 0) || !(there > 0))
         return orl_gray(0);
     const double factor = fmin(here * there / (d2 * d2), vpls->most_sr_m2);
-    /* In a sealed scene nothing goes out through a port and comes in again: light/world.h. */
+    /* In a sealed scene no path leaves through a port and comes in again (light/world.h). */
     const struct orl_rgb share = orl_transmittance_to_surface(
         vpls->world, point, orl_scale(way, 1 / d), d * (1 - 1e-6), vpls->world->open);
     const struct orl_rgb intensity = {lamp->intensity[0], lamp->intensity[1], lamp->intensity[2]};

@@ -1,21 +1,21 @@
-/* Trees of virtual lamps: neighbours in place and normal together. */
+/* Trees of virtual lights, clustered by position and normal. */
 #include <stdlib.h>
 
 #include "render/gather/vpl.h"
 
 enum { LAMPS_A_LEAF = 4 };
-/* Lamps within such an angle, seen from a place, are not told apart. */
+/* Angle, seen from a place, within which lamps are treated as one. */
 static const double alike = 0.2;
-static const double least_cosine = 1e-3; /* of what is seen at all */
+static const double least_cosine = 1e-3; /* lower limit of the cosine of a visible lamp */
 
-/* Of one tree. */
+/* State while one tree is built. */
 struct gardener {
     struct orl_vpls *vpls;
-    uint32_t n_nodes; /* up to its last one so far */
-    float normals_as; /* a length: how far apart opposite normals count */
+    uint32_t n_nodes; /* index past its last node so far */
+    float normals_as; /* length that the difference of opposite normals counts as */
 };
 
-/* Bounds of some lamps: three coordinates, three of the normal. */
+/* Bounds of some lamps: three coordinates of position, three of the normal. */
 struct bounds {
     float low[6], high[6];
 };
@@ -34,8 +34,8 @@ static struct bounds bounds_of(const struct orl_vpl *lamps, uint32_t count)
     return b;
 }
 
-/* The axis along which they are furthest apart; -1 when they are all in one place. */
-static int widest(const struct gardener *g, const struct bounds *b)
+/* Returns the axis of the largest extent; -1 if all lamps coincide. */
+static int widest_axis(const struct gardener *g, const struct bounds *b)
 {
     int best = -1;
     float most = 0;
@@ -49,7 +49,8 @@ static int widest(const struct gardener *g, const struct bounds *b)
     return best;
 }
 
-static void describe(struct orl_vpl_node *node, const struct bounds *b, const struct orl_vpl *lamps)
+static void describe_node(struct orl_vpl_node *node, const struct bounds *b,
+                          const struct orl_vpl *lamps)
 {
     double radius2 = 0, spread2 = 0, power = 0;
     for (int axis = 0; axis < 3; axis++) {
@@ -69,8 +70,8 @@ static void describe(struct orl_vpl_node *node, const struct bounds *b, const st
     node->power = (float)power;
 }
 
-/* Those below the middle first; returns how many. */
-static uint32_t part(struct orl_vpl *lamps, uint32_t count, int axis, float middle)
+/* Moves the lamps below the middle to the front; returns their number. */
+static uint32_t partition_lamps(struct orl_vpl *lamps, uint32_t count, int axis, float middle)
 {
     uint32_t below = 0;
     for (uint32_t i = 0; i < count; i++)
@@ -82,27 +83,29 @@ static uint32_t part(struct orl_vpl *lamps, uint32_t count, int axis, float midd
     return below;
 }
 
-/* One node and all below it; returns its index. Goes as deep as floats can be halved, at most. */
-static uint32_t grow(struct gardener *g, uint32_t first, uint32_t count)
+/* Builds a node and its subtree; returns its index. The depth is limited by how often floats can be
+ * halved. */
+static uint32_t grow_node(struct gardener *g, uint32_t first, uint32_t count)
 {
     struct orl_vpl *lamps = &g->vpls->lamps[first];
     const uint32_t index = g->n_nodes++;
     struct orl_vpl_node *node = &g->vpls->nodes[index];
     const struct bounds b = bounds_of(lamps, count);
-    const int axis = widest(g, &b);
+    const int axis = widest_axis(g, &b);
     *node = (struct orl_vpl_node){.first = first, .count = count};
-    describe(node, &b, lamps);
+    describe_node(node, &b, lamps);
     if (count <= LAMPS_A_LEAF || axis < 0)
         return index;
-    const uint32_t below = part(lamps, count, axis, 0.5F * (b.low[axis] + b.high[axis]));
+    const uint32_t below = partition_lamps(lamps, count, axis, 0.5F * (b.low[axis] + b.high[axis]));
     if (below == 0 || below == count)
         return index;
-    grow(g, first, below);
-    node->right = grow(g, first + below, count - below);
+    grow_node(g, first, below);
+    node->right = grow_node(g, first + below, count - below);
     return index;
 }
 
-/* Of n lamps there are fewer than 2 n nodes: each tree has room of its own. */
+/* Builds a group's tree. A tree of n lamps has fewer than 2 n nodes, so that each tree has its own
+ * range. */
 static void grow_tree(void *arg, size_t group, uint32_t member)
 {
     struct orl_vpls *vpls = arg;
@@ -112,7 +115,7 @@ static void grow_tree(void *arg, size_t group, uint32_t member)
         .vpls = vpls, .n_nodes = 2 * first, .normals_as = (float)vpls->world->geometry->radius};
     (void)member;
     if (count > 0)
-        vpls->roots[group] = grow(&g, first, count);
+        vpls->roots[group] = grow_node(&g, first, count);
 }
 
 int orl_vpl_plant(struct orl_vpls *vpls, struct orl_crew *crew)
@@ -125,11 +128,12 @@ int orl_vpl_plant(struct orl_vpls *vpls, struct orl_crew *crew)
 }
 
 /*
- * How far a node's lamps may be up along a normal, given how far its middle is: generously, for the
- * nearest of them shine most. Of those in the place's own plane nothing much is to be had.
+ * Returns an upper estimate of the lamps' height along a normal, given that of the node's centre,
+ * because the nearest lamps are brightest. It is small for lamps in the place's own plane, which
+ * contribute little.
  */
-static double height(const struct orl_vpl_node *node, const double normal[3], double middle,
-                     double turned, double near)
+static double height_bound(const struct orl_vpl_node *node, const double normal[3], double middle,
+                           double turned, double near)
 {
     const double most = middle + turned + fabs(normal[0]) * node->half[0] +
                         fabs(normal[1]) * node->half[1] + fabs(normal[2]) * node->half[2];
@@ -139,7 +143,7 @@ static double height(const struct orl_vpl_node *node, const double normal[3], do
     return most > least ? orl_smaller(middle + turned + node->radius, 2 * near) : least;
 }
 
-/* About how much the lamps of a node light a place: zero only if none can. */
+/* Estimates the light of a node's lamps at a place; zero only if none can light it. */
 static double likely_light(const struct orl_vpl_node *node, struct orl_vec3 point,
                            struct orl_vec3 normal, double most_sr_m2)
 {
@@ -148,17 +152,17 @@ static double likely_light(const struct orl_vpl_node *node, struct orl_vec3 poin
     const double x = node->center[0] - point.x, y = node->center[1] - point.y,
                  z = node->center[2] - point.z, r = node->radius;
     const double d2 = x * x + y * y + z * z, near2 = d2 > r * r ? d2 : r * r, near = sqrt(near2);
-    const double here = height(node, up, x * up[0] + y * up[1] + z * up[2], 0, near);
+    const double here = height_bound(node, up, x * up[0] + y * up[1] + z * up[2], 0, near);
     if (!(here > 0))
         return 0;
-    const double there = height(node, down, -(x * down[0] + y * down[1] + z * down[2]),
-                                (sqrt(d2) + r) * node->spread, near);
+    const double there = height_bound(node, down, -(x * down[0] + y * down[1] + z * down[2]),
+                                      (sqrt(d2) + r) * node->spread, near);
     const double factor = here * there;
     const double most = most_sr_m2 * near2 * near2; /* not divided yet: lamps may share a point */
     return node->power * (factor < most ? factor / (near2 * near2) : most_sr_m2);
 }
 
-/* Seen from far off its lamps light a place all alike. */
+/* Returns true if all lamps of the node light the place alike, seen from far away. */
 static bool is_far(const struct orl_vpl_node *node, struct orl_vec3 point)
 {
     const double x = node->center[0] - point.x, y = node->center[1] - point.y,
@@ -212,7 +216,7 @@ bool orl_vpl_draw(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, do
         return false;
     for (u *= cut->sum; i + 1 < cut->count && u >= cut->light[i]; i++)
         u -= cut->light[i];
-    if (!(cut->light[i] > 0)) /* only by rounding */
+    if (!(cut->light[i] > 0)) /* possible only by rounding */
         return false;
     double probability = cut->light[i] / cut->sum;
     u /= cut->light[i];

@@ -8,7 +8,7 @@
 #include "render/heat_map/quad.h"
 #include "render/heat_map/section.h"
 
-/* The page, in pixels. */
+/* Layout of the page, in page units. */
 enum { SIDE = 760, MARGIN = 14, HEAD = 46, FOOT = 54, LEAST_WIDTH = 420, LETTERS = 8 };
 
 static const unsigned char ink[3] = {26, 26, 26}, paper[3] = {255, 255, 255};
@@ -17,21 +17,21 @@ struct page {
     const struct orl_heat_map *map;
     struct orl_scale scale;
     struct orl_canvas *canvas;
-    double low[2], high[2]; /* what is shown, u and v */
-    double pixels;          /* a scene unit */
-    double x, y;            /* the upper left corner */
-    double left, bottom;    /* where low is */
+    double low[2], high[2]; /* area shown, u and v */
+    double pixels;          /* page units per scene unit */
+    double x, y;            /* upper left corner of the map */
+    double left, bottom;    /* position of `low` on the page */
     double width, height;
 };
 
-static void place(const struct page *page, const double at[2], double *ret_x, double *ret_y)
+static void place_on_page(const struct page *page, const double at[2], double *ret_x, double *ret_y)
 {
     *ret_x = page->left + (at[0] - page->low[0]) * page->pixels;
     *ret_y = page->bottom - (at[1] - page->low[1]) * page->pixels;
 }
 
-static void write(const struct page *page, double x, double y, enum orl_canvas_align align,
-                  const unsigned char rgb[3], const char *text)
+static void write_text(const struct page *page, double x, double y, enum orl_canvas_align align,
+                       const unsigned char rgb[3], const char *text)
 {
     struct orl_canvas_letters letters = {.size = LETTERS, .align = align};
     memcpy(letters.rgb, rgb, 3);
@@ -40,8 +40,10 @@ static void write(const struct page *page, double x, double y, enum orl_canvas_a
 
 /* ---- Layout ---------------------------------------------------------------------------------- */
 
-/* What of a piece is within the frame (Liang and Barsky 1984); false: nothing. */
-static bool clip(const struct page *page, const double from[2], const double to[2], double ret[2])
+/* Clips a segment to the frame (Liang and Barsky 1984); ret: the part inside. Returns false if
+ * there is none. */
+static bool clip_segment(const struct page *page, const double from[2], const double to[2],
+                         double ret[2])
 {
     ret[0] = 0;
     ret[1] = 1;
@@ -59,17 +61,17 @@ static bool clip(const struct page *page, const double from[2], const double to[
     return ret[0] < ret[1];
 }
 
-/* How far the plan reaches in the frame. */
+/* The extent of the plan within the frame. */
 struct extent {
     const struct page *frame;
     double low[2], high[2];
 };
 
-static void reach(void *ctx, const double from[2], const double to[2])
+static void extend_extent(void *ctx, const double from[2], const double to[2])
 {
     struct extent *extent = ctx;
     double part[2];
-    if (!clip(extent->frame, from, to, part))
+    if (!clip_segment(extent->frame, from, to, part))
         return;
     for (int i = 0; i < 2; i++)
         for (int axis = 0; axis < 2; axis++) {
@@ -79,7 +81,8 @@ static void reach(void *ctx, const double from[2], const double to[2])
         }
 }
 
-/* The cells, and of an eighth more to every side what has walls in it, with some paper about. */
+/* Sets the area shown: the cells, plus the parts with walls up to an eighth more on every side,
+ * plus a margin. */
 static void lay_out(struct page *page, double side)
 {
     const struct orl_sensor_plane *plane = page->map->plane;
@@ -91,7 +94,7 @@ static void lay_out(struct page *page, double side)
         page->low[axis] = plane->low[axis] - most / 8;
         page->high[axis] = plane->high[axis] + most / 8;
     }
-    orl_section_cut(page->map->geometry, plane, reach, &extent);
+    orl_section_cut(page->map->geometry, plane, extend_extent, &extent);
     for (int axis = 0; axis < 2; axis++) {
         page->low[axis] = fmax(page->low[axis], extent.low[axis] - most / 40);
         page->high[axis] = fmin(page->high[axis], extent.high[axis] + most / 40);
@@ -105,7 +108,7 @@ static void lay_out(struct page *page, double side)
     page->bottom = page->y + HEAD + down;
 }
 
-/* What 99 of 100 sensors of the plane stay below. */
+/* Makes the scale. Its top covers 99 of 100 sensors of the plane. */
 static int make_scale(struct page *page)
 {
     const struct orl_sensor_plane *plane = page->map->plane;
@@ -134,7 +137,7 @@ static struct orl_quad cell_of(const struct page *page, size_t index)
         const double a = corners[k][0] * plane->cell[0], b = corners[k][1] * plane->cell[1];
         const double at[2] = {plane->at[index][0] + a * c - b * s,
                               plane->at[index][1] + a * s + b * c};
-        place(page, at, &quad.x[k], &quad.y[k]);
+        place_on_page(page, at, &quad.x[k], &quad.y[k]);
     }
     return quad;
 }
@@ -154,7 +157,7 @@ static bool is_dark(const unsigned char rgb[3])
     return 3 * rgb[0] + 6 * rgb[1] + rgb[2] < 1200;
 }
 
-/* Whether the numbers of all cells have room in them. */
+/* Returns true if the numbers of all cells fit into them. */
 static bool has_room(const struct page *page)
 {
     const struct orl_sensor_plane *plane = page->map->plane;
@@ -175,11 +178,11 @@ static void draw_number(struct page *page, size_t index, const unsigned char und
     char text[16];
     double x, y;
     orl_scale_text(page->map->values[plane->sensors[index]], text);
-    place(page, plane->at[index], &x, &y);
+    place_on_page(page, plane->at[index], &x, &y);
     const double half = orl_canvas_text_width(text, LETTERS) / 2 + 2, up = LETTERS / 2.0 + 3;
     const struct orl_quad ground = orl_quad_of(x - half, y - up, x + half, y + up);
     orl_canvas_fill(page->canvas, 4, ground.x, ground.y, under);
-    write(page, x, y + LETTERS / 2.0, ORL_CANVAS_MIDDLE, over, text);
+    write_text(page, x, y + LETTERS / 2.0, ORL_CANVAS_MIDDLE, over, text);
 }
 
 static void draw_cells(struct page *page)
@@ -208,12 +211,12 @@ static void draw_piece(void *ctx, const double from[2], const double to[2])
 {
     const struct page *page = ctx;
     double part[2], x[2], y[2];
-    if (!clip(page, from, to, part))
+    if (!clip_segment(page, from, to, part))
         return;
     for (int i = 0; i < 2; i++) {
         const double at[2] = {from[0] + part[i] * (to[0] - from[0]),
                               from[1] + part[i] * (to[1] - from[1])};
-        place(page, at, &x[i], &y[i]);
+        place_on_page(page, at, &x[i], &y[i]);
     }
     orl_canvas_line(page->canvas, x[0], y[0], x[1], y[1], 1.6, ink);
 }
@@ -237,7 +240,7 @@ static void draw_head(struct page *page)
         snprintf(text, sizeof text, "%s, %s: %zu sensors facing (%.3g, %.3g, %.3g)",
                  page->map->quantity, page->scale.unit, plane->count, plane->normal.x,
                  plane->normal.y, plane->normal.z);
-    write(page, page->x + MARGIN, page->y + 18, ORL_CANVAS_LEFT, ink, text);
+    write_text(page, page->x + MARGIN, page->y + 18, ORL_CANVAS_LEFT, ink, text);
     for (uint32_t i = 0; i < how->n_thresholds; i++) {
         const size_t length = strlen(thresholds);
         snprintf(thresholds + length, sizeof thresholds - length, "%s%g", i ? " or " : "",
@@ -247,10 +250,10 @@ static void draw_head(struct page *page)
         return;
     snprintf(text, sizeof text, "%zu hatched: %s %s lies within the 95 %% interval", open,
              thresholds, page->map->unit);
-    write(page, page->x + MARGIN, page->y + 34, ORL_CANVAS_LEFT, ink, text);
+    write_text(page, page->x + MARGIN, page->y + 34, ORL_CANVAS_LEFT, ink, text);
 }
 
-/* A length of 1, 2 or 5 times a power of ten, some hundred pixels long. */
+/* Draws a scale bar of 1, 2 or 5 times a power of ten, some hundred page units long. */
 static void draw_length(struct page *page, double right, double y)
 {
     const char *unit = page->map->how->length_unit[0] ? page->map->how->length_unit : "m";
@@ -262,7 +265,7 @@ static void draw_length(struct page *page, double right, double y)
     orl_canvas_line(page->canvas, left, y, right, y, 1.6, ink);
     orl_canvas_line(page->canvas, left, y - 4, left, y + 4, 1.6, ink);
     orl_canvas_line(page->canvas, right, y - 4, right, y + 4, 1.6, ink);
-    write(page, (left + right) / 2, y + 16, ORL_CANVAS_MIDDLE, ink, text);
+    write_text(page, (left + right) / 2, y + 16, ORL_CANVAS_MIDDLE, ink, text);
 }
 
 static void draw_legend(struct page *page)
@@ -286,13 +289,13 @@ static void draw_legend(struct page *page)
         orl_canvas_line(page->canvas, x, top + 12, x, top + 15, 1, ink);
         if (x - half < free_from)
             continue;
-        write(page, x, top + 27, ORL_CANVAS_MIDDLE, ink, legend.ticks[i].text);
+        write_text(page, x, top + 27, ORL_CANVAS_MIDDLE, ink, legend.ticks[i].text);
         free_from = x + half + 5;
     }
     draw_length(page, page->x + page->width - MARGIN - 12.0, top + 6);
 }
 
-static void draw(struct page *page)
+static void draw_map(struct page *page)
 {
     draw_cells(page);
     orl_section_cut(page->map->geometry, page->map->plane, draw_piece, page);
@@ -316,7 +319,7 @@ int orl_heat_map_draw(const struct orl_heat_map *map, struct orl_canvas *canvas,
     lay_out(&page, side);
     const int code = make_scale(&page);
     if (code == 0)
-        draw(&page);
+        draw_map(&page);
     return code;
 }
 

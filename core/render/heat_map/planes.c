@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Planes looked at, before the largest are chosen: a bound on time. */
+/* Limit of the planes tried before the largest are chosen; it bounds the time. */
 enum { MOST_TRIED = 64 };
-/* Of the extent of all sensors: what counts as one plane, and as one line of a grid. */
+/* Tolerances of a plane and of a grid line, as shares of the extent of all sensors. */
 static const double plane_width = 1e-4, line_width = 1e-3;
-/* Cosine of the angle between sensors of one plane. */
+/* Least cosine between normals of one plane. */
 static const double alike = 0.9999;
 
 static double extent_of(const struct orl_sensor *sensors, size_t n)
@@ -35,7 +35,7 @@ static double turned(const double at[2], double angle, int axis)
                      : at[1] * cos(angle) - at[0] * sin(angle);
 }
 
-/* The lines of a grid along one axis: how many there are, and how far apart in the middle. */
+/* Finds the lines of a grid along one axis. Returns their number and sets their median spacing. */
 static size_t find_lines(const struct orl_sensor_plane *p, double angle, int axis, double width,
                          double *scratch, double *ret_apart)
 {
@@ -53,7 +53,7 @@ static size_t find_lines(const struct orl_sensor_plane *p, double angle, int axi
     return lines;
 }
 
-/* Towards the nearest neighbour of one of them, within a quarter turn. */
+/* Returns the direction to the nearest neighbour of one sensor, reduced to a quarter turn. */
 static double find_angle(const struct orl_sensor_plane *p)
 {
     const double *from = p->at[p->count / 2];
@@ -91,13 +91,13 @@ static void make_squares(struct orl_sensor_plane *p)
     p->angle = 0;
     bound_cells(p);
     const double wide = p->high[0] - p->low[0], high = p->high[1] - p->low[1];
-    /* Nearly in a row they have hardly any area: then by the row's length. */
+    /* Sensors nearly in a row have almost no area: use the row's length. */
     p->cell[0] = p->cell[1] =
         fmax(sqrt(wide * high / (double)p->count), fmax(wide, high) / (double)p->count);
 }
 
-/* A grid has at most twice as many places as there are sensors, for rooms that are no rectangles
- * and places left out. */
+/* Finds the cells. A grid may have up to twice as many positions as there are sensors, for rooms
+ * that are no rectangles and omitted positions. */
 static int find_cells(struct orl_sensor_plane *p, double extent)
 {
     double *scratch = malloc((p->count + 1) * sizeof *scratch);
@@ -110,7 +110,7 @@ static int find_cells(struct orl_sensor_plane *p, double extent)
     free(scratch);
     p->grid = lines[0] > 1 && lines[1] > 1 &&
               (double)lines[0] * (double)lines[1] <= 2.0 * (double)p->count;
-    if ((lines[0] > 1) != (lines[1] > 1)) /* a row: of squares */
+    if ((lines[0] > 1) != (lines[1] > 1)) /* a row of squares */
         p->cell[0] = p->cell[1] = fmax(p->cell[0], p->cell[1]);
     else if (!p->grid)
         make_squares(p);
@@ -131,7 +131,7 @@ static void set_axes(struct orl_sensor_plane *p)
     p->v = orl_cross(p->normal, p->u);
 }
 
-/* Takes sensor `first` and all that lie in its plane; ret_plane has them. */
+/* Takes sensor `first` and all others in its plane; *ret_plane receives them. */
 static int take_plane(const struct orl_sensor *sensors, size_t n, size_t first, double extent,
                       bool *taken, struct orl_sensor_plane *ret_plane)
 {
@@ -170,7 +170,7 @@ void orl_sensor_planes_done(struct orl_sensor_plane *planes, size_t count)
         plane_done(&planes[i]);
 }
 
-/* Among the largest so far, where it is one of them. */
+/* Inserts a plane among the largest so far, or frees it. */
 static void keep_largest(struct orl_sensor_plane *planes, size_t most, size_t *count,
                          struct orl_sensor_plane *plane)
 {

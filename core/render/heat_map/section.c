@@ -3,17 +3,19 @@
 #include "scene/geometry/placed.h"
 
 enum { SIDES = 32 };
-static const double hair = 1e-6; /* of the scene's radius */
+/* Distance of the cut from the plane, as a share of the scene's radius. */
+static const double hair = 1e-6;
 
 struct cut {
     const struct orl_geometry *geometry;
     const struct orl_sensor_plane *plane;
-    double offset; /* in moved coordinates */
+    double offset; /* offset of the cut in moved coordinates */
     orl_section_piece piece;
     void *ctx;
 };
 
-/* Where the edge from a to b goes through the plane; sa and sb: how far they are before it. */
+/* Returns the intersection of the edge from a to b with the plane; sa and sb: their signed
+ * distances from it. */
 static void cross_edge(const struct cut *cut, struct orl_vec3 a, struct orl_vec3 b, double sa,
                        double sb, double ret_at[2])
 {
@@ -54,7 +56,7 @@ static void cut_sphere(const struct cut *cut, const struct orl_facet *facet)
     }
 }
 
-/* Two triangles a side, between circles about the two centers. */
+/* Cuts a round surface as two triangles a side, between circles about the two centres. */
 static void cut_round(const struct cut *cut, const struct orl_facet *facet)
 {
     const bool ring = facet->kind == ORL_SURFACE_RING;
@@ -94,7 +96,7 @@ static void cut_numbered(const struct cut *cut, size_t triangle)
     cut_triangle(cut, (const struct orl_vec3[3]){t.a, t.b, t.c});
 }
 
-/* What stands in several places, where the plane goes through the box around it. */
+/* Cuts a placed prototype if the plane intersects its bounding box. */
 static void cut_placed(const struct cut *cut, const struct orl_placed *placed)
 {
     const struct orl_geometry *const prototype = placed->prototype;

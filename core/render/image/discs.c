@@ -6,13 +6,14 @@
 #include "base/random.h"
 #include "light/direct.h"
 
-/* Rays to a disc, to a side of the square that it is drawn from; they are few and cheap. Of many
- * lamps each has fewer, and of more than so many none has its own. */
+/* Rays of a disc, per side of the square that its points come from. They are few and cheap. With
+ * many lamps each has fewer; with more than MOST_LAMPS none has any. */
 enum { SIDE = 32, LEAST_SIDE = 4, MOST_LAMPS = 1 << 14, RAYS_OF_LAMPS = 1 << 18 };
-/* A sun or lamp that covers more pixels than this is seen well enough by their rays. */
+/* A sun or lamp that covers more pixels than this is left to pixel rays. */
 static const double most_pixels = 8;
 
-/* Where the view has that direction: in pixels from the upper left. */
+/* Projects a direction to the picture, in pixels from the upper left. Returns false if it is
+ * outside. */
 static bool place_of(const struct orl_painting *painting, struct orl_vec3 direction, double *ret_x,
                      double *ret_y)
 {
@@ -33,7 +34,7 @@ static double pixel_sr(const struct orl_painting *painting, double x, double y)
                                 1.0 / film->height);
 }
 
-/* Whether all rays come from one point and end where something is. */
+/* Returns true if all rays start at one point and have no aft clipping plane. */
 static bool is_of_a_point(const struct orl_view *view)
 {
     return strchr("vha", view->type) && !(view->aft > 0);
@@ -45,13 +46,14 @@ static bool is_small(const struct orl_painting *painting, const struct orl_sun *
     if (!is_of_a_point(painting->view))
         return false;
     const double sr = 2 * ORL_PI * (1 - sun->cos_half_angle);
-    /* One beside the picture, or half in it, is as good as small: what is of it is put in. */
+    /* A sun outside the picture, or at its border, also counts as small: only its visible rays are
+     * added. */
     return !place_of(painting, sun->frame.n, &x, &y) || sr < most_pixels * pixel_sr(painting, x, y);
 }
 
 static enum orl_suns suns_of(const struct orl_world *world, const struct orl_painting *painting)
 {
-    /* What is not shown is not put in. */
+    /* An irradiance picture shows no suns. */
     if (painting->irradiance)
         return ORL_SUNS_SEEN;
     for (size_t i = 0; i < world->n_suns; i++)
@@ -65,7 +67,7 @@ static struct orl_vec3 eye_of(const struct orl_painting *painting)
     return orl_sub(painting->view->point, painting->geometry->center);
 }
 
-/* Places of a square, so many to a side. */
+/* Sets the k-th point of a regular grid over the unit square. */
 static void place_in_square(uint32_t k, uint32_t side, double ret_u[2])
 {
     const uint32_t column = k % side, row = k / side;
@@ -73,7 +75,7 @@ static void place_in_square(uint32_t k, uint32_t side, double ret_u[2])
     ret_u[1] = (row + 0.5) / side;
 }
 
-/* Of a lamp that the picture shows, by a few of its points. */
+/* Returns true if a lamp is visible in the picture and small, from a few of its points. */
 static bool is_small_lamp(const struct orl_world *world, const struct orl_emitter *emitter,
                           const struct orl_painting *painting)
 {
@@ -81,7 +83,7 @@ static bool is_small_lamp(const struct orl_world *world, const struct orl_emitte
     const uint32_t material = orl_facet_material(world->geometry, emitter->facet);
     double sr = 0, least_pixel_sr = INFINITY;
     if (world->materials[material].kind == ORL_MATERIAL_ILLUM)
-        return false; /* views see something else there */
+        return false; /* views see another material there */
     for (uint32_t k = 0; k < POINTS; k++) {
         struct orl_lamp_aim aim;
         double u[2], x, y;
@@ -117,14 +119,14 @@ void orl_discs_done(struct orl_small_lights *discs)
     *discs = (struct orl_small_lights){.lamps = NULL};
 }
 
-/* A picture, and what shows of it nothing but the one that rays are put in of. */
+/* A picture, and a shader that shows only the light being added. */
 struct alone {
     const struct orl_painting *painting;
     struct orl_shader shader;
     bool outside;
 };
 
-/* One ray, of so many steradians. */
+/* Adds one ray that stands for a solid angle, in steradians. */
 static void put_ray(const struct alone *alone, struct orl_vec3 direction, double sr,
                     struct orl_random *random)
 {

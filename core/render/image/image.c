@@ -7,31 +7,36 @@
 #include "render/image/mosaic.h"
 
 enum { LAMP_RAYS = 4 };
-/* Rays into a pane's lobes; fewer where pictures err by more elsewhere. */
+/* Rays into a pane's lobes; fewer if the rest is not gathered and the picture has larger other
+ * errors. */
 enum { PANE_SAMPLES = 28, FEWER_PANE_SAMPLES = 12, GLOSS_SAMPLES = 4 };
-static const double dimmest = 0.004;  /* branches below this share of the pixel are not followed */
-static const double faint_lobe = 0.1; /* that sends on less of what it sees */
+static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
+/* Weight in the pixel below which a lobe is faint. */
+static const double faint_lobe = 0.1;
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
 
-/* Rows of a record's hemisphere, by the step that asks for it: the later, the fewer pixels it
- * serves. Along the lines where surfaces meet late ones have little company, and their noise is
- * seen as stitches; but what makes it, windows that few rays find, takes more rays in itself. */
+/*
+ * Rows of a record's hemisphere, by the step that requests it: late records serve fewer pixels.
+ * Along the lines where surfaces meet, late records have few neighbours, and their noise shows as
+ * stitches. The cause is windows that few rays find. Hemispheres send more rays to these by
+ * themselves, so that few rows suffice.
+ */
 enum { ROWS = 12, ROWS_OF_STEP_4 = 8, LEAST_ROWS = 6 };
-/* Where a picture has fewer rays than usual. */
+/* Lower limit for pictures with fewer rays than usual. */
 enum { FEWEST_ROWS = 4 };
 
-/* Down to that step all places are looked at; and where all of the rest is gathered, to this. */
+/* Steps down to which all places are tested: if the rest is read, and if it is gathered. */
 enum { ALL_READ_OF_STEP = 8, ALL_OF_STEP = 2 };
 
-/* So they are in pictures of that many pixels or more. Smaller ones have fewer records, every one
- * of them in a larger part of the picture: more rows, up to so many times as many. */
+/* Pixels of a picture for which these rows hold. In smaller pictures each of the fewer records
+ * covers a larger part, so that it gets more rows, up to this factor. */
 static const double large_picture = 1 << 17, most_finer = 1.5;
 
-/* Places of one lattice row that want a record. */
+/* Places of one lattice row that need a record. */
 struct row {
     struct orl_record *places; /* with the least radius that pixels allow */
     size_t count, capacity;
-    size_t looks, lobes; /* through places of the row; and those of them that have met lobes */
+    size_t looks, lobes; /* rays through the row's places, and those of them that met lobes */
     bool out_of_memory;
 };
 
@@ -42,11 +47,11 @@ struct painter {
     struct orl_icache cache;
     bool outside;
     struct orl_grain grain;
-    /* A round of records: places found row by row, then computed. */
+    /* A round of records: places are found row by row, then records are computed. */
     uint32_t step;
-    double before, share; /* of the view's progress: earlier rounds', this one's */
-    double records;       /* of it, all rounds' and fitting them */
-    uint64_t *seen;       /* of every second pixel, by lattices' points */
+    double before, share; /* progress of the view: by earlier rounds, and the share of this one */
+    double records;       /* share of the progress by all rounds and by fitting records */
+    uint64_t *seen;       /* for every second pixel: what its lattice ray saw */
     struct row *rows;
     struct orl_record *wanted;
     size_t n_wanted, first_record;
@@ -57,7 +62,7 @@ static bool cancelled(const struct painter *p)
     return orl_paint_cancelled(p->painting->env);
 }
 
-/* Names the numbers of this view. */
+/* Returns the random seed of this view. */
 static uint64_t seed_of(const struct painter *p)
 {
     return p->gather->seed + p->painting->env->index;
@@ -65,19 +70,21 @@ static uint64_t seed_of(const struct painter *p)
 
 /* ---- Records --------------------------------------------------------------------------------- */
 
-/* Where only what is seen outside is gathered a last round finds next to nothing. */
+/* Returns the last step. If only the outside is gathered, a round at step 1 would find next to
+ * nothing. */
 static uint32_t finest_step(const struct painter *p)
 {
     return p->gather->rest == ORL_REST_GATHERED || p->outside ? 1 : 2;
 }
 
-/* Over the usual number. */
+/* Returns the factor of rays over the usual number. */
 static double rays_of(const struct painter *p)
 {
     return p->painting->rays > 0 ? p->painting->rays : 1;
 }
 
-/* Inside, where the rest is read, few rays are better than what they replace. */
+/* Returns the rows of a record. Inside, where the rest is read, even few rays are more accurate
+ * than what they replace. */
 static uint32_t rows_of(const struct painter *p, const struct orl_place *place)
 {
     const struct orl_film *film = p->painting->film;
@@ -94,7 +101,7 @@ static uint32_t pane_samples_of(const struct painter *p)
     return (uint32_t)ceil((gathered ? PANE_SAMPLES : FEWER_PANE_SAMPLES) * rays_of(p));
 }
 
-/* Gathers at a place; the record's random numbers come from the pixel that asked for it. */
+/* Computes a record; its random stream is named by the record's index. */
 static void compute_record(void *arg, size_t index, uint32_t member)
 {
     const struct painter *p = arg;
@@ -107,7 +114,8 @@ static void compute_record(void *arg, size_t index, uint32_t member)
                               &p->cache, &random, &p->painting->env->searches[member]);
 }
 
-static void want(struct row *row, const struct orl_vertex *v, const struct orl_grain *grain)
+static void request_record(struct row *row, const struct orl_vertex *v,
+                           const struct orl_grain *grain)
 {
     if (row->count == row->capacity) {
         const size_t capacity = row->capacity ? 2 * row->capacity : 16;
@@ -123,14 +131,15 @@ static void want(struct row *row, const struct orl_vertex *v, const struct orl_g
         (struct orl_record){.place = v->place, .least = orl_record_least(grain, v->distance)};
 }
 
-/* Whether a place needs no record; in the last round it will do that there is one to be read. */
+/* Returns true if a place needs no record; in the last round it suffices that a record can be
+ * read. */
 static bool is_served(const struct painter *p, const struct orl_place *place)
 {
     return p->step > finest_step(p) ? orl_icache_serves(&p->cache, place)
                                     : orl_icache_reaches(&p->cache, place);
 }
 
-/* Whether what is read at a place leaves it in doubt. */
+/* Returns true if the value read at a place is in doubt. */
 static bool is_doubted(const struct painter *p, const struct orl_vertex *v,
                        struct orl_search *search)
 {
@@ -143,10 +152,10 @@ static bool is_doubted(const struct painter *p, const struct orl_vertex *v,
 }
 
 /*
- * What a lattice's point has seen: the way of its ray, or, where the rest is read, that something
- * there is gathered even so. There few places want a record, and the finer rounds look only about
- * those that do, and where what is seen changes. So does the last round of others: between places
- * that see the same all are served.
+ * The result of a lattice ray: its path signature, or SEEN_GATHERED if the rest is read and
+ * something there is gathered in spite of that. If the rest is read few places need a record, and
+ * finer rounds test only the places about those and where the signature changes. The last round of
+ * a gathered picture does likewise: places between equal signatures are served.
  */
 enum { SEEN_GATHERED };
 
@@ -155,14 +164,14 @@ static uint64_t *seen_at(const struct painter *p, uint32_t x, uint32_t y)
     return &p->seen[(size_t)(y / 2) * ((p->painting->film->width + 1) / 2) + x / 2];
 }
 
-/* What the lattice before tells of a point of this one. */
+/* The previous lattice's results about a point. */
 struct told {
-    bool all;      /* its points about this one have seen the same, and nothing gathered: */
-    bool gathered; /* one of them has */
+    bool all;      /* all points about it have the same result, with nothing gathered */
+    bool gathered; /* at one of them something is gathered */
     uint64_t seen;
 };
 
-static struct told tell(const struct painter *p, uint32_t x, uint32_t y)
+static struct told previous_results(const struct painter *p, uint32_t x, uint32_t y)
 {
     const uint32_t coarse = 2 * p->step, x0 = x - x % coarse, y0 = y - y % coarse;
     const uint32_t x1 = x == x0 ? x : x0 + coarse, y1 = y == y0 ? y : y0 + coarse;
@@ -180,8 +189,8 @@ static struct told tell(const struct painter *p, uint32_t x, uint32_t y)
     return told;
 }
 
-/* Looks through the middle of a pixel for places that no record serves yet; with doubt, also for
- * those where what is read is in doubt. Returns what it has seen. */
+/* Traces a ray through the centre of a pixel to find places without a record; with `doubt`, also
+ * places where the value read is in doubt. Returns what the ray has seen. */
 static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y, bool doubt,
                                 struct row *row, struct orl_search *search)
 {
@@ -200,13 +209,13 @@ static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y,
         const bool served = (!is_read || doubt) && is_served(p, &v->place);
         const bool wants = !served && (!is_read || (doubt && is_doubted(p, v, search)));
         if (wants)
-            want(row, v, &p->grain);
+            request_record(row, v, &p->grain);
         gathered = gathered || served || wants;
     }
     return gathered && p->gather->rest != ORL_REST_GATHERED ? SEEN_GATHERED : shaded.way | 1;
 }
 
-/* The places along one lattice row. */
+/* Finds the places along one lattice row. */
 static void look_along_row(void *arg, size_t index, uint32_t member)
 {
     const struct painter *p = arg;
@@ -216,8 +225,8 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
         step >= (uint32_t)(p->gather->rest == ORL_REST_GATHERED ? ALL_OF_STEP : ALL_READ_OF_STEP);
     for (uint32_t x = 0; x < p->painting->film->width && !cancelled(p); x += step) {
         if (!all && x % (2 * step) == 0 && y % (2 * step) == 0)
-            continue; /* the lattice before has been there */
-        const struct told told = all ? (struct told){.gathered = true} : tell(p, x, y);
+            continue; /* the previous lattice contains this point */
+        const struct told told = all ? (struct told){.gathered = true} : previous_results(p, x, y);
         const uint64_t seen =
             told.all ? told.seen : look_for_places(p, x, y, told.gathered, &p->rows[index], search);
         if (step > 1)
@@ -225,7 +234,7 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
     }
 }
 
-/* All rows' places in one array, in order and thinned out; the rows are emptied. */
+/* Joins the rows' places into one array, in order, and thins them out. Empties the rows. */
 static int join_rows(struct painter *p, size_t rows)
 {
     size_t total = 0;
@@ -246,7 +255,7 @@ static int join_rows(struct painter *p, size_t rows)
     return wanted && !short_of_memory ? orl_records_thin(p->wanted, &p->n_wanted) : ORL_ERR_NOMEM;
 }
 
-/* Through the lattice's points, or of them those that have met lobes. */
+/* Returns the number of rays through the lattice's points, or of those that met lobes. */
 static size_t count_looks(const struct painter *p, size_t rows, bool lobes)
 {
     size_t sum = 0;
@@ -255,7 +264,7 @@ static size_t count_looks(const struct painter *p, size_t rows, bool lobes)
     return sum;
 }
 
-static void tell_of_records(const struct painter *p)
+static void report_records(const struct painter *p)
 {
     const size_t end = p->first_record + RECORDS_A_ROUND;
     const double part = end < p->n_wanted ? (double)end / (double)p->n_wanted : 1;
@@ -270,26 +279,29 @@ static int compute_wanted(struct painter *p)
                      compute_record, p);
         if (cancelled(p))
             return ORL_ERR_CANCELLED;
-        tell_of_records(p);
+        report_records(p);
     }
     /* p->wanted is freed in orl_image_render, which the analyzer cannot see from here. */
     /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc) */
     int code = orl_icache_add(&p->cache, p->wanted, p->n_wanted);
     if (code == 0)
         code = orl_icache_index(&p->cache);
-    /* After the last round there is nobody left to serve what is no longer reached. */
+    /* After the last round no further records could serve the places that are no longer reached. */
     for (int i = 0; i < HOLDS && code == 0 && p->step > finest_step(p); i++)
         code = orl_icache_hold_back(&p->cache, p->painting->env->crew);
     return code;
 }
 
-/* What each round of records takes of a view's time, from the coarsest on, and what fitting them
- * does, roughly: pixels take the rest. That is of a view that meets no lobes; a pixel that does
- * takes so many times as long besides. */
+/*
+ * Rough shares of a view's time: one for each round of records, from the coarsest on, and one for
+ * fitting them. Pixels take the remainder. They hold for a view without lobes; times_of_lobes is
+ * the factor for a pixel with lobes.
+ */
 enum { STEPS = 5 };
 static const double shares_gathered[STEPS + 1] = {0.13, 0.105, 0.13, 0.185, 0.07, 0.01};
 static const double shares_read[STEPS + 1] = {0.02, 0.045, 0.06, 0.095, 0, 0};
-static const double times_of_lobes = 40; /* as many rays are gathered; reading them is nothing */
+/* It traces as many gather rays; reading maps instead is negligible. */
+static const double times_of_lobes = 40;
 
 static double sum_of(const double shares[STEPS + 1])
 {
@@ -299,7 +311,7 @@ static double sum_of(const double shares[STEPS + 1])
     return sum;
 }
 
-/* By what the looks of the coarsest lattice have met. */
+/* Estimates the pixels' share of the time from the coarsest lattice's rays. */
 static void foresee_pixels(struct painter *p, size_t looks, size_t lobes)
 {
     const bool gathered = p->gather->rest == ORL_REST_GATHERED;
@@ -316,7 +328,7 @@ static double share_of_round(const struct painter *p, int round)
     return p->records * shares[round] / sum_of(shares);
 }
 
-/* Rounds from a coarse lattice to every pixel. */
+/* Makes records in rounds, from a coarse lattice to every pixel. */
 static int place_records(struct painter *p)
 {
     const struct orl_film *film = p->painting->film;
@@ -350,8 +362,9 @@ static int place_records(struct painter *p)
 /* ---- The view -------------------------------------------------------------------------------- */
 
 /*
- * What is near is lit again by a single ray on, which now and then finds a window: a speck. That a
- * strong lobe would show how coarse maps are is worth it; of a faint one they tell enough.
+ * Returns the radiance along a lobe's ray. A near surface is lit again by a single ray, which
+ * sometimes hits a window: a speck. That is acceptable for a strong lobe, which would show how
+ * coarse the maps are. A faint lobe reads texels and records instead.
  */
 static struct orl_rgb lobe_radiance(const void *ctx, const struct orl_lobe_ray *lobe,
                                     struct orl_random *random, struct orl_search *search)

@@ -1,10 +1,13 @@
 #include "render/image/lighting.h"
 
-/* Of the few records made for a place that no other reaches. */
+/* Rows of the few records for places that no other reaches. */
 enum { ROWS = 5 };
 
-/* What is read is doubted, and then not believed at all, where records lie apart by such shares of
- * it. Far enough apart that the eye sees no border between what is read and what is gathered. */
+/*
+ * Differences of records, as a share of the value read, from which it is in doubt and from which it
+ * is not used at all. They lie far enough apart that no border is visible between read and gathered
+ * light.
+ */
 static const double doubted = 0.13, disbelieved = 0.27;
 
 double orl_lighting_doubt(const struct orl_density *read)
@@ -31,7 +34,7 @@ struct orl_shadowed orl_lighting_direct(const struct orl_lighting *lighting,
     return sum;
 }
 
-/* From the strays, or one more of them. */
+/* Returns the irradiance from the stray records, and adds one if none reaches the place. */
 static struct orl_cached stray_at(const struct orl_lighting *lighting, const struct orl_vertex *v,
                                   struct orl_strays *strays, struct orl_random *random,
                                   struct orl_search *search)
@@ -50,9 +53,9 @@ static struct orl_cached stray_at(const struct orl_lighting *lighting, const str
                                hypot(record->error_by_photons, record->error_by_rays)};
 }
 
-/* What is read, and as much of what records of the cache say as it is in doubt. */
-static struct orl_cached believed(const struct orl_lighting *lighting, const struct orl_vertex *v,
-                                  const struct orl_density *read)
+/* Returns the value read, blended with the cached records by the doubt about it. */
+static struct orl_cached blend_by_doubt(const struct orl_lighting *lighting,
+                                        const struct orl_vertex *v, const struct orl_density *read)
 {
     const double doubt = orl_lighting_doubt(read), rest = 1 - doubt;
     struct orl_cached cached = {read->irradiance, read->standard_error};
@@ -63,20 +66,22 @@ static struct orl_cached believed(const struct orl_lighting *lighting, const str
         doubt * cached.standard_error + rest * read->standard_error};
 }
 
-/* The rest at a vertex, by whichever way serves. read: by densities or records, where it is. */
+/* Returns the rest at a vertex by the applicable method. read: the value by densities or records,
+ * if there is one. */
 static struct orl_cached rest_at(const struct orl_lighting *lighting, const struct orl_vertex *v,
                                  const struct orl_density *read, struct orl_strays *strays,
                                  struct orl_random *random, struct orl_search *search)
 {
     struct orl_cached cached;
     if (!orl_lighting_gathers(lighting->gather, &v->place) && read->found > 0)
-        return believed(lighting, v, read);
+        return blend_by_doubt(lighting, v, read);
     if (orl_icache_lookup(lighting->cache, &v->place, &cached))
         return cached;
     return stray_at(lighting, v, strays, random, search);
 }
 
-/* How far an estimate is much the same: its disc hardly moves. */
+/* Returns the distance within which an estimate is nearly constant, because its disc hardly
+ * moves. */
 static double reach_of(const struct orl_density *density)
 {
     return density->radius > 0 ? fmin(0.25 * density->radius, density->clear) : INFINITY;

@@ -4,7 +4,7 @@
 
 #include "render/image/mosaic_cells.h"
 
-static void look_through(const struct orl_tile_cells *mosaic, int x, int y)
+static void trace_centre_ray(const struct orl_tile_cells *mosaic, int x, int y)
 {
     static const double middle[2] = {0.5, 0.5};
     const struct orl_film *film = mosaic->m->painting->film;
@@ -34,12 +34,12 @@ static void look_through(const struct orl_tile_cells *mosaic, int x, int y)
     cell->variance = direct.variance + cell->shaded.lobes_variance;
 }
 
-static void paint(const struct orl_tile_cells *mosaic)
+static void paint_cells(const struct orl_tile_cells *mosaic)
 {
     const struct orl_paint_env *env = mosaic->m->painting->env;
     for (int y = -1; y <= mosaic->height && !orl_paint_cancelled(env); y++)
         for (int x = -1; x <= mosaic->width; x++)
-            look_through(mosaic, x, y);
+            trace_centre_ray(mosaic, x, y);
     if (orl_paint_cancelled(env))
         return;
     orl_mosaic_fill(mosaic);
@@ -58,7 +58,7 @@ void orl_mosaic_paint(void *ctx, const struct orl_tile *tile, struct orl_search 
                                     .width = (int)(tile->x1 - tile->x0),
                                     .height = (int)(tile->y1 - tile->y0)};
     if (mosaic.cells && mosaic.strays)
-        paint(&mosaic);
+        paint_cells(&mosaic);
     else
         atomic_store(m->failed, true);
     free(mosaic.cells);

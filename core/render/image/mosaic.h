@@ -1,18 +1,18 @@
 /*
- * A tile of a view from photon maps, in four steps, each as sparse as its subject allows:
- *   one ray through the middle of every pixel, and its shadow rays;
- *   what is smooth (lighting.h) at the corners of squares of pixels whose rays all went the same
- *     way (shade.h), carried over to the pixels between where the middle of the square bears it
- *     out; elsewhere squares are quartered, down to single pixels;
- *   more rays for gloss, where those about a pixel say that chance shows in it;
- *   where neighbours see other things, shadows end, or what is smooth is steep even so (caustics),
- *     more rays through the pixel (pixel.h), which take what is smooth from the pixel about them
- *     that sees the same.
- * A pixel that finds there what none of its neighbours has seen makes these look again, too: things
- * narrower than a pixel are followed along. So does one that finds a shadow's edge, and there all
- * of a pixel's rays are sent: penumbras are looked at from end to end.
+ * A tile of a view from photon maps, painted in four steps of different density:
+ *   one ray through the centre of every pixel, and its shadow rays;
+ *   the smooth part (lighting.h) at the corners of squares of pixels whose rays have the same path
+ *   signature (shade.h). It is interpolated to the pixels between if the square's centre agrees;
+ *   otherwise squares are quartered, down to single pixels;
+ *   more rays for gloss, if the pixels about one show noise;
+ *   more rays through a pixel (pixel.h) if neighbours see other things, shadows end, or the smooth
+ *   part is steep (caustics). They take the smooth part from the nearest pixel that sees the same.
+ * A pixel that finds there something that none of its neighbours has seen makes these send more
+ * rays as well, so that things narrower than a pixel are followed. So does one that finds a
+ * shadow's edge; the pixels about it send all of a pixel's rays, so that penumbras are sampled from
+ * end to end.
  *
- * A tile is a function of the view and its place alone; threads share nothing but what is constant.
+ * A tile is a function of the view and its position alone; threads share only constant data.
  */
 #ifndef ORL_RENDER_IMAGE_MOSAIC_H
 #define ORL_RENDER_IMAGE_MOSAIC_H
@@ -24,12 +24,12 @@ struct orl_mosaic {
     struct orl_lighting lighting;
     struct orl_shader shader;
     const struct orl_painting *painting;
-    uint64_t seed;       /* names the view's numbers */
-    bool outside;        /* where the eye is */
+    uint64_t seed;       /* names the view's random numbers */
+    bool outside;        /* true if the eye is outside */
     atomic_bool *failed; /* set when out of memory */
 };
 
-/* An orl_paint_tile; ctx: a struct orl_mosaic. */
+/* Paints a tile; an orl_paint_tile whose ctx is a struct orl_mosaic. */
 void orl_mosaic_paint(void *ctx, const struct orl_tile *tile, struct orl_search *search);
 
 #endif

@@ -1,9 +1,9 @@
 /*
- * What the steps of a tile share (mosaic.h): its pixels and a margin of one about them, each by the
- * ray through its middle; which random numbers are whose; how a ray through a pixel is followed.
- * Coordinates of pixels count from the tile's corner: the margin's are -1 and the last.
+ * Data shared by the steps of a tile (mosaic.h): its pixels and a margin of one pixel, each with
+ * the ray through its centre; the naming of random numbers; and the tracing of a ray through a
+ * pixel. Pixel coordinates count from the tile's corner: the margin's are -1 and the last.
  *
- * Threads: a tile's cells are its thread's own.
+ * Threads: a tile's cells belong to its thread.
  */
 #ifndef ORL_RENDER_IMAGE_MOSAIC_CELLS_H
 #define ORL_RENDER_IMAGE_MOSAIC_CELLS_H
@@ -13,28 +13,28 @@
 
 enum { ORL_CELLS_SIDE = ORL_PAINT_TILE + 2 };
 
-/* A pixel by the ray through its middle. */
+/* A pixel, with the ray through its centre. */
 struct orl_cell {
-    bool there;   /* in the picture */
-    bool made;    /* what is smooth is known, be it ... */
-    bool exact;   /* ... by itself */
+    bool there;   /* the pixel is in the picture */
+    bool made;    /* the smooth part is known */
+    bool exact;   /* the smooth part was computed here, not interpolated */
     bool refined; /* more rays are to be sent */
     uint64_t way;
     struct orl_rgb rest, direct, lobes;
-    double variance; /* of direct and lobes */
-    uint32_t more;   /* rays for its gloss */
+    double variance; /* variance of direct and lobes */
+    uint32_t more;   /* number of additional rays for its gloss */
     struct orl_smooth smooth;
     struct orl_shaded shaded;
 };
 
-/* A tile in the making. */
+/* State of a tile as it is painted. */
 struct orl_tile_cells {
     const struct orl_mosaic *m;
     const struct orl_tile *tile;
     struct orl_search *search;
-    struct orl_cell (*cells)[ORL_CELLS_SIDE]; /* row by row, from the margin */
+    struct orl_cell (*cells)[ORL_CELLS_SIDE]; /* rows, from the margin's on */
     struct orl_strays *strays;
-    int width, height; /* of the tile */
+    int width, height; /* size of the tile */
 };
 
 static inline struct orl_cell *orl_cell_at(const struct orl_tile_cells *mosaic, int x, int y)
@@ -54,7 +54,7 @@ static inline uint64_t orl_cell_index(const struct orl_tile_cells *mosaic, int x
            (uint64_t)((int64_t)mosaic->tile->x0 + x);
 }
 
-/* The numbers of a pixel's ray: the one through the middle is the last. */
+/* Returns the random stream of a pixel's ray; the centre ray is the last. */
 static inline struct orl_random orl_cell_numbers(const struct orl_tile_cells *mosaic, int x, int y,
                                                  uint32_t ray)
 {
@@ -64,30 +64,30 @@ static inline struct orl_random orl_cell_numbers(const struct orl_tile_cells *mo
                                                   : cell * (ORL_PIXEL_RAYS + 1) + ray);
 }
 
-/* Of a pixel's shadow rays. */
+/* Returns the name of the sequence of a pixel's shadow rays. */
 static inline uint32_t orl_cell_sequence(const struct orl_tile_cells *mosaic, int x, int y)
 {
     return (uint32_t)orl_mix64(mosaic->m->seed * 5 + orl_cell_index(mosaic, x, y));
 }
 
-/* Of the rays that there are for a pixel's lobes one in so many, for that one of several looks;
- * of 0: none. */
+/* One look of several that share a pixel's lobe rays: it sends one in `of` of them; 0: none. */
 struct orl_lobe_share {
     uint32_t of, look;
 };
 
-/* Follows the ray through a place of a pixel; false where the view sees nothing. */
+/* Traces the ray through a position in a pixel; returns false if it lies outside the view. */
 bool orl_cell_look(const struct orl_tile_cells *mosaic, int x, int y, const double place[2],
                    struct orl_lobe_share share, struct orl_random *random,
                    struct orl_shaded *ret_shaded);
 
-/* Second step (mosaic_smooth.c): what is smooth, at all pixels of the tile. */
+/* Second step (mosaic_smooth.c): computes the smooth part at all pixels of the tile. */
 void orl_mosaic_fill(const struct orl_tile_cells *mosaic);
 
-/* Third step (mosaic_gloss.c): more rays for gloss that chance would show in. */
+/* Third step (mosaic_gloss.c): sends more rays for gloss that would be noisy. */
 void orl_mosaic_polish(const struct orl_tile_cells *mosaic);
 
-/* Last step (mosaic_edges.c): the tile's pixels go into the film, those on edges by more rays. */
+/* Last step (mosaic_edges.c): writes the tile's pixels to the film, those on edges from more
+ * rays. */
 void orl_mosaic_settle(const struct orl_tile_cells *mosaic);
 
 #endif

@@ -1,15 +1,17 @@
 #include "render/image/mosaic_cells.h"
 
-/* Neighbours that differ by more than the first share see an edge of a shadow; by less than the
- * second they see none, whatever they see. Of what is smooth a pixel's middle does not tell the
- * mean where neighbours differ by more than the third: along the edges of caustics. */
+/*
+ * Shares of the luma by which neighbours differ: from the first on there is a shadow's edge between
+ * them; below the second there is no edge, whatever they see. Above the third the pixel's centre
+ * does not give the mean of the smooth part: along the edges of caustics.
+ */
 static const double sharp_difference = 0.15, no_difference = 0.02, steep_difference = 0.2;
 
-/* Of a pixel's rays that see lobes one stands for others that are no further: pixels. */
+/* Distance, in pixels, within which one of a pixel's rays stands for others that see lobes. */
 static const double close_by = 0.3;
 
-/* What is smooth is shared so many times its reach: among the rays of a pixel, whose mean is what
- * counts; and beyond it by a pixel whose neighbours bear it out. */
+/* Multiples of its reach within which the smooth part is shared: among the rays of a pixel, whose
+ * mean counts; and between neighbouring pixels, if the neighbours agree. */
 static const double shared_within = 1, shared_about = 4;
 
 static struct orl_shade shade_of(const struct orl_cell *cell)
@@ -23,14 +25,15 @@ static struct orl_shade shade_of(const struct orl_cell *cell)
 }
 
 /*
- * Why a pixel is looked at more closely, the stronger reason last: its neighbours see other things,
- * or the edge of a shadow is near. There rays agree by chance, on one side of it or the other: four
- * that do are no reason to stop.
+ * The reason to refine a pixel, the stronger one last: its neighbours see other things, or a
+ * shadow's edge is near. Rays near such an edge agree by chance, on one side of it or the other.
+ * Four equal rays are therefore no reason to stop.
  */
 enum cause { CAUSE_NONE, CAUSE_THINGS, CAUSE_SHADOW };
 
-/* Whether, and why, two neighbours make one look closer at the first. */
-static enum cause differ(const struct orl_cell *cell, const struct orl_cell *other, bool other_made)
+/* Returns the reason, if any, why a difference to its neighbour makes a pixel need refinement. */
+static enum cause refinement_cause(const struct orl_cell *cell, const struct orl_cell *other,
+                                   bool other_made)
 {
     const double luma = orl_luma(shade_of(cell).radiance);
     if (other_made && cell->way != other->way) {
@@ -58,17 +61,17 @@ static enum cause wants_more(const struct orl_tile_cells *mosaic, int x, int y)
             const bool made = orl_cell_in_tile(mosaic, x + dx, y + dy) && other->made;
             if (other == cell || !other->there)
                 continue;
-            const enum cause found = differ(cell, other, made);
+            const enum cause found = refinement_cause(cell, other, made);
             cause = found > cause ? found : cause;
         }
     }
     return cause;
 }
 
-/* What the rays of one pixel have found that the pixels about cannot tell. */
+/* Results of one pixel's rays that the neighbouring pixels do not have. */
 struct found {
     uint64_t way;
-    double x, y; /* in the pixel */
+    double x, y; /* position in the pixel */
     struct orl_vec3 on_surface;
     struct orl_smooth smooth;
     struct orl_rgb lobes;
@@ -77,15 +80,15 @@ struct found {
 struct finds {
     struct found list[ORL_PIXEL_MOST_RAYS];
     uint32_t count;
-    bool is_new; /* one of them nobody about has seen */
-    /* Luma of the direct light of rays that go the pixel's own way. */
+    bool is_new; /* true if one of them has a path signature that no pixel about has */
+    /* Range of the direct light's luma over rays with the pixel's own signature. */
     double least_direct, most_direct;
 };
 
-/* The nearest of the pixels about a place of one that see the same, and how far their lumas reach.
- */
+/* The neighbouring pixel nearest to a position that sees the same, and the range of luma of all
+ * such pixels. */
 struct kin {
-    const struct orl_cell *nearest; /* NULL: there is none */
+    const struct orl_cell *nearest; /* NULL if there is none */
     double least, most;
 };
 
@@ -113,7 +116,7 @@ static struct kin kin_of(const struct orl_tile_cells *mosaic, int x, int y, cons
     return kin;
 }
 
-/* The first surface that a ray saw, where it saw any. */
+/* Returns the point of the first surface that a ray saw, or the origin. */
 static struct orl_vec3 surface_of(const struct orl_shaded *shaded)
 {
     return shaded->n_vertices > 0 ? shaded->vertices[0].on_surface : orl_v3(0, 0, 0);
@@ -125,9 +128,9 @@ static bool is_within(struct orl_vec3 a, struct orl_vec3 b, double reach)
     return orl_dot(way, way) < reach * reach;
 }
 
-/* Whether what one ray has found will do for another of the pixel. */
-static bool will_do(const struct found *known, const double place[2],
-                    const struct orl_shaded *shaded)
+/* Returns true if the result of one ray can stand for another ray of the pixel. */
+static bool can_reuse(const struct found *known, const double place[2],
+                      const struct orl_shaded *shaded)
 {
     const double across = known->x - place[0], down = known->y - place[1];
     if (known->way != shaded->way)
@@ -137,7 +140,7 @@ static bool will_do(const struct found *known, const double place[2],
                                          shared_within * known->smooth.reach);
 }
 
-/* The nearest in the pixel that sees the same; NULL where none does. */
+/* Returns the nearest result in the pixel with the same signature, or NULL. */
 static const struct found *nearest_known(const struct finds *finds, const double place[2],
                                          uint64_t way)
 {
@@ -158,19 +161,20 @@ static const struct found *nearest_known(const struct finds *finds, const double
 static const struct found *known_for(const struct finds *finds, uint32_t ray, const double place[2],
                                      const struct orl_shaded *shaded)
 {
-    /* Rays beyond the usual ones are there for what is stark: coverage, and shadows. */
+    /* Rays beyond the usual ones serve sharp contrasts: coverage and shadows. */
     if (ray >= ORL_PIXEL_RAYS)
         return nearest_known(finds, place, shaded->way);
     for (uint32_t i = 0; i < finds->count; i++)
-        if (will_do(&finds->list[i], place, shaded))
+        if (can_reuse(&finds->list[i], place, shaded))
             return &finds->list[i];
     return NULL;
 }
 
-/* What is smooth and what lobes show, worked out for a ray, or for one close by. */
-static const struct found *find(const struct orl_tile_cells *mosaic, int x, int y, uint32_t ray,
-                                const double place[2], struct orl_shaded *shaded,
-                                struct orl_random *random, struct finds *finds)
+/* Returns the smooth part and the lobes for a ray, computed for it or for a ray close by. */
+static const struct found *find_or_compute(const struct orl_tile_cells *mosaic, int x, int y,
+                                           uint32_t ray, const double place[2],
+                                           struct orl_shaded *shaded, struct orl_random *random,
+                                           struct finds *finds)
 {
     const struct found *known = known_for(finds, ray, place, shaded);
     if (known)
@@ -191,10 +195,10 @@ static const struct found *find(const struct orl_tile_cells *mosaic, int x, int 
     return found;
 }
 
-/* Whether the nearest may speak for a ray that sees the same. */
+/* Returns true if the nearest pixel's values hold for a ray that sees the same. */
 static bool is_close(const struct kin *kin, const struct orl_shaded *shaded)
 {
-    /* Lobes change within a pixel of what frames them. */
+    /* Lobes vary within a pixel with the geometry that frames them. */
     if (!kin->nearest || shaded->has_lobes || kin->most - kin->least > sharp_difference * kin->most)
         return false;
     if (shaded->n_vertices == 0)
@@ -203,7 +207,7 @@ static bool is_close(const struct kin *kin, const struct orl_shaded *shaded)
                      shared_about * kin->nearest->smooth.reach);
 }
 
-/* What one more ray sees. */
+/* Returns the radiance of one more ray. */
 static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, int y, uint32_t ray,
                                   struct finds *finds)
 {
@@ -229,7 +233,8 @@ static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, in
         seen.lobes = kin.nearest->lobes;
         seen.variance = kin.nearest->shaded.lobes_variance + direct.variance;
     } else {
-        const struct found *found = find(mosaic, x, y, ray, place, &shaded, &random, finds);
+        const struct found *found =
+            find_or_compute(mosaic, x, y, ray, place, &shaded, &random, finds);
         finds->is_new = finds->is_new || !kin.nearest;
         seen.smooth = found->smooth;
         seen.lobes = found->lobes;
@@ -238,10 +243,10 @@ static struct orl_shade shade_ray(const struct orl_tile_cells *mosaic, int x, in
     return shade_of(&seen);
 }
 
-/* A pixel by more rays, at least so many. ret_cause: why those about it are to be looked at as
- * well, for these have seen something that no ray about has, or a shadow's edge. */
-static struct orl_pixel refine(const struct orl_tile_cells *mosaic, int x, int y, uint32_t rays,
-                               enum cause *ret_cause)
+/* Returns a pixel from at least that many rays. *ret_cause: why its neighbours need refinement as
+ * well: a ray has a new path signature, or crosses a shadow's edge. */
+static struct orl_pixel refine_pixel(const struct orl_tile_cells *mosaic, int x, int y,
+                                     uint32_t rays, enum cause *ret_cause)
 {
     const double own = orl_luma(orl_cell_at(mosaic, x, y)->direct);
     struct orl_pixel_rays tally = {.rays = 0};
@@ -268,13 +273,14 @@ static struct orl_pixel settle_cell(const struct orl_cell *cell)
     return orl_pixel_settle(&tally);
 }
 
-static void set(const struct orl_tile_cells *mosaic, int x, int y, const struct orl_pixel *pixel)
+static void set_pixel(const struct orl_tile_cells *mosaic, int x, int y,
+                      const struct orl_pixel *pixel)
 {
     orl_film_set(mosaic->m->painting->film, mosaic->tile->x0 + (uint32_t)x,
                  mosaic->tile->y0 + (uint32_t)y, pixel, &mosaic->search->health);
 }
 
-/* Pixels to be refined. */
+/* Stack of pixels to be refined. */
 struct refining {
     struct {
         int x, y;
@@ -283,8 +289,8 @@ struct refining {
     int depth;
 };
 
-static void put(const struct orl_tile_cells *mosaic, int x, int y, enum cause cause,
-                struct refining *refining)
+static void push_pixel(const struct orl_tile_cells *mosaic, int x, int y, enum cause cause,
+                       struct refining *refining)
 {
     if (!orl_cell_in_tile(mosaic, x, y) || orl_cell_at(mosaic, x, y)->refined)
         return;
@@ -294,24 +300,24 @@ static void put(const struct orl_tile_cells *mosaic, int x, int y, enum cause ca
     refining->stack[refining->depth++].cause = cause;
 }
 
-/* Refines a pixel, and those about it for as long as something new comes up, or a shadow ends. */
+/* Refines a pixel, and its neighbours while new things or shadow edges are found. */
 static void refine_about(const struct orl_tile_cells *mosaic, int x, int y, enum cause cause)
 {
-    struct refining refining; /* not its stack, which is large */
+    struct refining refining; /* its stack stays uninitialised, because it is large */
     refining.depth = 0;
-    put(mosaic, x, y, cause, &refining);
+    push_pixel(mosaic, x, y, cause, &refining);
     while (refining.depth > 0) {
         refining.depth--;
         const int at_x = refining.stack[refining.depth].x, at_y = refining.stack[refining.depth].y;
         enum cause found;
-        const struct orl_pixel pixel =
-            refine(mosaic, at_x, at_y,
-                   refining.stack[refining.depth].cause == CAUSE_SHADOW ? ORL_PIXEL_RAYS
-                                                                        : ORL_PIXEL_FIRST_RAYS,
-                   &found);
-        set(mosaic, at_x, at_y, &pixel);
+        const struct orl_pixel pixel = refine_pixel(
+            mosaic, at_x, at_y,
+            refining.stack[refining.depth].cause == CAUSE_SHADOW ? ORL_PIXEL_RAYS
+                                                                 : ORL_PIXEL_FIRST_RAYS,
+            &found);
+        set_pixel(mosaic, at_x, at_y, &pixel);
         for (int i = 0; i < 9 && found != CAUSE_NONE; i++)
-            put(mosaic, at_x + i % 3 - 1, at_y + i / 3 - 1, found, &refining);
+            push_pixel(mosaic, at_x + i % 3 - 1, at_y + i / 3 - 1, found, &refining);
     }
 }
 
@@ -320,7 +326,7 @@ void orl_mosaic_settle(const struct orl_tile_cells *mosaic)
     for (int y = 0; y < mosaic->height; y++) {
         for (int x = 0; x < mosaic->width; x++) {
             const struct orl_pixel pixel = settle_cell(orl_cell_at(mosaic, x, y));
-            set(mosaic, x, y, &pixel);
+            set_pixel(mosaic, x, y, &pixel);
         }
     }
     for (int y = 0; y < mosaic->height; y++)

@@ -1,15 +1,16 @@
 #include "render/image/mosaic_cells.h"
 
-/* What chance may be of a pixel's gloss, as a share of the pixel: as if rays were drawn by it. They
- * are spread evenly, so that it is about half of that. */
+/* Tolerated noise of a pixel's gloss, as a share of the pixel. It is computed as if rays were
+ * random; they are stratified, so that the noise is about half of that. */
 static const double tolerance = 0.04;
 
-/* Rays that gloss takes besides the first few; pixels about, to either side, that say how many. */
+/* Limits of the additional gloss rays; distance, and least number, of the pixels that determine
+ * them. */
 enum { LEAST_MORE = 8, MOST_MORE = 64, ABOUT = 2, FEWEST_ABOUT = 4 };
 
-/* What the pixels about one say of its gloss. */
+/* Gloss statistics of the pixels about one. */
 struct hearsay {
-    double variance, luma; /* sums */
+    double variance, luma; /* sums over the pixels */
     uint32_t count;
 };
 
@@ -19,8 +20,8 @@ static struct orl_rgb radiance_of(const struct orl_cell *cell)
                        orl_rgb_add(cell->lobes, cell->smooth.radiance));
 }
 
-/* Of the pixels that see the same way, or of all with lobes. */
-static struct hearsay hear(const struct orl_tile_cells *mosaic, int x, int y, bool same)
+/* Collects the statistics of the pixels with the same path signature, or of all with lobes. */
+static struct hearsay collect_gloss(const struct orl_tile_cells *mosaic, int x, int y, bool same)
 {
     const uint64_t way = orl_cell_at(mosaic, x, y)->way;
     struct hearsay heard = {.count = 0};
@@ -39,15 +40,13 @@ static struct hearsay hear(const struct orl_tile_cells *mosaic, int x, int y, bo
     return heard;
 }
 
-/*
- * How many more rays a pixel is to have, by what those about it have seen by chance. Its own rays
- * have no say: for where few things are bright, those that have missed them would be believed.
- */
+/* Returns the number of additional rays, by the noise of the pixels about. The pixel's own rays do
+ * not decide: if few things are bright, rays that missed them would show too little noise. */
 static uint32_t more_for(const struct orl_tile_cells *mosaic, int x, int y)
 {
-    struct hearsay heard = hear(mosaic, x, y, true);
+    struct hearsay heard = collect_gloss(mosaic, x, y, true);
     if (heard.count < FEWEST_ABOUT)
-        heard = hear(mosaic, x, y, false);
+        heard = collect_gloss(mosaic, x, y, false);
     if (heard.count == 0)
         return LEAST_MORE;
     const double luma = heard.luma / heard.count, allowed = tolerance * luma;
@@ -61,7 +60,7 @@ static uint32_t more_for(const struct orl_tile_cells *mosaic, int x, int y)
     return more;
 }
 
-static void look_again(const struct orl_tile_cells *mosaic, int x, int y)
+static void add_gloss_rays(const struct orl_tile_cells *mosaic, int x, int y)
 {
     static const double middle[2] = {0.5, 0.5};
     struct orl_cell *cell = orl_cell_at(mosaic, x, y);
@@ -95,5 +94,5 @@ void orl_mosaic_polish(const struct orl_tile_cells *mosaic)
     for (int y = 0; y < mosaic->height && !orl_paint_cancelled(mosaic->m->painting->env); y++)
         for (int x = 0; x < mosaic->width; x++)
             if (orl_cell_at(mosaic, x, y)->more > 0)
-                look_again(mosaic, x, y);
+                add_gloss_rays(mosaic, x, y);
 }

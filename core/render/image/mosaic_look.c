@@ -1,6 +1,6 @@
 #include "render/image/mosaic_cells.h"
 
-/* The most of what gloss has been found to want, here and about. */
+/* Returns the largest number of additional gloss rays among a pixel and its neighbours. */
 static uint32_t wanted_about(const struct orl_tile_cells *mosaic, int x, int y)
 {
     uint32_t most = 0;
@@ -12,7 +12,7 @@ static uint32_t wanted_about(const struct orl_tile_cells *mosaic, int x, int y)
     return most;
 }
 
-/* One of several looks through a pixel, that all have even numbers of one sequence. */
+/* Sets up one of several looks through a pixel, which share the points of one sequence. */
 static void share_lobes(const struct orl_tile_cells *mosaic, int x, int y,
                         const struct orl_lobe_share *share, struct orl_shader *shader)
 {

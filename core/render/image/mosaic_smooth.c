@@ -1,14 +1,14 @@
 #include "render/image/mosaic_cells.h"
 
-/* Pixels across the widest squares. */
+/* Width of the largest squares, in pixels. */
 enum { WIDEST = 8 };
 
-/* What is carried over may be off by the first share of a pixel; or by its standard error, but no
- * more than by the second. */
+/* Tolerated interpolation error: the first share of the pixel, or its standard error, but at most
+ * the second share. */
 static const double tolerance = 0.02, most_tolerance = 0.06;
 
-/* Squares whose corners differ by more than that share of their mean are not borne out by a middle
- * that is as they say: where light ends at once, somewhere, it may be so by chance. */
+/* Squares whose corners differ by more than this share of their mean are divided even if the centre
+ * agrees: near an abrupt end of light it may agree by chance. */
 static const double steep = 0.5;
 
 static void make_exact(const struct orl_tile_cells *mosaic, int x, int y)
@@ -22,12 +22,12 @@ static void make_exact(const struct orl_tile_cells *mosaic, int x, int y)
     cell->made = cell->exact = true;
 }
 
-/* Corners of a square of pixels, all of them in it. */
+/* Inclusive corners of a square of pixels. */
 struct square {
     int x0, y0, x1, y1;
 };
 
-/* Adds a share of one to another. */
+/* Adds a share of one estimate to another. */
 static void add_smooth(struct orl_smooth *sum, const struct orl_smooth *more, double share)
 {
     sum->radiance = orl_rgb_add(sum->radiance, orl_rgb_scale(more->radiance, share));
@@ -36,9 +36,9 @@ static void add_smooth(struct orl_smooth *sum, const struct orl_smooth *more, do
     sum->reach = fmin(sum->reach, more->reach);
 }
 
-/* Between the corners, by shares of the way across and down. */
-static struct orl_smooth between(const struct orl_tile_cells *mosaic, const struct square *s,
-                                 double across, double down)
+/* Interpolates between the corners, by shares of the way across and down. */
+static struct orl_smooth interpolate_corners(const struct orl_tile_cells *mosaic,
+                                             const struct square *s, double across, double down)
 {
     struct orl_smooth sum = {.reach = INFINITY};
     add_smooth(&sum, &orl_cell_at(mosaic, s->x0, s->y0)->smooth, (1 - across) * (1 - down));
@@ -53,7 +53,8 @@ static double share_of(int at, int from, int to)
     return to > from ? (double)(at - from) / (to - from) : 0;
 }
 
-/* Whether corners and middle see alike, and the corners say what the middle is. */
+/* Returns true if corners and centre see the same, and the corners' interpolation agrees with the
+ * centre. */
 static bool is_smooth(const struct orl_tile_cells *mosaic, const struct square *s)
 {
     const int x = (s->x0 + s->x1) / 2, y = (s->y0 + s->y1) / 2;
@@ -77,7 +78,7 @@ static bool is_smooth(const struct orl_tile_cells *mosaic, const struct square *
         return false;
     make_exact(mosaic, x, y);
     const struct orl_smooth guess =
-        between(mosaic, s, share_of(x, s->x0, s->x1), share_of(y, s->y0, s->y1));
+        interpolate_corners(mosaic, s, share_of(x, s->x0, s->x1), share_of(y, s->y0, s->y1));
     const double luma = orl_luma(middle->smooth.radiance);
     const double all = luma + orl_luma(middle->rest) + orl_luma(middle->direct);
     const double error = hypot(middle->smooth.rest_error, middle->smooth.caustic_error);
@@ -85,7 +86,7 @@ static bool is_smooth(const struct orl_tile_cells *mosaic, const struct square *
            fmax(tolerance * all, fmin(error, most_tolerance * all));
 }
 
-static void carry_over(const struct orl_tile_cells *mosaic, const struct square *s)
+static void interpolate_square(const struct orl_tile_cells *mosaic, const struct square *s)
 {
     const uint64_t way = orl_cell_at(mosaic, s->x0, s->y0)->way;
     for (int y = s->y0; y <= s->y1; y++) {
@@ -97,7 +98,8 @@ static void carry_over(const struct orl_tile_cells *mosaic, const struct square 
                 make_exact(mosaic, x, y);
                 continue;
             }
-            cell->smooth = between(mosaic, s, share_of(x, s->x0, s->x1), share_of(y, s->y0, s->y1));
+            cell->smooth = interpolate_corners(mosaic, s, share_of(x, s->x0, s->x1),
+                                               share_of(y, s->y0, s->y1));
             cell->made = true;
         }
     }
@@ -115,7 +117,7 @@ static void fill_square(const struct orl_tile_cells *mosaic, const struct square
         return;
     }
     if (is_smooth(mosaic, s)) {
-        carry_over(mosaic, s);
+        interpolate_square(mosaic, s);
         return;
     }
     fill_square(mosaic, &(struct square){s->x0, s->y0, wide ? x : s->x1, high ? y : s->y1});
@@ -127,12 +129,12 @@ static void fill_square(const struct orl_tile_cells *mosaic, const struct square
         fill_square(mosaic, &(struct square){x, y, s->x1, s->y1});
 }
 
-static int lesser(int a, int b)
+static int smaller_of(int a, int b)
 {
     return a < b ? a : b;
 }
 
-/* Squares share their corners, also with those of the tiles beside: hence the margin. */
+/* Squares share their corners, also with those of neighbouring tiles: hence the margin. */
 void orl_mosaic_fill(const struct orl_tile_cells *mosaic)
 {
     const int last_x =
@@ -141,6 +143,6 @@ void orl_mosaic_fill(const struct orl_tile_cells *mosaic)
         orl_cell_at(mosaic, 0, mosaic->height)->there ? mosaic->height : mosaic->height - 1;
     for (int y = 0; y < mosaic->height; y += WIDEST)
         for (int x = 0; x < mosaic->width; x += WIDEST)
-            fill_square(mosaic, &(struct square){x, y, lesser(x + WIDEST, last_x),
-                                                 lesser(y + WIDEST, last_y)});
+            fill_square(mosaic, &(struct square){x, y, smaller_of(x + WIDEST, last_x),
+                                                 smaller_of(y + WIDEST, last_y)});
 }

@@ -5,7 +5,8 @@
 
 #include "base/scatter.h"
 
-/* Where pixels are worked out one by one tiles are small: the crew comes to the end together. */
+/* Tiles are small if pixels are painted one by one, so that all threads finish at about the same
+ * time. */
 enum { SMALL_TILE = 16 };
 
 struct tiles {
@@ -14,12 +15,12 @@ struct tiles {
     void *ctx;
     uint32_t side;
     size_t across, all, stride;
-    bool by_pixel;      /* whoever paints counts pixels by itself */
-    atomic_size_t done; /* pixels */
-    double before;      /* of the view */
+    bool by_pixel;      /* true if the paint function counts its pixels itself */
+    atomic_size_t done; /* number of pixels painted */
+    double before;      /* progress of the view before painting */
 };
 
-/* Whether a view that is cut off in the distance has something before that. */
+/* Returns true if the view has no aft clipping plane, or the ray meets something before it. */
 static bool lies_within(const struct orl_painting *painting, double x, double y,
                         struct orl_vec3 origin, struct orl_vec3 direction)
 {
@@ -50,8 +51,8 @@ static uint32_t least(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-/* By any member; the lead alone tells. */
-static void count(struct tiles *tiles, size_t pixels, bool tell)
+/* Counts painted pixels; any thread may call it, but only the lead reports progress. */
+static void count_pixels(struct tiles *tiles, size_t pixels, bool tell)
 {
     const struct orl_paint_env *env = tiles->painting->env;
     const struct orl_film *film = tiles->painting->film;
@@ -74,7 +75,7 @@ static void paint_tile(void *arg, size_t index, uint32_t member)
         return;
     tiles->paint(tiles->ctx, &at, &painting->env->searches[member]);
     if (!tiles->by_pixel)
-        count(tiles, (size_t)(at.x1 - at.x0) * (at.y1 - at.y0), member == 0);
+        count_pixels(tiles, (size_t)(at.x1 - at.x0) * (at.y1 - at.y0), member == 0);
 }
 
 static int paint_all(struct tiles *tiles)
@@ -84,7 +85,7 @@ static int paint_all(struct tiles *tiles)
     tiles->across = (film->width + tiles->side - 1) / tiles->side;
     tiles->all = tiles->across * ((film->height + tiles->side - 1) / tiles->side);
     tiles->stride = orl_scatter_stride(tiles->all);
-    painting->env->progress(painting->env->ctx, tiles->before); /* what came before is over */
+    painting->env->progress(painting->env->ctx, tiles->before); /* end the previous phase */
     painting->env->phase(painting->env->ctx, tiles->before, 1);
     orl_crew_for(painting->env->crew, tiles->all, paint_tile, tiles);
     if (orl_paint_cancelled(painting->env))
@@ -118,7 +119,7 @@ static void paint_pixels(void *ctx, const struct orl_tile *tile, struct orl_sear
             const struct orl_pixel pixel = pixels->pixel(pixels->ctx, x, y, search);
             orl_film_set(painting->film, x, y, &pixel, &search->health);
         }
-        count(pixels->tiles, tile->x1 - tile->x0, search == &painting->env->searches[0]);
+        count_pixels(pixels->tiles, tile->x1 - tile->x0, search == &painting->env->searches[0]);
     }
 }
 

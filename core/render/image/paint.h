@@ -1,8 +1,5 @@
-/*
- * Pixels in tiles, by all cores: what images of every technique share. What a pixel is, value and
- * standard error, is a function of its place alone, so that tiles may be painted in any order by
- * any crew.
- */
+/* Paints pixels in tiles on all cores, for every technique. The value and standard error of a pixel
+ * depend on its position alone, so that any crew may paint tiles in any order. */
 #ifndef ORL_RENDER_IMAGE_PAINT_H
 #define ORL_RENDER_IMAGE_PAINT_H
 
@@ -19,21 +16,24 @@ struct orl_paint_env {
     struct orl_crew *crew;
     struct orl_search *searches; /* one per crew member */
     atomic_bool *cancel;
-    uint64_t index; /* of the view in the job: names its random numbers */
+    uint64_t index; /* index of the view in the job; names its random numbers */
     void (*progress)(void *ctx, double fraction);
-    void (*phase)(void *ctx, double from, double to); /* work of one kind begins */
+    void (*phase)(void *ctx, double from,
+                  double to); /* begins a phase of the progress, with work of one kind */
     void *ctx;
 };
 
 struct orl_painting {
     const struct orl_paint_env *env;
-    const struct orl_geometry *geometry; /* whose coordinates the rays are in */
-    const struct orl_view *view;         /* in the files' coordinates */
+    const struct orl_geometry *geometry; /* rays are in its coordinates */
+    const struct orl_view *view;         /* in the coordinates of the files */
     struct orl_film *film;
-    bool irradiance; /* of what is seen, W/m2, instead of its radiance */
-    double shift[2]; /* pixels, right and down, that all rays are moved by: of one of several
-                        pictures that become one, which places between fixed rays are to be in */
-    double rays; /* of records and of panes' lobes, over the usual number; 0: that one (image.h) */
+    bool irradiance; /* if true, pixels are irradiances of the surfaces seen, W/m2 */
+    /* offset of all rays, in pixels right and down: pictures with different offsets are combined,
+     * so that features between fixed rays appear in one of them */
+    double shift[2];
+    /* Factor of the rays for records and panes' lobes over the usual number; 0: 1 (image.h). */
+    double rays;
 };
 
 static inline bool orl_paint_cancelled(const struct orl_paint_env *env)
@@ -41,8 +41,8 @@ static inline bool orl_paint_cancelled(const struct orl_paint_env *env)
     return atomic_load_explicit(env->cancel, memory_order_relaxed);
 }
 
-/* The ray through a place of the picture, in pixels from its upper left; false outside the view, or
- * where all of it lies beyond -va. */
+/* Returns the ray through a position in the picture, in pixels from its upper left. Returns false
+ * outside the view, or if the ray meets nothing before the aft clipping plane (-va). */
 bool orl_paint_ray(const struct orl_painting *painting, double x, double y,
                    struct orl_vec3 *ret_origin, struct orl_vec3 *ret_direction);
 
@@ -50,14 +50,14 @@ bool orl_paint_ray(const struct orl_painting *painting, double x, double y,
 struct orl_tile {
     uint32_t x0, y0, x1, y1;
 };
-enum { ORL_PAINT_TILE = 32 }; /* the most of a side */
+enum { ORL_PAINT_TILE = 32 }; /* largest side */
 
 /* Paints every tile; progress goes from `before` to 1. Returns 0 or ORL_ERR_CANCELLED. */
 typedef void orl_paint_tile(void *ctx, const struct orl_tile *tile, struct orl_search *search);
 int orl_paint_tiles(const struct orl_painting *painting, orl_paint_tile *tile, void *ctx,
                     double before);
 
-/* The same pixel by pixel. */
+/* Paints pixel by pixel; otherwise like orl_paint_tiles. */
 typedef struct orl_pixel orl_paint_pixel(void *ctx, uint32_t x, uint32_t y,
                                          struct orl_search *search);
 int orl_paint(const struct orl_painting *painting, orl_paint_pixel *pixel, void *ctx,

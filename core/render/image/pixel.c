@@ -2,13 +2,14 @@
 
 enum { SIDE = 4 };
 
-/* Rays that differ by no more than this share of their mean agree. */
+/* Rays that differ by at most this share of their mean agree. */
 static const double even_enough = 0.15;
 
-/* Those that differ by more than so many times their mean are too few. */
+/* Rays that differ by more than this multiple of their mean are too few. */
 static const double stark = 0.6;
 
-/* Rays after the usual ones: one to each of as many columns, at heights by the golden ratio. */
+/* Sets the position of a ray after the usual ones: one column for each, heights by the golden
+ * ratio. */
 static void place_more(uint32_t ray, double *ret_x, double *ret_y)
 {
     static const double golden = 0.61803398874989485;

@@ -4,14 +4,15 @@
 #include "light/proxies.h"
 #include "scene/material/texture.h"
 
-/* Cosine of what a ray may be turned by and count as straight: a hundredth of a sun's radius. */
+/* Cosine of the largest deflection of a ray that counts as direct: a hundredth of a sun's
+ * radius. */
 static const double straight = 1 - 1e-9;
 enum { MOST_SPLITS = 6, MOST_SPLITS_BY_LOT = 64, MOST_BRANCHES = 16 };
 
-/* One branch of the ray still to be followed. */
+/* A branch of the ray that is still to be followed. */
 struct branch {
     struct orl_path path;
-    double distance; /* from the eye to where it starts */
+    double distance; /* from the eye to the start of the branch */
     bool outside;
     uint32_t splits;
 };
@@ -22,23 +23,24 @@ struct look {
     struct orl_search *search;
     struct orl_shaded *shaded;
     bool lobes;
-    struct orl_vec3 direction; /* of the ray itself */
+    struct orl_vec3 direction; /* direction of the view ray */
     struct branch stack[MOST_BRANCHES];
     uint32_t depth;
 };
 
-/* The scene that views see. */
+/* Returns the scene that views see. */
 static const struct orl_world *scene_of(const struct look *look)
 {
     return orl_world_seen(look->shader->world);
 }
 
-static void add(struct look *look, struct orl_rgb weight, struct orl_rgb radiance)
+static void add_radiance(struct look *look, struct orl_rgb weight, struct orl_rgb radiance)
 {
     look->shaded->rest = orl_rgb_add(look->shaded->rest, orl_rgb_mul(weight, radiance));
 }
 
-/* What -bv- of Radiance's programs leaves out from behind, to this view's rays alone. */
+/* Returns true if the view ignores the surface, because it is seen from behind (Radiance's
+ * -bv-). */
 static bool is_unseen(const struct look *look, const struct orl_hit *hit)
 {
     switch (look->shader->backs_unseen && !hit->front
@@ -55,8 +57,8 @@ static bool is_unseen(const struct look *look, const struct orl_hit *hit)
     }
 }
 
-/* Whether a branch that starts there is outside: ports tell, and where an illum is looked through,
- * or a surface from behind, a look around. */
+/* Returns true if a branch that starts there is outside. Ports determine that; behind an illum, or
+ * a surface seen from behind, the start itself is tested. */
 static bool is_outside(const struct look *look, const struct branch *from,
                        const struct orl_hit *hit, struct orl_vec3 start, bool transmitted)
 {
@@ -67,8 +69,8 @@ static bool is_outside(const struct look *look, const struct branch *from,
     return orl_world_outside_after(world, hit, transmitted, from->outside);
 }
 
-/* Whether a branch is worth following, or drawn to be. */
-static bool goes_on(struct look *look, struct branch *branch)
+/* Returns true if a branch is to be followed; with by_lot, applies Russian roulette to dim ones. */
+static bool is_followed(struct look *look, struct branch *branch)
 {
     const struct orl_shader *shader = look->shader;
     const double share = orl_rgb_max(branch->path.weight);
@@ -83,15 +85,15 @@ static bool goes_on(struct look *look, struct branch *branch)
     return true;
 }
 
-/* On in the direction of s, with its weight. */
-static void follow(struct look *look, const struct branch *from, const struct orl_hit *hit,
-                   const struct orl_scatter *s)
+/* Pushes a branch in the direction of s, with its weight. */
+static void push_branch(struct look *look, const struct branch *from, const struct orl_hit *hit,
+                        const struct orl_scatter *s)
 {
     const struct orl_world *world = scene_of(look);
     struct branch next = {
         .path = from->path, .distance = from->distance + hit->distance, .splits = from->splits + 1};
     next.path.weight = orl_rgb_mul(from->path.weight, s->weight);
-    if (!goes_on(look, &next))
+    if (!is_followed(look, &next))
         return;
     orl_path_leave(&next.path, world, hit, s);
     next.outside = is_outside(look, from, hit, next.path.origin, s->transmitted);
@@ -122,7 +124,7 @@ static void add_vertex(struct look *look, const struct branch *at, const struct 
     vertex->place.shading = orl_texture_normal(m->texture, hit, orl_path_back(&at->path));
 }
 
-/* Of samples: their sum, and that of the squares of their luma. */
+/* Sums of sample values and of their squared lumas. */
 struct samples {
     struct orl_rgb sum;
     double squares;
@@ -136,7 +138,7 @@ static void add_sample(struct samples *samples, struct orl_rgb value)
     samples->count++;
 }
 
-/* Their mean, of that weight, into what the lobes show. */
+/* Adds the mean of samples, times weight, to the lobes. */
 static void add_mean(struct look *look, struct orl_rgb weight, const struct samples *samples,
                      bool is_gloss)
 {
@@ -155,7 +157,7 @@ static void add_mean(struct look *look, struct orl_rgb weight, const struct samp
     shaded->gloss_variance += variance;
 }
 
-/* Suns and lights in the lobes of a surface, averaged over a few shadow rays. */
+/* Adds suns and lights in the lobes of a surface, averaged over a few shadow rays. */
 static void add_direct_in_lobes(struct look *look, const struct branch *at,
                                 const struct orl_hit *hit, const struct orl_material *m,
                                 struct orl_vec3 eye)
@@ -170,7 +172,7 @@ static void add_direct_in_lobes(struct look *look, const struct branch *at,
     add_mean(look, at->path.weight, &direct, !orl_material_transmits_lobes(m));
 }
 
-/* Whether all that it reflects but evenly goes one way. Other materials may mirror a share and
+/* Returns true if all non-diffuse reflection goes one way. Other materials may mirror a share and
  * scatter another. */
 static bool mirrors_alone(const struct orl_material *m, const struct orl_hit *hit,
                           struct orl_vec3 eye)
@@ -178,8 +180,8 @@ static bool mirrors_alone(const struct orl_material *m, const struct orl_hit *hi
     return m->kind == ORL_MATERIAL_TRANS && orl_rgb_max(orl_material_mirrored(m, hit, eye)) > 0;
 }
 
-/* What is mirrored or goes straight is followed by itself: it counts as nothing among the samples,
- * or is not drawn where it is all there is on that side. */
+/* Draws a sample of the lobes. Mirrored and straight light is followed separately: among samples it
+ * counts as nothing, and it is not drawn if it is all there is on that side. */
 static struct orl_scatter sample_lobes(const struct look *look, const struct orl_hit *hit,
                                        const struct orl_material *m, struct orl_vec3 eye,
                                        uint32_t sample, uint32_t sequence)
@@ -192,7 +194,7 @@ static struct orl_scatter sample_lobes(const struct look *look, const struct orl
     return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
 }
 
-/* What comes along a lobe's ray. */
+/* Returns the radiance along a lobe's ray. */
 static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit, struct orl_vec3 eye,
                                  const struct orl_scatter *s, bool outside)
 {
@@ -206,8 +208,8 @@ static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit, s
     return look->shader->radiance(look->shader->ctx, &ray, look->random, look->search);
 }
 
-/* Lobes of a surface: lights directly, all else by a few rays. What goes straight is followed too.
- */
+/* Adds the lobes of a surface: lights directly, all else by a few rays. Straight light is followed
+ * separately. */
 static void add_lobes(struct look *look, const struct branch *at, const struct orl_hit *hit,
                       const struct orl_material *m)
 {
@@ -234,9 +236,9 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
     add_mean(look, at->path.weight, &scattered, is_gloss);
 }
 
-/* Both ways on of what is not scattered. */
-static void split(struct look *look, const struct branch *at, const struct orl_hit *hit,
-                  const struct orl_material *m)
+/* Pushes the branches of light that is mirrored, goes straight or is bent. */
+static void push_branches(struct look *look, const struct branch *at, const struct orl_hit *hit,
+                          const struct orl_material *m)
 {
     const struct orl_vec3 eye = orl_path_back(&at->path);
     struct orl_scatter bent[ORL_PRISM_WAYS];
@@ -246,14 +248,14 @@ static void split(struct look *look, const struct branch *at, const struct orl_h
     struct orl_scatter back = {.direction = orl_mirrored_at(m, hit, eye),
                                .weight = orl_material_mirrored(m, hit, eye),
                                .clarity = m->media[hit->front ? 1 : 0].transmissivity};
-    follow(look, at, hit, &back);
-    follow(look, at, hit, &on);
+    push_branch(look, at, hit, &back);
+    push_branch(look, at, hit, &on);
     for (int i = orl_material_bent_ways(m, hit, eye, ORL_TRANSPORT_EYE, bent) - 1; i >= 0; i--)
-        follow(look, at, hit, &bent[i]);
+        push_branch(look, at, hit, &bent[i]);
 }
 
-/* What a view sees there: an illum is something else to it, and some backs are nothing. NULL:
- * nothing at all. */
+/* Returns the material that a view sees, or NULL if it sees none. An illum looks like another
+ * material, and some backs are invisible. */
 static const struct orl_material *seen_at(const struct look *look, const struct orl_hit *hit)
 {
     const struct orl_world *world = scene_of(look);
@@ -270,7 +272,7 @@ static bool is_straight(const struct look *look, struct orl_vec3 direction)
     return orl_dot(direction, look->direction) > straight;
 }
 
-/* Whether the ray is to show what shines there. */
+/* Returns true if the ray shows the lamp at that facet. */
 static bool shows_lamp(const struct look *look, struct orl_vec3 direction, uint32_t facet)
 {
     const struct orl_shader *shader = look->shader;
@@ -286,7 +288,8 @@ static void note_way(struct orl_shaded *shaded, uint64_t met)
     shaded->way = orl_mix64(shaded->way + met + 1);
 }
 
-/* Irradiance is that of the surface itself; glass is seen through as if it were not there. */
+/* Handles a surface in an irradiance picture. The irradiance is that of the surface itself; glass
+ * is passed as if it were not there. */
 static void meet_for_irradiance(struct look *look, const struct branch *at,
                                 const struct orl_hit *hit, const struct orl_material *m)
 {
@@ -297,12 +300,13 @@ static void meet_for_irradiance(struct look *look, const struct branch *at,
     if (!pane && orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, at, hit, m);
     else if (pane || (m->kind == ORL_MATERIAL_MIXTURE && orl_material_is_window(m)))
-        follow(look, at, hit, &on);
+        push_branch(look, at, hit, &on);
     for (uint32_t i = 0; i < look->shaded->n_vertices; i++)
         look->shaded->vertices[i].weight = orl_gray(1);
 }
 
-/* What mist sends along, and dims; false: the branch ends in it, one path of many going on. */
+/* Adds the light scattered by mist and attenuates the branch. Returns false if the branch ends in
+ * the mist; one sampled path then continues it. */
 static bool passes_mist(struct look *look, struct branch *at, double distance)
 {
     const struct orl_world *const world = look->shader->world;
@@ -318,13 +322,13 @@ static bool passes_mist(struct look *look, struct branch *at, double distance)
                  u[2] = {u0, orl_random_uniform(look->random)};
     const struct orl_lobe_ray ray = {point, orl_phase_sample(event.forward, at->path.direction, u),
                                      orl_chance_found(), orl_rgb_max(at->path.weight), at->outside};
-    add(look, at->path.weight,
-        orl_rgb_add(direct,
-                    look->shader->radiance(look->shader->ctx, &ray, look->random, look->search)));
+    add_radiance(look, at->path.weight,
+                 orl_rgb_add(direct, look->shader->radiance(look->shader->ctx, &ray, look->random,
+                                                            look->search)));
     return false;
 }
 
-static void meet(struct look *look, const struct branch *met, const struct orl_hit *hit)
+static void shade_surface(struct look *look, const struct branch *met, const struct orl_hit *hit)
 {
     const struct orl_material *m = seen_at(look, hit);
     struct branch at = *met;
@@ -333,7 +337,7 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
     if (!m) {
         const struct orl_scatter on = {
             .direction = at.path.direction, .weight = orl_gray(1), .transmitted = true};
-        follow(look, &at, hit, &on);
+        push_branch(look, &at, hit, &on);
         return;
     }
     if (look->shader->irradiance) {
@@ -343,16 +347,17 @@ static void meet(struct look *look, const struct branch *met, const struct orl_h
     orl_path_arrive(&at.path, m, hit);
     if (!alone && orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, &at, hit, m);
-    split(look, &at, hit, m);
+    push_branches(look, &at, hit, m);
     const bool has_lobes = orl_material_has_lobes(m);
     look->shaded->has_lobes = look->shaded->has_lobes || has_lobes;
     if (has_lobes && look->lobes)
         add_lobes(look, &at, hit, m);
     if (shows_lamp(look, at.path.direction, hit->facet))
-        add(look, at.path.weight, orl_material_emission(m, hit, orl_path_back(&at.path)));
+        add_radiance(look, at.path.weight, orl_material_emission(m, hit, orl_path_back(&at.path)));
 }
 
-/* Views pass the BSDFs that stand for what they see, but notice which side they are on. */
+/* Views ignore the BSDFs that stand for what they see, but must track which side of them they are
+ * on. */
 static void pass_proxies(const struct orl_world *world, double distance, struct branch *at)
 {
     const enum orl_crossing passed =
@@ -361,7 +366,7 @@ static void pass_proxies(const struct orl_world *world, double distance, struct 
         at->outside = passed == ORL_CROSSING_OUTWARDS;
 }
 
-/* Of the suns those that are for this ray, and the sky. */
+/* Returns the radiance of the sky, and of the suns that this ray shows. */
 static struct orl_rgb seen_beyond(const struct look *look, struct orl_vec3 direction)
 {
     const struct orl_world *world = scene_of(look);
@@ -379,7 +384,7 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
                    struct orl_search *search, struct orl_shaded *ret_shaded)
 {
     const struct orl_world *world = orl_world_seen(shader->world);
-    struct look look; /* not its stack, which is large and empty */
+    struct look look; /* its stack stays uninitialised, because it is large */
     look.shader = shader;
     look.random = random;
     look.search = search;
@@ -403,7 +408,7 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
         if (world->scene->mist && !shader->irradiance && !passes_mist(&look, &at, hit.distance))
             continue;
         if (met) {
-            meet(&look, &at, &hit);
+            shade_surface(&look, &at, &hit);
             continue;
         }
         note_way(ret_shaded, UINT32_MAX);
@@ -411,6 +416,6 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
         orl_path_escape(&at.path);
         if (shader->irradiance)
             continue;
-        add(&look, at.path.weight, seen_beyond(&look, at.path.direction));
+        add_radiance(&look, at.path.weight, seen_beyond(&look, at.path.direction));
     }
 }

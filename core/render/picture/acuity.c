@@ -4,8 +4,8 @@
 
 #include "render/picture/human.h"
 
-/* One level from the finer one: means of two by two, of what there is of them at the edges. */
-static int halve(struct orl_blur *blur, int level)
+/* Makes a level from the finer one: means of two by two pixels, of fewer at the edges. */
+static int halve_level(struct orl_blur *blur, int level)
 {
     const uint32_t w = blur->levels[level - 1].width, h = blur->levels[level - 1].height;
     float(*const from)[3] = blur->levels[level - 1].pixels;
@@ -36,9 +36,9 @@ int orl_blur_init(struct orl_blur *blur, const struct orl_film *film, const stru
     blur->levels[0].width = film->width;
     blur->levels[0].height = film->height;
     blur->levels[0].pixels = film->pixels;
-    /* Nothing is blurred by more than two cycles a degree, the least there are. */
+    /* The coarsest level resolves two cycles a degree, the least acuity. */
     while (exp2(blur->n_levels - 1) < blur->pixels_a_degree && blur->n_levels < ORL_ACUITY_LEVELS)
-        if (halve(blur, blur->n_levels++) < 0)
+        if (halve_level(blur, blur->n_levels++) < 0)
             return ORL_ERR_NOMEM;
     return 0;
 }
@@ -50,7 +50,7 @@ void orl_blur_done(struct orl_blur *blur)
     blur->n_levels = 0;
 }
 
-/* Between the pixels of a level. */
+/* Interpolates between the pixels of a level. */
 static void read_level(const struct orl_blur *blur, int level, double x, double y, double ret[3])
 {
     const uint32_t w = blur->levels[level].width, h = blur->levels[level].height;
@@ -76,7 +76,7 @@ void orl_blur_at(const struct orl_blur *blur, const struct orl_fovea *fovea, uin
     float about[3];
     double fine[3], coarse[3];
     orl_fovea_at(fovea, (x + 0.5) / blur->film->width, (y + 0.5) / blur->film->height, about);
-    /* Half a cycle is the smallest thing seen. */
+    /* Half a cycle is the smallest visible detail. */
     const double pixels = blur->pixels_a_degree / (2 * orl_acuity(orl_luminance(about)));
     const double level = fmin(fmax(log2(pixels), 0), blur->n_levels - 1.0);
     const int low = (int)level, high = low + 1 < blur->n_levels ? low + 1 : low;

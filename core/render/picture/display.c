@@ -7,10 +7,10 @@
 
 #include "render/film/png.h"
 
-/* What becomes of the geometric mean of luminances, in proportion: middle gray. */
+/* Display value of the geometric mean of luminances, relative to white: middle gray. */
 static const double middle_gray = 0.18;
 
-/* Adds up what the geometric mean is of. */
+/* Adds a film's logarithms for the geometric mean. */
 static void add_logarithms(const struct orl_film *film, double *sum, double *lit)
 {
     for (size_t i = 0; i < (size_t)film->width * film->height; i++) {
@@ -27,9 +27,9 @@ static double factor_for_mean(double sum, double lit)
     return lit > 0 ? middle_gray / exp(sum / lit) : middle_gray;
 }
 
-/* What the eye takes in of the film; nothing for the other tones. */
-static int take_in(struct orl_shown *shown, const struct orl_film *film,
-                   const struct orl_view *view, const struct orl_display *how)
+/* Makes the foveal samples of the film; does nothing for other tones. */
+static int make_foveal_samples(struct orl_shown *shown, const struct orl_film *film,
+                               const struct orl_view *view, const struct orl_display *how)
 {
     *shown = (struct orl_shown){.film = film, .how = *how};
     if (how->tone != ORL_TONE_HUMAN)
@@ -44,7 +44,7 @@ int orl_shown_init(struct orl_shown *shown, const struct orl_film *film,
                    const struct orl_view *view, const struct orl_display *how)
 {
     double sum = 0, lit = 0;
-    int code = take_in(shown, film, view, how);
+    int code = make_foveal_samples(shown, film, view, how);
     if (how->tone == ORL_TONE_HUMAN) {
         if (code == 0 && how->acuity)
             code = orl_blur_init(&shown->blur, film, view);
@@ -65,7 +65,7 @@ void orl_shown_done(struct orl_shown *shown)
     orl_blur_done(&shown->blur);
 }
 
-/* ---- Several in common ----------------------------------------------------------------------- */
+/* ---- Shared tone mapping --------------------------------------------------------------------- */
 
 int orl_common_look(struct orl_common *common, const struct orl_film *film,
                     const struct orl_view *view, bool again)
@@ -76,7 +76,7 @@ int orl_common_look(struct orl_common *common, const struct orl_film *film,
             add_logarithms(film, &common->sum, &common->lit);
         return 0;
     }
-    const int code = take_in(&shown, film, view, &common->how);
+    const int code = make_foveal_samples(&shown, film, view, &common->how);
     if (code == 0 && again)
         orl_human_count(&common->tally, film, &shown.fovea);
     else if (code == 0)
@@ -104,7 +104,7 @@ void orl_common_settle(struct orl_common *common)
 int orl_shown_init_in_common(struct orl_shown *shown, const struct orl_film *film,
                              const struct orl_view *view, const struct orl_common *common)
 {
-    int code = take_in(shown, film, view, &common->how);
+    int code = make_foveal_samples(shown, film, view, &common->how);
     if (code == 0 && common->how.tone == ORL_TONE_HUMAN && common->how.acuity)
         code = orl_blur_init(&shown->blur, film, view);
     shown->human = common->human;
@@ -115,11 +115,11 @@ int orl_shown_init_in_common(struct orl_shown *shown, const struct orl_film *fil
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
 /*
- * Colours fade between the luminances where the eye's cones and where its rods see alone. Scotopic
- * luminance by the paper's approximation from X, Y and Z, in Radiance's primaries; white is as
- * bright by either.
+ * Desaturates colours between the luminances of purely photopic and purely scotopic vision.
+ * Scotopic luminance is the paper's approximation from X, Y and Z, in Radiance's primaries; white
+ * is equally bright by both.
  */
-static void fade(float rgb[3])
+static void desaturate(float rgb[3])
 {
     static const double dark = 5.62e-3, light = 5.62;
     static const double scotopic[3] = {0.062, 0.608, 0.330};
@@ -132,8 +132,8 @@ static void fade(float rgb[3])
         rgb[c] = (float)(color * (double)rgb[c] + (1 - color) * gray);
 }
 
-/* Brings a colour of that brightness, which is at most 1, within the display's. */
-static void keep_within(float rgb[3], double brightness)
+/* Moves a colour of that brightness, at most 1, into the display's gamut. */
+static void clip_to_gamut(float rgb[3], double brightness)
 {
     const double most = fmax((double)rgb[0], fmax((double)rgb[1], (double)rgb[2]));
     if (brightness >= 1)
@@ -154,7 +154,7 @@ void orl_shown_pixel(const struct orl_shown *shown, uint32_t x, uint32_t y, floa
     if (shown->how.veil)
         orl_fovea_veil(&shown->fovea, (x + 0.5) / film->width, (y + 0.5) / film->height, ret_rgb);
     if (shown->how.color_loss)
-        fade(ret_rgb);
+        desaturate(ret_rgb);
     const double luminance = orl_luminance(ret_rgb);
     const double bright = shown->how.tone == ORL_TONE_HUMAN
                               ? orl_human_show(&shown->human, luminance)
@@ -162,7 +162,7 @@ void orl_shown_pixel(const struct orl_shown *shown, uint32_t x, uint32_t y, floa
     const double scale = luminance > 0 ? bright * ORL_EFFICACY_LM_PER_W / luminance : 0;
     for (int c = 0; c < 3; c++)
         ret_rgb[c] = luminance > 0 ? (float)(fmax((double)ret_rgb[c], 0) * scale) : 0;
-    keep_within(ret_rgb, bright);
+    clip_to_gamut(ret_rgb, bright);
 }
 
 /* ---- Files ----------------------------------------------------------------------------------- */
@@ -174,8 +174,8 @@ uint16_t orl_srgb(double linear, uint16_t white)
     return (uint16_t)lrint(white * s);
 }
 
-/* To 8 bits: the least linear value of each byte, and the byte of every so many-th part of 1, from
- * where the search goes up. */
+/* Table of the 8-bit curve: the least linear value of each byte, and the byte at every 1/PARTS,
+ * from which the search proceeds upwards. */
 enum { PARTS = 1024 };
 struct curve {
     double least[257];
@@ -219,7 +219,7 @@ void orl_shown_bytes(const struct orl_shown *shown, unsigned char *ret_rgb)
         }
 }
 
-/* PNG has the more significant byte first. */
+/* Writes 16-bit words, the more significant byte first as in PNG. */
 static void to_words(const struct orl_shown *shown, unsigned char *ret_rgb)
 {
     for (uint32_t y = 0; y < shown->film->height; y++)

@@ -7,7 +7,7 @@
 #include "base/kth.h"
 #include "render/picture/legend.h"
 
-/* The scale: what its ends show. */
+/* Ends of the scale. */
 static const double least = 1e-3, most = 1;
 
 static double luma_of(const struct orl_film *film, size_t pixel)
@@ -33,7 +33,7 @@ double orl_film_relative_error(const struct orl_film *film, size_t pixel, double
 
 /* ---- Smoothing ------------------------------------------------------------------------------- */
 
-/* Whether two pixels differ by no more than chance would have it. */
+/* Returns true if two pixels differ by no more than their noise explains. */
 static bool alike(const struct orl_film *film, size_t a, size_t b)
 {
     const double off = luma_of(film, a) - luma_of(film, b);
@@ -105,8 +105,8 @@ static void draw_pixels(const struct orl_film *film, const struct orl_sheet *she
                 orl_sheet_at(sheet, x, y));
 }
 
-/* "median 1.4 %, 95 % of pixels below 6.1 %". Returns 0 or ORL_ERR_NOMEM. */
-static int say_how_large(const struct orl_film *film, char *ret_text, size_t size)
+/* Writes "median 1.4 %, 95 % of pixels below 6.1 %". Returns 0 or ORL_ERR_NOMEM. */
+static int summarise_errors(const struct orl_film *film, char *ret_text, size_t size)
 {
     const size_t n = (size_t)film->width * film->height;
     const double mean = orl_film_mean(film);
@@ -133,7 +133,7 @@ static int draw_legend(const struct orl_film *film, const struct orl_sheet *shee
         snprintf(legend.ticks[i].text, sizeof legend.ticks[i].text, "%g", 100 * ticks[i]);
         legend.n_ticks++;
     }
-    const int code = say_how_large(film, text, sizeof text);
+    const int code = summarise_errors(film, text, sizeof text);
     if (code == 0)
         orl_sheet_draw_legend(sheet, &legend);
     return code;

@@ -44,7 +44,7 @@ static int draw_shown(const struct orl_shown *shown, const struct orl_sheet *she
     return 0;
 }
 
-/* Bands about the levels, a tenth of the step to the next ones wide to either side. */
+/* Draws bands about the levels, each a tenth of the step to the next levels wide to either side. */
 static void draw_bands(const struct orl_film *film, const struct orl_scale *scale,
                        const struct orl_sheet *sheet)
 {
@@ -68,7 +68,7 @@ static void draw_bands(const struct orl_film *film, const struct orl_scale *scal
 
 enum { TEXT_UNITS = 8 };
 
-/* On false colours: black on light, white on dark. */
+/* Returns a pen for lines on false colours: black on light, white on dark. */
 static struct orl_pen plain_pen(const struct orl_scale *scale, size_t level, double unit)
 {
     unsigned char under[3];
@@ -79,7 +79,7 @@ static struct orl_pen plain_pen(const struct orl_scale *scale, size_t level, dou
     return pen;
 }
 
-/* On the picture: in the level's colour. */
+/* Returns a pen for lines on the picture: in the level's colour. */
 static struct orl_pen colored_pen(const struct orl_scale *scale, size_t level, double unit)
 {
     struct orl_pen pen = {.size = TEXT_UNITS * unit, .weight = 1.8 * unit};
@@ -87,7 +87,7 @@ static struct orl_pen colored_pen(const struct orl_scale *scale, size_t level, d
     return pen;
 }
 
-static void mark(const struct orl_sheet *sheet, double x, double y, const char *text)
+static void draw_mark(const struct orl_sheet *sheet, double x, double y, const char *text)
 {
     const double unit = sheet->unit, arm = 4 * unit;
     struct orl_pen pen = {.size = TEXT_UNITS * unit, .weight = 3 * unit, .rgb = {255, 255, 255}};
@@ -113,7 +113,7 @@ static void mark_points(const struct orl_film *film, const struct orl_scale *sca
         char number[16], text[ORL_PICTURE_LABEL_MAX + 20];
         orl_scale_text(orl_false_color_at(film, scale, p->x, p->y), number);
         snprintf(text, sizeof text, "%s %s", p->name, number);
-        mark(sheet, p->x, p->y, text);
+        draw_mark(sheet, p->x, p->y, text);
     }
 }
 
@@ -132,7 +132,7 @@ static void mark_extrema(const struct orl_film *film, const struct orl_scale *sc
         char text[16];
         orl_scale_text(orl_scale_value(scale, film->pixels[at[i]]), text);
         const size_t y = at[i] / film->width;
-        mark(sheet, (double)(at[i] % film->width) + 0.5, (double)y + 0.5, text);
+        draw_mark(sheet, (double)(at[i] % film->width) + 0.5, (double)y + 0.5, text);
     }
 }
 
@@ -155,9 +155,9 @@ static void draw_legend(const struct orl_scale *scale, const struct orl_false_co
     orl_sheet_draw_legend(sheet, &legend);
 }
 
-static int draw(const struct orl_film *film, const struct orl_shown *shown,
-                const struct orl_scale *scale, const struct orl_false_color *how,
-                enum orl_picture picture, const struct orl_sheet *sheet)
+static int draw_picture(const struct orl_film *film, const struct orl_shown *shown,
+                        const struct orl_scale *scale, const struct orl_false_color *how,
+                        enum orl_picture picture, const struct orl_sheet *sheet)
 {
     int code = 0;
     if (picture == ORL_PICTURE_FALSE)
@@ -186,7 +186,7 @@ int orl_false_color_write(const struct orl_film *film, const struct orl_shown *s
     struct orl_sheet sheet;
     int code = orl_sheet_init(&sheet, film->width, film->height);
     if (code == 0)
-        code = draw(film, shown, scale, how, picture, &sheet);
+        code = draw_picture(film, shown, scale, how, picture, &sheet);
     if (code < 0)
         orl_error_set(err, code, "out of memory drawing false colours");
     else

@@ -4,8 +4,8 @@
 
 #include <oriel/units.h>
 
-/* The share of what an eye takes in that it scatters (the 0.087 of Holladay's formula, less what
- * falls beyond the picture; as Radiance's pcond has it). */
+/* Share of the light that the eye scatters (the 0.087 of Holladay's formula, less the part that
+ * falls beyond the picture; as in Radiance's pcond). */
 static const double scattered = 0.08;
 
 void orl_view_degrees(const struct orl_view *view, double *ret_width, double *ret_height)
@@ -28,13 +28,14 @@ static uint32_t side_of(double degrees, uint32_t pixels)
     return (uint32_t)fmax(fmin(round(degrees), most), 1);
 }
 
-/* The pixels that sample i of n covers, of so many. */
+/* Returns the first pixel of sample i of n. */
 static uint32_t edge_of(uint32_t i, uint32_t n, uint32_t pixels)
 {
     return (uint32_t)((uint64_t)i * pixels / n);
 }
 
-static void average(const struct orl_film *film, struct orl_fovea *fovea, uint32_t x, uint32_t y)
+static void average_sample(const struct orl_film *film, struct orl_fovea *fovea, uint32_t x,
+                           uint32_t y)
 {
     const uint32_t x0 = edge_of(x, fovea->width, film->width);
     const uint32_t x1 = edge_of(x + 1, fovea->width, film->width);
@@ -62,7 +63,7 @@ int orl_fovea_init(struct orl_fovea *fovea, const struct orl_film *film,
         return ORL_ERR_NOMEM;
     for (uint32_t y = 0; y < fovea->height; y++)
         for (uint32_t x = 0; x < fovea->width; x++)
-            average(film, fovea, x, y);
+            average_sample(film, fovea, x, y);
     return 0;
 }
 
@@ -75,8 +76,9 @@ void orl_fovea_done(struct orl_fovea *fovea)
 
 /* ---- Veil ------------------------------------------------------------------------------------ */
 
-/* Directions of the samples; zero where the view sees nothing. NULL: out of memory. */
-static struct orl_vec3 *look(const struct orl_fovea *fovea, const struct orl_view *view)
+/* Returns the directions of the samples, zero where the view shows nothing; NULL if out of memory.
+ * The caller frees them. */
+static struct orl_vec3 *list_directions(const struct orl_fovea *fovea, const struct orl_view *view)
 {
     struct orl_vec3 *ways = calloc((size_t)fovea->width * fovea->height, sizeof *ways);
     for (uint32_t y = 0; ways && y < fovea->height; y++)
@@ -89,9 +91,9 @@ static struct orl_vec3 *look(const struct orl_fovea *fovea, const struct orl_vie
     return ways;
 }
 
-/* What is scattered into a sample from all others: they weigh cos t / t^2, where twice the versine
- * of t stands for t^2. */
-static void scatter(struct orl_fovea *fovea, const struct orl_vec3 *ways, size_t at)
+/* Computes the light scattered into a sample from all others. Their weight is cos t / t^2, with t^2
+ * approximated by twice the versine of t. */
+static void scatter_into(struct orl_fovea *fovea, const struct orl_vec3 *ways, size_t at)
 {
     const size_t n = (size_t)fovea->width * fovea->height;
     double sum[3] = {0}, weights = 0;
@@ -111,11 +113,11 @@ static void scatter(struct orl_fovea *fovea, const struct orl_vec3 *ways, size_t
 int orl_fovea_add_veil(struct orl_fovea *fovea, const struct orl_view *view)
 {
     const size_t n = (size_t)fovea->width * fovea->height;
-    struct orl_vec3 *ways = look(fovea, view);
+    struct orl_vec3 *ways = list_directions(fovea, view);
     fovea->veil = calloc(n, sizeof *fovea->veil);
     if (ways && fovea->veil) {
         for (size_t i = 0; i < n; i++)
-            scatter(fovea, ways, i);
+            scatter_into(fovea, ways, i);
         for (size_t i = 0; i < n; i++)
             for (int c = 0; c < 3; c++)
                 fovea->pixels[i][c] =
@@ -125,9 +127,9 @@ int orl_fovea_add_veil(struct orl_fovea *fovea, const struct orl_view *view)
     return ways && fovea->veil ? 0 : ORL_ERR_NOMEM;
 }
 
-/* Samples and weights about a place along one side. */
-static void between(double at, uint32_t count, uint32_t *ret_low, uint32_t *ret_high,
-                    double *ret_share)
+/* Returns the samples and weights about a position along one side. */
+static void locate_samples(double at, uint32_t count, uint32_t *ret_low, uint32_t *ret_high,
+                           double *ret_share)
 {
     const double place = fmin(fmax(at * count - 0.5, 0), count - 1.0);
     *ret_low = (uint32_t)place;
@@ -140,8 +142,8 @@ static void interpolate(const struct orl_fovea *fovea, float (*const samples)[3]
 {
     uint32_t x0, x1, y0, y1;
     double u, v;
-    between(x, fovea->width, &x0, &x1, &u);
-    between(y, fovea->height, &y0, &y1, &v);
+    locate_samples(x, fovea->width, &x0, &x1, &u);
+    locate_samples(y, fovea->height, &y0, &y1, &v);
     const size_t upper = (size_t)y0 * fovea->width, lower = (size_t)y1 * fovea->width;
     for (int c = 0; c < 3; c++) {
         const double a =

@@ -4,12 +4,13 @@
 
 #include <oriel/units.h>
 
-/* Of the display and of the eye, cd/m2. */
+/* Ranges of the display and of the eye, cd/m2. */
 static const double display_most = 100, display_range = 100;
 static const double least_seen = 1e-7, most_seen = 1e7;
-/* Trimming ends when it takes less than this share; as little is left where all goes. */
+/* Trimming ends when it removes less than this share of the histogram; if less than that is left,
+ * all has been trimmed. */
 static const double tolerance = 0.025;
-/* Of a histogram with a flat ceiling trimming would go on for ever. */
+/* Limit of the iterations: with a flat ceiling trimming would not end. */
 enum { MOST_ROUNDS = 200 };
 
 double orl_luminance(const float rgb[3])
@@ -42,7 +43,7 @@ double orl_acuity(double luminance)
 
 /* ---- Histogram ------------------------------------------------------------------------------- */
 
-static void widen(struct orl_human_tally *h, double luminance)
+static void extend_range(struct orl_human_tally *h, double luminance)
 {
     h->least = h->any ? fmin(h->least, luminance) : luminance;
     h->most = h->any ? fmax(h->most, luminance) : luminance;
@@ -53,12 +54,13 @@ void orl_human_look(struct orl_human_tally *h, const struct orl_film *film,
                     const struct orl_fovea *fovea)
 {
     for (size_t i = 0; i < (size_t)film->width * film->height; i++)
-        widen(h, orl_luminance(film->pixels[i]));
+        extend_range(h, orl_luminance(film->pixels[i]));
     for (size_t i = 0; i < (size_t)fovea->width * fovea->height; i++)
-        widen(h, orl_luminance(fovea->pixels[i]));
+        extend_range(h, orl_luminance(fovea->pixels[i]));
 }
 
-/* A bin below the range is the first one's again, so that the darkest are not black. */
+/* The range has one bin below the least luminance, which orl_human_settle fills from the next one,
+ * so that the darkest pixels are not black. */
 bool orl_human_find_range(struct orl_human_tally *h)
 {
     const double most = fmin(1.01 * h->most, most_seen);
@@ -71,7 +73,7 @@ bool orl_human_find_range(struct orl_human_tally *h)
     return h->high > h->low;
 }
 
-static void count(struct orl_human_tally *h, double luminance, double weight)
+static void add_to_bin(struct orl_human_tally *h, double luminance, double weight)
 {
     const double b = luminance > least_seen ? log(luminance) : -INFINITY;
     if (!(b > h->low && b < h->high))
@@ -88,15 +90,15 @@ void orl_human_count(struct orl_human_tally *h, const struct orl_film *film,
     const size_t samples = (size_t)fovea->width * fovea->height;
     const size_t pixels = (size_t)film->width * film->height;
     for (size_t i = 0; i < samples; i++)
-        count(h, orl_luminance(fovea->pixels[i]), 1);
+        add_to_bin(h, orl_luminance(fovea->pixels[i]), 1);
     const double weight = (double)samples / (double)pixels;
     for (size_t i = 0; i < pixels; i++)
-        count(h, orl_luminance(film->pixels[i]), weight);
+        add_to_bin(h, orl_luminance(film->pixels[i]), weight);
 }
 
 /* ---- The curve ------------------------------------------------------------------------------- */
 
-/* Shares below each bin, of a histogram; returns its total. */
+/* Sets the share of a histogram below each bin; returns its total. */
 static double accumulate(const double bins[ORL_HUMAN_BINS], double share[ORL_HUMAN_BINS + 1])
 {
     double total = 0, sum = 0;
@@ -110,7 +112,7 @@ static double accumulate(const double bins[ORL_HUMAN_BINS], double share[ORL_HUM
     return total;
 }
 
-/* The logarithm of what the display shows of b, which is one too. */
+/* Returns the logarithm of the displayed luminance for that of a scene luminance. */
 static double display_of(const struct orl_human *human, double b)
 {
     const double low = log(display_most / display_range), high = log(display_most);
@@ -125,9 +127,9 @@ static double display_of(const struct orl_human *human, double b)
     return low + share * (high - low);
 }
 
-/* No bin may hold more than what the eye would tell apart in it (equation 7 of the paper). False:
- * next to nothing is left, for the scene asks for less than the display has. */
-static bool trim(struct orl_human *human, const struct orl_human_tally *h)
+/* Trims each bin to the contrast that the eye could see in it (equation 7 of the paper). Returns
+ * false if almost nothing is left, because the scene needs less than the display's range. */
+static bool trim_histogram(struct orl_human *human, const struct orl_human_tally *h)
 {
     double bins[ORL_HUMAN_BINS], cut = INFINITY, total = h->total;
     const double step = (h->high - h->low) / ORL_HUMAN_BINS, range = log(display_range);
@@ -151,8 +153,8 @@ static bool trim(struct orl_human *human, const struct orl_human_tally *h)
     return true;
 }
 
-/* In proportion, such that middling luminances are seen as well as they would be in place. */
-static double proportion(const struct orl_human_tally *h)
+/* Returns the factor of a linear mapping that keeps the visibility of average luminances. */
+static double linear_factor(const struct orl_human_tally *h)
 {
     const double middle = display_most / sqrt(display_range);
     const double average = h->total > 0 ? exp(h->sum / h->total) : middle;
@@ -166,7 +168,7 @@ void orl_human_settle(struct orl_human *human, struct orl_human_tally *h)
     human->low = h->low;
     human->high = h->high;
     const bool fits = h->high - h->low <= log(display_range);
-    human->factor = fits || !trim(human, h) ? proportion(h) : 0;
+    human->factor = fits || !trim_histogram(human, h) ? linear_factor(h) : 0;
 }
 
 void orl_human_make(struct orl_human *human, const struct orl_film *film,

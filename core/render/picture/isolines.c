@@ -5,10 +5,10 @@
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-/* Shares of the scale, as they are and smoothed. */
+/* Values as shares of the scale, original and smoothed. */
 struct field {
     uint32_t width, height;
-    uint32_t reach;        /* of the smoothing, pixels */
+    uint32_t reach;        /* radius of the smoothing, pixels */
     float *sharp, *smooth; /* owned */
 };
 
@@ -18,7 +18,7 @@ static void field_done(struct field *field)
     free(field->smooth);
 }
 
-/* Means of a pixel and its neighbours along one way, 1 2 1: from `from` to `to`. */
+/* Filters a pixel and its neighbours along one axis by 1 2 1. */
 static void blur_along(const float *from, float *to, const struct field *f, bool upright)
 {
     const size_t step = upright ? f->width : 1;
@@ -62,10 +62,10 @@ struct segment {
     double x0, y0, x1, y1;
 };
 
-/* Where a line enters and leaves the square whose corners are about pixel (x, y) and the next ones:
- * up to two segments. */
-static int cross(const struct field *f, uint32_t x, uint32_t y, double level,
-                 struct segment ret_segments[2])
+/* Finds the segments, up to two, of a level in the square between pixel (x, y) and the next ones.
+ * Returns their number. */
+static int cross_square(const struct field *f, uint32_t x, uint32_t y, double level,
+                        struct segment ret_segments[2])
 {
     const size_t i = (size_t)y * f->width + x;
     const double v[4] = {f->smooth[i], f->smooth[i + 1], f->smooth[i + f->width + 1],
@@ -86,7 +86,7 @@ static int cross(const struct field *f, uint32_t x, uint32_t y, double level,
     return n / 2;
 }
 
-/* Whether there is the edge of a thing about a square: a leap over more than one step. */
+/* Returns true if an object's edge is near a square: a jump by more than one step. */
 static bool is_edge(const struct field *f, uint32_t x, uint32_t y, double step)
 {
     float least = INFINITY, most = -INFINITY;
@@ -106,7 +106,7 @@ static bool is_edge(const struct field *f, uint32_t x, uint32_t y, double step)
 
 enum { MOST_TEXTS = 1024 };
 
-/* Texts that stand. */
+/* Positions of the texts so far. */
 struct texts {
     struct {
         double x, y, turn;
@@ -129,8 +129,8 @@ void orl_letters_on_anything(const struct orl_raster *raster, const struct orl_p
     orl_letters_draw(raster, pen, left, base, text);
 }
 
-/* A text along a segment, where none is near: the same number not within a third of the picture,
- * another not where it would be covered. */
+/* Places a text along a segment, unless one is near: the same number within a third of the picture,
+ * or another that it would overlap. */
 static void try_text(struct texts *texts, const struct field *f, const struct segment *s,
                      size_t level, double size)
 {
@@ -151,10 +151,10 @@ static void try_text(struct texts *texts, const struct field *f, const struct se
     texts->at[texts->n++].level = level;
 }
 
-/* A line followed from a segment's end, over so many pixels at the most: how far it goes, and where
- * to. What leaves the picture is as long as one may ask. */
-static double follow(const struct field *f, const struct segment *s, double level, double step,
-                     double reach, double ret_end[2])
+/* Follows a line from a segment's end over at most `reach` pixels. Returns its length and sets its
+ * end. A line that leaves the picture has length `reach`. */
+static double follow_line(const struct field *f, const struct segment *s, double level, double step,
+                          double reach, double ret_end[2])
 {
     const double x0 = s->x0, y0 = s->y0;
     double x = s->x1, y = s->y1, dx = x - x0, dy = y - y0, length = 0;
@@ -166,7 +166,7 @@ static double follow(const struct field *f, const struct segment *s, double leve
         if (fx < 0 || fy < 0 || fx >= f->width - 1 || fy >= f->height - 1)
             return reach;
         if (is_edge(f, (uint32_t)fx, (uint32_t)fy, step) ||
-            cross(f, (uint32_t)fx, (uint32_t)fy, level, parts) == 0)
+            cross_square(f, (uint32_t)fx, (uint32_t)fy, level, parts) == 0)
             return length;
         const bool first =
             hypot(parts[0].x0 - x, parts[0].y0 - y) < hypot(parts[0].x1 - x, parts[0].y1 - y);
@@ -182,21 +182,22 @@ static double follow(const struct field *f, const struct segment *s, double leve
     return length;
 }
 
-/* The lengths of line to both sides of a segment, and its ends. */
-static void follow_both(const struct field *f, const struct segment *s, double level, double step,
-                        double reach, double ret_lengths[2], struct segment *ret_whole)
+/* Returns the lengths of the line on both sides of a segment, and its ends. */
+static void follow_both_ways(const struct field *f, const struct segment *s, double level,
+                             double step, double reach, double ret_lengths[2],
+                             struct segment *ret_whole)
 {
     const struct segment back = {s->x1, s->y1, s->x0, s->y0};
     double ends[2][2] = {{s->x0, s->y0}, {s->x1, s->y1}};
-    ret_lengths[0] = follow(f, &back, level, step, reach, ends[0]);
-    ret_lengths[1] = follow(f, s, level, step, reach, ends[1]);
+    ret_lengths[0] = follow_line(f, &back, level, step, reach, ends[0]);
+    ret_lengths[1] = follow_line(f, s, level, step, reach, ends[1]);
     *ret_whole = (struct segment){ends[0][0], ends[0][1], ends[1][0], ends[1][1]};
 }
 
-/* Shorter lines are specks, in units. */
+/* Lines shorter than this many units are specks. */
 static const double shortest = 16;
 
-/* A level's lines, once as their rim and once as themselves; texts find their places. */
+/* Draws a level's lines, first as rims and then as lines, and places their texts. */
 static void draw_level(const struct orl_raster *raster, const struct field *f,
                        const struct orl_scale *scale, size_t level, const struct orl_pen *pen,
                        double unit, struct texts *texts)
@@ -211,10 +212,11 @@ static void draw_level(const struct orl_raster *raster, const struct field *f,
         for (uint32_t x = 0; x + 1 < f->width; x++) {
             struct segment parts[2], whole;
             double lengths[2];
-            const int n = cross(f, x, y, share, parts);
+            const int n = cross_square(f, x, y, share, parts);
             if (n == 0 || is_edge(f, x, y, step))
                 continue;
-            follow_both(f, &parts[0], share, step, fmax(room, shortest * unit), lengths, &whole);
+            follow_both_ways(f, &parts[0], share, step, fmax(room, shortest * unit), lengths,
+                             &whole);
             if (lengths[0] + lengths[1] < shortest * unit)
                 continue;
             for (int i = 0; i < n; i++)
@@ -233,8 +235,8 @@ static struct orl_pen rim_of(const struct orl_pen *pen)
     return rim;
 }
 
-/* Texts keep off marks and what is written to their right. */
-static void keep_off(struct texts *texts, const struct orl_false_color *how, double unit)
+/* Keeps texts off marks and off the labels to their right. */
+static void avoid_marks(struct texts *texts, const struct orl_false_color *how, double unit)
 {
     for (uint32_t i = 0; i < how->n_points; i++)
         for (int k = 0; k < 3 && texts->n < MOST_TEXTS; k++) {
@@ -254,7 +256,7 @@ int orl_isolines_draw(const struct orl_raster *raster, const struct orl_film *fi
     if (!texts)
         code = ORL_ERR_NOMEM;
     if (code == 0)
-        keep_off(texts, how, unit);
+        avoid_marks(texts, how, unit);
     const size_t first = texts ? texts->n : 0;
     for (size_t level = 0; code == 0 && level < scale->n_levels; level++) {
         const struct orl_pen pen = pen_of(scale, level, unit), rim = rim_of(&pen);

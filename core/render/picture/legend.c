@@ -36,10 +36,10 @@ unsigned char *orl_sheet_at(const struct orl_sheet *sheet, uint32_t x, uint32_t 
 
 /* ---- Legend ---------------------------------------------------------------------------------- */
 
-/* In units: from the left, and from the legend's top. */
+/* Positions in units, from the left and from the legend's top. */
 enum { TEXT_LEFT = 11, SCALE_LEFT = 12, SCALE_TOP = 32, SCALE_UNITS = 12 };
 
-/* The scale's pixels. */
+/* Bounds of the scale, in pixels. */
 struct bar {
     size_t left, right, top, bottom;
 };

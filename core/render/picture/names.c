@@ -1,4 +1,4 @@
-/* Names of what pictures there are, and of how they are made. */
+/* Names of picture formats and of their options. */
 #include <oriel/picture.h>
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 static const struct {
     const char *name, *ending;
-    bool format; /* asked for by name */
+    bool format; /* true if users may request it by name */
 } pictures[ORL_PICTURES] = {[ORL_PICTURE_HDR] = {"hdr", "hdr", true},
                             [ORL_PICTURE_PNG] = {"png", "png", true},
                             [ORL_PICTURE_PNG16] = {"png16", "16.png", true},

@@ -23,7 +23,7 @@ static void even(double share, unsigned char ret_srgb[3])
                                            (at - low) * (points[low + 1][c] - points[low][c]));
 }
 
-/* falsecolor's own: linear values at 23 places, evenly spaced. */
+/* The default palette of falsecolor: linear values at 23 evenly spaced points. */
 static void tabled(double x, double ret[3])
 {
     static const double points[][3] = {
@@ -46,7 +46,7 @@ static void tabled(double x, double ret[3])
         ret[c] = points[low][c] + (at - low) * (points[low + 1][c] - points[low][c]);
 }
 
-/* As shown, 0 to 1, before they are clipped. */
+/* Computes displayed values, 0 to 1, before clipping. */
 static void by_formula(enum orl_palette palette, double x, double ret[3])
 {
     static const double gamma = 2.2;

@@ -24,7 +24,7 @@ double orl_scale_share(const struct orl_scale *scale, double value)
 
 /* ---- The top --------------------------------------------------------------------------------- */
 
-/* The next of 1, 2 and 5 times powers of ten. */
+/* Rounds up to 1, 2 or 5 times a power of ten. */
 static double round_up(double value)
 {
     const double power = pow(10, floor(log10(value)));
@@ -32,7 +32,7 @@ static double round_up(double value)
     return power * (digits <= 1 ? 1 : digits <= 2 ? 2 : digits <= 5 ? 5 : 10);
 }
 
-/* What 99 of 100 pixels stay below. */
+/* Returns the value that 99 of 100 pixels stay below. */
 static int find_high(const struct orl_scale *scale, const struct orl_film *film, double *ret_high)
 {
     const size_t n = (size_t)film->width * film->height;
@@ -48,7 +48,7 @@ static int find_high(const struct orl_scale *scale, const struct orl_film *film,
 
 /* ---- Levels ---------------------------------------------------------------------------------- */
 
-static void divide(struct orl_scale *scale, uint32_t divisions)
+static void set_even_levels(struct orl_scale *scale, uint32_t divisions)
 {
     for (uint32_t i = 1; i <= divisions && scale->n_levels < ORL_LIMIT_DIVISIONS; i++) {
         const double share = (double)i / divisions;
@@ -57,7 +57,7 @@ static void divide(struct orl_scale *scale, uint32_t divisions)
     }
 }
 
-/* 1, 2, 5 of every decade, or of many decades 1 alone. */
+/* Sets levels at 1, 2, 5 of every decade, or at 1 alone if there are many decades. */
 static void step_by_decades(struct orl_scale *scale)
 {
     static const double digits[] = {1, 2, 5};
@@ -73,7 +73,7 @@ static void step_by_decades(struct orl_scale *scale)
         }
 }
 
-/* Steps of 1, 2 or 5, some five to ten of them. */
+/* Sets about five to ten levels in steps of 1, 2 or 5. */
 static void step_evenly(struct orl_scale *scale)
 {
     const double step = round_up(scale->top / 10 * (1 - 1e-9)), hair = 1e-9;
@@ -90,7 +90,7 @@ void orl_scale_set(struct orl_scale *scale, const struct orl_false_color *how, c
     scale->top = how->scale > 0 ? how->scale : high > 1e-30 && high < 1e30 ? round_up(high) : 1;
     snprintf(scale->unit, sizeof scale->unit, "%s", how->label[0] ? how->label : unit);
     if (how->divisions > 0)
-        divide(scale, how->divisions);
+        set_even_levels(scale, how->divisions);
     else if (scale->decades > 0)
         step_by_decades(scale);
     else

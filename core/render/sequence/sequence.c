@@ -12,16 +12,16 @@
 
 static const double usual_frame_s = 0.5;
 
-/* What is done with every picture in turn. */
+/* State of a pass over all pictures. */
 struct passage {
     const struct orl_sequence *sequence;
-    uint32_t width, height; /* of the first */
+    uint32_t width, height; /* size of the first picture */
     struct orl_common common;
     struct orl_contact_sheet sheet;
     struct orl_apng *animation;
-    struct orl_raster frame; /* a picture with its strip; owned */
+    struct orl_raster frame; /* a picture with its strip; its pixels are owned */
     size_t brightest;
-    double most; /* its light, the sum of its luminances; 0: all are black */
+    double most; /* light of the brightest picture: sum of its luminances; 0: all are black */
     bool begins_black;
 };
 
@@ -41,7 +41,8 @@ static int check_size(struct passage *p, const struct orl_hdr_picture *picture, 
                          name, picture->film.width, picture->film.height, p->width, p->height);
 }
 
-static int with_picture(struct passage *p, size_t index, picture_step *step, struct orl_error *err)
+static int process_picture(struct passage *p, size_t index, picture_step *step,
+                           struct orl_error *err)
 {
     const struct orl_files *files = p->sequence->files;
     const char *name = p->sequence->frames[index].picture;
@@ -62,21 +63,21 @@ static int with_picture(struct passage *p, size_t index, picture_step *step, str
     return code;
 }
 
-static int for_all(struct passage *p, picture_step *step, struct orl_error *err)
+static int process_pictures(struct passage *p, picture_step *step, struct orl_error *err)
 {
     int code = 0;
     for (size_t i = 0; i < p->sequence->n_frames && code == 0; i++) {
         const atomic_bool *cancel = p->sequence->cancel;
         code = cancel && atomic_load(cancel)
                    ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while drawing a sequence")
-                   : with_picture(p, i, step, err);
+                   : process_picture(p, i, step, err);
     }
     return code;
 }
 
 /* ---- The common exposure --------------------------------------------------------------------- */
 
-static int no_room(int code, struct orl_error *err)
+static int memory_error(int code, struct orl_error *err)
 {
     return code < 0 ? orl_error_set(err, code, "out of memory drawing a sequence") : 0;
 }
@@ -89,8 +90,8 @@ static double light_of(const struct orl_film *film)
     return sum;
 }
 
-static int look(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
-                struct orl_error *err)
+static int measure_picture(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
+                           struct orl_error *err)
 {
     const double light = light_of(&picture->film);
     if (light > p->most) {
@@ -98,33 +99,34 @@ static int look(struct passage *p, size_t index, const struct orl_hdr_picture *p
         p->brightest = index;
     }
     p->begins_black |= index == 0 && !(light > 0);
-    return no_room(orl_common_look(&p->common, &picture->film, &picture->view, false), err);
+    return memory_error(orl_common_look(&p->common, &picture->film, &picture->view, false), err);
 }
 
-static int look_again(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
-                      struct orl_error *err)
+static int count_picture(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
+                         struct orl_error *err)
 {
     (void)index;
-    return no_room(orl_common_look(&p->common, &picture->film, &picture->view, true), err);
+    return memory_error(orl_common_look(&p->common, &picture->film, &picture->view, true), err);
 }
 
 static int find_exposure(struct passage *p, struct orl_error *err)
 {
-    int code = for_all(p, look, err);
+    int code = process_pictures(p, measure_picture, err);
     if (code == 0 && orl_common_range(&p->common))
-        code = for_all(p, look_again, err);
+        code = process_pictures(p, count_picture, err);
     orl_common_settle(&p->common);
     return code;
 }
 
-/* ---- What is shown --------------------------------------------------------------------------- */
+/* ---- Pictures -------------------------------------------------------------------------------- */
 
-/* The picture, without its strip. */
-static int expose(struct passage *p, const struct orl_hdr_picture *picture, struct orl_error *err)
+/* Tone-maps the picture, without its strip. */
+static int tone_map_picture(struct passage *p, const struct orl_hdr_picture *picture,
+                            struct orl_error *err)
 {
     struct orl_shown shown;
-    const int code =
-        no_room(orl_shown_init_in_common(&shown, &picture->film, &picture->view, &p->common), err);
+    const int code = memory_error(
+        orl_shown_init_in_common(&shown, &picture->film, &picture->view, &p->common), err);
     if (code == 0)
         orl_shown_bytes(&shown, p->frame.rgb);
     orl_shown_done(&shown);
@@ -138,15 +140,15 @@ static void draw_strip(struct passage *p, size_t index)
     orl_strip_draw(&p->frame, p->height, &p->sequence->frames[index]);
 }
 
-static int show(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
-                struct orl_error *err)
+static int write_frame(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
+                       struct orl_error *err)
 {
     const struct orl_sequence_frame *frame = &p->sequence->frames[index];
-    int code = expose(p, picture, err);
+    int code = tone_map_picture(p, picture, err);
     if (code == 0)
         code = orl_png_write(frame->shown, p->width, p->height, p->frame.rgb, err);
     if (code == 0)
-        code = no_room(
+        code = memory_error(
             orl_contact_sheet_put(&p->sheet, index, p->frame.rgb, p->width, p->height, frame), err);
     if (code == 0) {
         draw_strip(p, index);
@@ -155,10 +157,10 @@ static int show(struct passage *p, size_t index, const struct orl_hdr_picture *p
     return code;
 }
 
-static int show_poster(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
-                       struct orl_error *err)
+static int write_poster(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
+                        struct orl_error *err)
 {
-    const int code = expose(p, picture, err);
+    const int code = tone_map_picture(p, picture, err);
     if (code < 0)
         return code;
     draw_strip(p, index);
@@ -169,12 +171,12 @@ static int open_all(struct passage *p, struct orl_error *err)
 {
     const struct orl_sequence *s = p->sequence;
     const double frame_s = s->how->frame_s > 0 ? s->how->frame_s : usual_frame_s;
-    int code = no_room(orl_contact_sheet_init(&p->sheet, s, p->width, p->height), err);
+    int code = memory_error(orl_contact_sheet_init(&p->sheet, s, p->width, p->height), err);
     p->frame.width = p->width;
     p->frame.height = p->height + orl_strip_height(p->width);
     p->frame.rgb = malloc(3 * (size_t)p->frame.width * p->frame.height);
     if (code == 0 && !p->frame.rgb)
-        code = no_room(ORL_ERR_NOMEM, err);
+        code = memory_error(ORL_ERR_NOMEM, err);
     return code < 0 ? code
                     : orl_apng_open(s->animation, p->frame.width, p->frame.height,
                                     (uint32_t)s->n_frames, frame_s, &p->animation, err);
@@ -187,9 +189,9 @@ int orl_sequence_write(const struct orl_sequence *sequence, struct orl_error *er
     if (code == 0)
         code = open_all(&p, err);
     if (code == 0 && p.begins_black && p.most > 0)
-        code = with_picture(&p, p.brightest, show_poster, err);
+        code = process_picture(&p, p.brightest, write_poster, err);
     if (code == 0)
-        code = for_all(&p, show, err);
+        code = process_pictures(&p, write_frame, err);
     code = orl_apng_close(p.animation, code, err);
     if (code == 0)
         code = orl_png_write(sequence->sheet, p.sheet.raster.width, p.sheet.raster.height,

@@ -8,7 +8,7 @@
 
 #include "render/picture/display.h"
 
-/* In units, of which a picture has 240 across; a unit is a pixel at the least. */
+/* Sizes in units. A picture is UNITS_ACROSS units wide; a unit is at least a pixel. */
 enum { UNITS_ACROSS = 240, USUAL_WIDTH = 240, STRIP_ACROSS = 400 };
 enum { MARGIN = 14, TITLE = 30, GAP = 12, LINE = 14, TITLE_SIZE = 11, TEXT_SIZE = 8 };
 enum { STRIP = 20, STRIP_SIZE = 9 };
@@ -20,9 +20,9 @@ static double unit_of(double width, double across)
     return fmax(1, width / across);
 }
 
-/* ---- Where all stands ------------------------------------------------------------------------ */
+/* ---- Layout ---------------------------------------------------------------------------------- */
 
-/* Columns that make the sheet about as wide as high. */
+/* Returns the number of columns for a sheet that is about square. */
 static uint32_t columns_for(const struct orl_contact_sheet *sheet, size_t count)
 {
     const double cell = (double)sheet->step_y / sheet->step_x;
@@ -56,7 +56,7 @@ static bool is_too_large(const struct orl_contact_sheet *sheet)
            (uint64_t)sheet->raster.width * sheet->raster.height > ORL_LIMIT_IMAGE_PIXELS;
 }
 
-/* A text no wider than that, standing on y. */
+/* Draws a text no wider than that; y: its baseline. */
 static void write_line(const struct orl_raster *raster, double x, double y, double width,
                        double size, const char *text)
 {
@@ -101,9 +101,9 @@ void orl_contact_sheet_done(struct orl_contact_sheet *sheet)
     sheet->raster.rgb = NULL;
 }
 
-/* ---- Pictures made smaller ------------------------------------------------------------------- */
+/* ---- Reduced pictures ------------------------------------------------------------------------ */
 
-/* Adds a row of the picture to sums, so many for each pixel across. */
+/* Adds a row of the picture to the sums of the reduced row's pixels. */
 static void add_row(const struct orl_contact_sheet *sheet, const unsigned char *row, uint32_t width,
                     double weight, double *sums)
 {
@@ -155,7 +155,7 @@ int orl_contact_sheet_put(struct orl_contact_sheet *sheet, size_t index, const u
     return 0;
 }
 
-/* ---- A strip --------------------------------------------------------------------------------- */
+/* ---- Strip ----------------------------------------------------------------------------------- */
 
 uint32_t orl_strip_height(uint32_t width)
 {
