@@ -148,7 +148,7 @@ struct orl_gather_ray {
     /* The first hit if it is known, or nothing_ahead; else NULL and false. */
     const struct orl_hit *ahead;
     bool nothing_ahead;
-    bool to_ports; /* true if some rays are aimed at ports when it continues from a matt surface */
+    bool aims; /* true if some rays are aimed when it continues from a matt surface */
     /* True if flat surfaces may be read from texels: for hemispheres, which average many rays. */
     bool by_texels;
     /* Irradiance cache that gives the rest at near surfaces within its reach; NULL: none. */

@@ -273,65 +273,63 @@ static void branch_through_pane(const struct leg *leg, const struct orl_material
 }
 
 /*
- * At a matt surface that is lit again, ports may be in few directions and send most of the light.
- * With a probability of a quarter such a surface aims one ray at a port, in addition to the ray
- * that goes on. The aimed ray counts if it meets that port first. Rays of both kinds that meet a
- * port first are weighed by the multi-sample balance heuristic (Veach 1997, section 9.2).
+ * At a matt surface that is lit again, ports, small mirrors and lenses may be in few directions and
+ * send most of the light. For each of these ways (aim.h) such a surface aims one ray with a
+ * probability of a quarter, in addition to the ray that goes on. An aimed ray counts if it meets
+ * its target first. All rays are weighed by the multi-sample balance heuristic (Veach 1997, section
+ * 9.2).
  */
-static const double aimed = 0.25;
+static const struct orl_effort aimed = {{[ORL_WAY_PORT] = 0.25, [ORL_WAY_TARGET] = 0.25}};
 
-/* Returns the weight of a ray from a matt surface by the balance heuristic. */
-static double weight_of(const struct leg *leg, const struct orl_hit *ahead,
-                        struct orl_vec3 direction, double by_cosine)
+/* Returns the weight of a ray from a matt surface by the balance heuristic; by_cosine: its density
+ * by the cosine. */
+static double weight_of(const struct leg *leg, struct orl_vec3 from, const struct orl_aimed *ray,
+                        double by_cosine)
 {
-    return by_cosine /
-           (by_cosine + aimed * orl_aim_port_density(leg->gather->aim, ahead, direction));
-}
-
-/* Draws a direction to a point of a port; each port is as likely. Returns the port's facet. */
-static uint32_t draw_port(const struct orl_world *world, struct orl_vec3 from,
-                          struct orl_random *random, struct orl_vec3 *ret_direction)
-{
-    const double which = orl_random_uniform(random), u0 = orl_random_uniform(random);
-    const double u[2] = {u0, orl_random_uniform(random)};
-    const uint32_t facet = world->ports[(size_t)(which * (double)world->n_ports)].facet;
-    struct orl_vec3 there, normal;
-    orl_facet_sample(world->geometry, facet, u, &there, &normal);
-    *ret_direction = orl_normalize(orl_sub(there, from));
-    return facet;
+    const struct orl_aim *const aim = leg->gather->aim;
+    const struct orl_effort effort = orl_aim_effort(aim, aimed);
+    return by_cosine / (by_cosine + orl_aim_density(aim, &effort, from, orl_v3(0, 0, 0), ray));
 }
 
 static void follow_leg(struct leg *leg);
 
-/* Aims a ray at a port and adds the light that it finds; drawn: the ray that goes on. */
-static void trace_port_ray(struct leg *leg, const struct orl_scatter *drawn)
+/* Aims a ray in one of the ways and adds the light that it finds; drawn: the ray that goes on. */
+static void trace_aimed_ray(struct leg *leg, enum orl_way way, const struct orl_scatter *drawn)
 {
     struct orl_eye_path *p = &leg->eye;
     const struct orl_world *world = p->world;
+    const struct orl_vec3 normal = orl_hit_facing(&p->hit);
+    const struct orl_vec3 from = orl_hit_leave(world->geometry, &p->hit, normal);
     struct orl_scatter s = *drawn;
-    struct orl_hit ahead;
-    const uint32_t facet = draw_port(world, p->hit.point, p->random, &s.direction);
-    const double cosine = orl_dot(s.direction, orl_hit_facing(&p->hit));
-    if (!(cosine > 0) ||
-        !orl_geometry_intersect(world->geometry,
-                                orl_hit_leave(world->geometry, &p->hit, s.direction), s.direction,
-                                INFINITY, &ahead) ||
-        ahead.facet != facet)
+    struct orl_aimed ray;
+    const double which = orl_random_uniform(p->random), u0 = orl_random_uniform(p->random);
+    const double u[3] = {u0, orl_random_uniform(p->random), which};
+    if (!orl_aim_draw(leg->gather->aim, way, from, normal, u, &ray))
         return;
-    struct leg at_port = *leg;
-    struct orl_eye_path *q = &at_port.eye;
-    at_port.aims = false;
+    s.direction = ray.direction;
+    struct leg at_target = *leg;
+    struct orl_eye_path *q = &at_target.eye;
+    at_target.aims = false;
     q->seen = orl_gray(0);
+    const double by_cosine = orl_dot(s.direction, normal) / ORL_PI;
     q->path.weight =
-        orl_rgb_mul(q->path.weight,
-                    orl_rgb_scale(s.weight, weight_of(leg, &ahead, s.direction, cosine / ORL_PI)));
-    note_event(&at_port, &s);
-    at_port.weighed = true;
+        orl_rgb_mul(q->path.weight, orl_rgb_scale(s.weight, weight_of(leg, from, &ray, by_cosine)));
+    note_event(&at_target, &s);
+    at_target.weighed = true;
     orl_path_leave(&q->path, world, &q->hit, &s);
-    orl_eye_path_foresee(q, &ahead);
+    orl_eye_path_foresee(q, &ray.hit);
     q->bounce++;
-    follow_leg(&at_port);
+    follow_leg(&at_target);
     p->seen = orl_rgb_add(p->seen, q->seen);
+}
+
+/* Aims rays in all ways that the scene has targets for. */
+static void trace_aimed_rays(struct leg *leg, const struct orl_scatter *drawn)
+{
+    const struct orl_effort effort = orl_aim_effort(leg->gather->aim, aimed);
+    for (int way = 0; way < ORL_WAYS; way++)
+        if (effort.rays[way] > 0 && orl_random_uniform(leg->eye.random) < effort.rays[way])
+            trace_aimed_ray(leg, (enum orl_way)way, drawn);
 }
 
 static struct orl_scatter draw_continuation(struct orl_eye_path *p, const struct orl_material *m,
@@ -342,8 +340,7 @@ static struct orl_scatter draw_continuation(struct orl_eye_path *p, const struct
     if (!leg->aims || p->outside || s.event != ORL_EVENT_DIFFUSE || s.transmitted ||
         !orl_material_is_matt(m))
         return s;
-    if (orl_random_uniform(p->random) < aimed)
-        trace_port_ray(leg, &s);
+    trace_aimed_rays(leg, &s);
     leg->by_cosine = orl_dot(s.direction, orl_hit_facing(&p->hit)) / ORL_PI;
     return s;
 }
@@ -368,7 +365,9 @@ static struct orl_rgb met_diffuse(const struct leg *leg, bool *ret_relit)
 static void weigh_leg(struct leg *leg)
 {
     struct orl_eye_path *p = &leg->eye;
-    const double weight = weight_of(leg, &p->hit, p->path.direction, leg->by_cosine);
+    const struct orl_aimed ray = {.direction = p->path.direction, .met = true, .hit = p->hit};
+    const struct orl_vec3 from = orl_madd(p->hit.point, ray.direction, -p->hit.distance);
+    const double weight = weight_of(leg, from, &ray, leg->by_cosine);
     p->path.weight = orl_rgb_scale(p->path.weight, weight);
     leg->by_cosine = 0;
     leg->weighed = weight < 1;
@@ -438,7 +437,7 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
                       .search = search,
                       .through = &through,
                       .caustics = ray->of_lobe != NULL,
-                      .aims = ray->to_ports && !gather->world->scene->mist};
+                      .aims = ray->aims && !gather->world->scene->mist};
     search->health.paths++;
     if (ray->ahead || ray->nothing_ahead)
         orl_eye_path_foresee(&leg.eye, ray->ahead);

@@ -186,7 +186,7 @@ static struct orl_rgb gather_group(const struct orl_gather *gather, const struct
                 .first = &first,
                 .ahead = shot.ray.met ? &shot.ray.hit : NULL,
                 .nothing_ahead = volley->aimed && !shot.ray.met,
-                .to_ports = volley->rays[WAY_PORT] > 0,
+                .aims = volley->aimed,
                 .tally = tally,
                 .share = ORL_PI / drawn_at(gather, place, volley, &shot) / HEMISPHERES};
             const struct orl_rgb radiance = orl_gather_radiance(gather, &ray, &random, search);
