@@ -1,6 +1,6 @@
 #include "bsdf_json.h"
 
-/* "zero", "copy", or null. */
+/* Returns "zero", "copy" or json null. */
 static json_t *dummy(enum orl_bsdf_dummy kind)
 {
     if (kind == ORL_BSDF_DUMMY_NONE)
@@ -13,7 +13,7 @@ json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info)
     json_t *components = json_pack("{s:b, s:b, s:b, s:b}", "reflection_front", (int)info->has[1][0],
                                    "reflection_back", (int)info->has[0][0], "transmission_front",
                                    (int)info->has[1][1], "transmission_back", (int)info->has[0][1]);
-    /* A name that is not UTF-8 is left out rather than failing the whole. */
+    /* Names that are not UTF-8 become null, so that the rest is still returned. */
     json_t *name = json_string(info->name);
     return json_pack(
         "{s:o, s:s, s:i, s:I, s:I, s:o, s:{s:o, s:o}, s:{s:f, s:f}, s:f, s:b, s:b, s:I, s:I}",
@@ -26,10 +26,9 @@ json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info)
         "clamped", (json_int_t)info->clamped);
 }
 
-/* ---- The check ---------------------------------------------------------------------------------
- */
+/* ---- The check ------------------------------------------------------------------------------- */
 
-/* {"front": one, "back": other}; takes both. */
+/* Returns {"front": front, "back": back}; takes both references. */
 static json_t *both_sides(json_t *front, json_t *back)
 {
     return json_pack("{s:o, s:o}", "front", front, "back", back);
@@ -51,7 +50,7 @@ static json_t *extremes(const struct orl_bsdf_extremes *x)
                      x->most, "most_theta_deg", x->most_theta_deg, "most_phi_deg", x->most_phi_deg);
 }
 
-/* Of one component, which has a coarse maximum besides. */
+/* Extremes of one component, which has a coarse maximum besides. */
 static json_t *component_extremes(const struct orl_bsdf_extremes *x)
 {
     json_t *json = extremes(x);
@@ -69,7 +68,7 @@ static json_t *side_extremes(const struct orl_bsdf_check *check, int front)
                      extremes(&check->total[front]));
 }
 
-/* null where there was nothing to compare. */
+/* Returns json null if there was nothing to compare (value < 0). */
 static json_t *share(double value)
 {
     return value < 0 ? json_null() : json_real(value);
@@ -117,8 +116,7 @@ json_t *orl_bsdf_check_to_json(const struct orl_bsdf_check *c)
     return NULL;
 }
 
-/* ---- Where light from one direction goes ------------------------------------------------------
- */
+/* ---- Distribution of light from one direction ------------------------------------------------ */
 
 static json_t *hemisphere(const double values[ORL_POLAR_THETAS][ORL_POLAR_PHIS])
 {

@@ -10,7 +10,7 @@
 
 json_t *orl_json_from_text(const char *text)
 {
-    json_t *string = json_string(text); /* which jansson refuses when it is not UTF-8 */
+    json_t *string = json_string(text); /* NULL if text is not UTF-8 */
     if (string)
         return string;
     char ascii[ORL_ERROR_TEXT_MAX];
@@ -26,7 +26,8 @@ json_t *orl_json_from_real(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-/* Once there was no memory, nothing more is taken: what is left out cannot be seen later. */
+/* Output buffer. After a failed allocation nothing more is appended, because a gap could not be
+ * detected later. */
 struct text {
     char *bytes;
     size_t length, room;

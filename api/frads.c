@@ -14,7 +14,7 @@ struct reading {
     const char *name;
     json_t *sections;                            /* owned: values by section, then key */
     json_t *files, *views, *left_out, *commands; /* owned */
-    char *value, *spare;                         /* of VALUE_SIZE each */
+    char *value, *spare;                         /* buffers of VALUE_SIZE bytes each */
     struct orl_error *err;
 };
 
@@ -32,10 +32,9 @@ static int no_memory(const struct reading *r)
     return orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* ---- Sections ---------------------------------------------------------------------------------
- */
+/* ---- Sections -------------------------------------------------------------------------------- */
 
-/* Where a value stands, for errors: {"text", "line"}. */
+/* Stores a value with its line number for errors: {"text", "line"}. */
 static int put(struct reading *r, const char *section, const char *key, const char *text, int line)
 {
     json_t *const values = json_object_get(r->sections, section);
@@ -60,7 +59,7 @@ static void lower(char *text)
         *text = (char)tolower((unsigned char)*text);
 }
 
-/* Copies a line into ret_line, of VALUE_SIZE; false: it is too long. */
+/* Copies a line into ret_line, a buffer of VALUE_SIZE bytes. Returns false if it is too long. */
 static bool copy_line(struct orl_slice line, char *ret_line)
 {
     if (line.length >= VALUE_SIZE)
@@ -93,7 +92,7 @@ static int begin_section(struct reading *r, struct entry *at, char *line, int nu
                : 0;
 }
 
-/* "key = value", or what goes on with the one before. */
+/* Reads "key = value", or a continuation of the entry before. */
 static int read_entry(struct reading *r, struct entry *at, char *line, int number)
 {
     const bool goes_on = at->key[0] && (line[0] == ' ' || line[0] == '\t');
@@ -139,8 +138,7 @@ static int read_sections(struct reading *r, const char *text, size_t size)
     return rc;
 }
 
-/* ---- Values -----------------------------------------------------------------------------------
- */
+/* ---- Values ---------------------------------------------------------------------------------- */
 
 static const json_t *value_of(const struct reading *r, const char *section, const char *key)
 {
@@ -152,7 +150,7 @@ static int line_of(const json_t *value)
     return (int)json_integer_value(json_object_get(value, "line"));
 }
 
-/* Appends the value to ret of VALUE_SIZE, others in place of their names. */
+/* Appends the value to ret (VALUE_SIZE bytes), with references replaced by the values they name. */
 static int expand(struct reading *r, const char *section, const json_t *value, int depth, char *ret)
 {
     const char *text = json_string_value(json_object_get(value, "text"));
@@ -192,7 +190,7 @@ static int expand(struct reading *r, const char *section, const json_t *value, i
     return 0;
 }
 
-/* The words of a value, as an array that is *ret_words; none where there is no such value. */
+/* Sets *ret_words to an array of the value's words, empty if there is no such value. */
 static int words_of(struct reading *r, const char *section, const char *key, json_t **ret_words)
 {
     static const char space[] = " \t\r\n";
@@ -212,8 +210,7 @@ static int words_of(struct reading *r, const char *section, const char *key, jso
     return rc;
 }
 
-/* ---- What it is to a project ------------------------------------------------------------------
- */
+/* ---- Conversion to a project ----------------------------------------------------------------- */
 
 static int leave_out(struct reading *r, const char *section, const char *key, const char *why)
 {
@@ -240,7 +237,7 @@ static int add_files(struct reading *r, const char *key)
     return rc;
 }
 
-/* The window's surfaces of that BSDF, as a scene file of two lines. */
+/* Writes the window's surfaces with that BSDF as a scene file of two lines. */
 static int add_panel(struct reading *r, const char *window, const char *xml, size_t number)
 {
     char name[64];
@@ -290,7 +287,7 @@ static int side_of(const json_t *word)
     return side >= 1 && side <= MOST_SIDE ? (int)side : SIDE;
 }
 
-/* "-vf FILE -x N -y N", or options of a view. */
+/* Adds a view from "-vf FILE -x N -y N" or from view options. */
 static int add_view(struct reading *r, const char *key)
 {
     json_t *words, *word;

@@ -23,7 +23,7 @@ static int read_vector(const json_t *value, const char *path, struct orl_vec3 *r
     return 0;
 }
 
-/* The error of a check is one of the member at path. */
+/* Sets path as the place of a check's error; returns code. */
 static int checked(int code, const char *path, struct orl_error *err)
 {
     if (code < 0)

@@ -192,7 +192,7 @@ const struct orl_job *orl_task_job(const struct orl_task *task)
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* Where a task has the names of its main files, and their number. */
+/* Addresses of a task's main file names and their number. */
 struct scene_place {
     char ***files;
     size_t *count;
@@ -234,7 +234,7 @@ struct visiting {
 
 static int tell(const struct visiting *v, enum orl_file_role role, const char *name,
                 const char *entry, const char *format, ...) __attribute__((format(printf, 5, 6)));
-/* Nothing of a file without a name. */
+/* Visits a file; names that are NULL or empty are skipped. */
 static int tell(const struct visiting *v, enum orl_file_role role, const char *name,
                 const char *entry, const char *format, ...)
 {
