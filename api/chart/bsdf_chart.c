@@ -11,7 +11,8 @@
 
 #include "chart/polar_map.h"
 
-/* Page units. A row: two maps, a table; rows of files and one of differences; then findings. */
+/* Lengths in page units. A row has two maps and a table. Rows: one per file, one of
+ * differences, then the findings. */
 static const double page_width = 900, head = 62, row_height = 306, radius = 122, rim = 40;
 static const double letters = 8, line_height = 14, title = 11, legend_x = 596, table_x = 664;
 static const double png_scale = 1.6, foot = 16;
@@ -22,7 +23,7 @@ static const unsigned char ink[3] = {26, 26, 26}, grey[3] = {96, 96, 96};
 struct page {
     const struct orl_bsdf_chart *chart;
     struct orl_canvas *canvas;
-    struct orl_bsdf_polar *polar; /* of each file */
+    struct orl_bsdf_polar *polar; /* one per file */
     double top;
 };
 
@@ -34,7 +35,7 @@ static void write_text(const struct page *p, double x, double y, double size, bo
     orl_canvas_text(p->canvas, x, y, &as, text);
 }
 
-/* ---- What a row shows ------------------------------------------------------------------------ */
+/* ---- Rows ------------------------------------------------------------------------------------ */
 
 static struct orl_polar_map map_of(const struct page *p, int t, double y)
 {
@@ -100,7 +101,7 @@ static void draw_peaks(const struct page *p, size_t i, double y)
 
 /* ---- Differences ----------------------------------------------------------------------------- */
 
-/* Of fluxes: half of what differs is what would have to move. */
+/* Returns half the integral of the absolute difference: the flux that would have to move. */
 static double moved(const struct page *p, int t)
 {
     const double dtheta = ORL_PI / 2 / ORL_POLAR_THETAS;
@@ -134,7 +135,7 @@ static void draw_difference(const struct page *p, double y)
 
 /* ---- The page -------------------------------------------------------------------------------- */
 
-/* Cut at a space where it is too long for a line. Returns the y below. */
+/* Writes text, broken at spaces into lines. Returns the y below. */
 static double write_wrapped(const struct page *p, double x, double y, const char *text)
 {
     char line[FINDING_LETTERS + 1];
@@ -159,7 +160,7 @@ static size_t findings_of(const struct orl_bsdf_check *check)
     return check->n_verdicts < FINDINGS ? check->n_verdicts : FINDINGS;
 }
 
-/* Lines that a file's findings take: as they are written. */
+/* Returns an estimate of the lines that a file's findings take when wrapped. */
 static size_t lines_of(const struct orl_bsdf_check *check)
 {
     size_t lines = 1;
@@ -229,7 +230,7 @@ static double largest(const struct orl_bsdf_polar *polar)
     return most;
 }
 
-/* A power of ten, or three of one. */
+/* Rounds up to 1 or 3 times a power of ten. */
 static double round_up(double value)
 {
     const double power = value > 0 ? pow(10, floor(log10(value))) : 1;

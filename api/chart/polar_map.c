@@ -14,7 +14,7 @@ static const double bar = 14, letters = 8;
 
 /* ---- Colours --------------------------------------------------------------------------------- */
 
-/* 0: below the scale; 1 to LEVELS. */
+/* Returns the colour level of a value: 0 below the scale, else 1 to LEVELS. */
 static int level_of(double value, double top)
 {
     if (!(value > 0))
@@ -23,7 +23,7 @@ static int level_of(double value, double top)
     return share <= 0 ? 0 : share >= 1 ? LEVELS : (int)ceil(share * LEVELS);
 }
 
-/* Differences have levels below 0, too: from white to red or blue. */
+/* Returns a level's colour. Differences may be negative: from white to red or to blue. */
 static void color_of(int level, bool differences, unsigned char ret_rgb[3])
 {
     static const double more[3] = {165, 0, 38}, less[3] = {18, 60, 155};
@@ -64,7 +64,7 @@ static void ring(const struct orl_polar_map *m, double theta_deg, double weight,
     orl_canvas_path(m->canvas, CIRCLE + 1, x, y, weight, rgb);
 }
 
-/* A hair larger than it is, lest viewers show what is below between two. */
+/* Draws a cell, slightly enlarged so that viewers show no gaps between cells. */
 static void cell(const struct orl_polar_map *m, int theta, int phi, int level)
 {
     const double dtheta = 90.0 / ORL_POLAR_THETAS, dphi = 360.0 / ORL_POLAR_PHIS;

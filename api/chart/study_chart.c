@@ -11,16 +11,16 @@ static const unsigned char black[3] = {26, 26, 26}, gray[3] = {115, 115, 115},
                            faint[3] = {230, 230, 230}, gold[3] = {255, 219, 115},
                            dark_red[3] = {140, 26, 26}, paper[3] = {255, 255, 255};
 
-/* What drawing goes by. */
+/* State for drawing. */
 struct pen {
     const struct orl_chart *chart;
     const struct orl_study *study;
     struct orl_canvas *canvas;
-    size_t *index; /* room for all points of the study, */
-    double *x, *y; /* and for their places */
+    size_t *index; /* room for all points of the study */
+    double *x, *y; /* room for their page coordinates */
 };
 
-/* Colours that the colour-blind tell apart (Okabe and Ito 2008). */
+/* Returns a colour that colour-blind people can distinguish (Okabe and Ito 2008). */
 static const unsigned char *ink_of(enum orl_technique technique)
 {
     static const unsigned char inks[ORL_TECHNIQUE_COUNT][3] = {
@@ -43,7 +43,8 @@ static double y_of(const struct pen *pen, const struct orl_study_point *p)
 
 /* ---- Points ---------------------------------------------------------------------------------- */
 
-/* Shapes that nobody mixes up, as corners about a middle; none for a disc. */
+/* Returns the corners of a technique's marker about its middle; none for a disc. The shapes are
+ * easy to distinguish. */
 static size_t corners_of(enum orl_technique technique, const double (**ret_corners)[2])
 {
     static const double square[4][2] = {{-.9, -.9}, {.9, -.9}, {.9, .9}, {-.9, .9}},
@@ -64,7 +65,7 @@ static size_t corners_of(enum orl_technique technique, const double (**ret_corne
     }
 }
 
-/* Filled for points of the line, hollow for those beaten. */
+/* Draws a marker, filled for points of the line, hollow for dominated points. */
 static void draw_marker(struct orl_canvas *canvas, enum orl_technique technique, double x, double y,
                         bool full)
 {
@@ -92,7 +93,7 @@ static void draw_cross(struct orl_canvas *canvas, double x, double y)
     orl_canvas_line(canvas, x - 4.5, y + 4.5, x + 4.5, y - 4.5, 2, dark_red);
 }
 
-/* Standard errors of error and time; what reaches beyond the plot ends at its edge. */
+/* Draws standard errors of error and time, clipped at the plot's edge. */
 static void draw_bars(const struct pen *pen, const struct orl_study_point *p)
 {
     const struct orl_chart_box *plot = &pen->chart->plot;
