@@ -31,7 +31,7 @@ static const struct {
     {"white_glow", "glow", 4, {1, 1, 1, 0}},
 };
 
-/* ---- Finding them ---------------------------------------------------------------------------- */
+/* ---- Look-up --------------------------------------------------------------------------------- */
 
 static int add(struct orl_hb *hb, const char *identifier, const json_t *json, size_t *ret_place)
 {
@@ -52,7 +52,8 @@ static int add(struct orl_hb *hb, const char *identifier, const json_t *json, si
                : 0;
 }
 
-/* One of the document's. Of several by one identifier the first counts that stands at an object. */
+/* Adds a modifier of the document. If an identifier occurs several times outside the list, the
+ * first modifier counts. */
 static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at *at, bool in_list,
                    size_t *ret_place)
 {
@@ -88,7 +89,7 @@ int orl_hb_modifiers_read(struct orl_hb *hb)
     for (const json_t *modifier; rc == 0 && (modifier = orl_hb_next(&modifiers));) {
         rc = add_own(hb, modifier, &modifiers.here, true, &place);
         if (rc == 0)
-            hb->modifiers[place].json = modifier; /* of several the last, as in Honeybee */
+            hb->modifiers[place].json = modifier; /* the last in the list counts, as in Honeybee */
     }
     for (size_t i = 0; i < sizeof generics / sizeof *generics && rc == 0; i++)
         if (!json_object_get(hb->modifier_places, generics[i].identifier))

@@ -5,7 +5,7 @@
 
 enum { MOST_FACES = 256, MOST_CORNERS_TRIED = 64 };
 
-/* A face, and two axes in which it has an area. */
+/* A face, its normal, and two axes; the face's projection onto their plane has an area. */
 struct side {
     struct orl_hb_polygon polygon;
     struct orl_vec3 normal;
@@ -17,7 +17,7 @@ static double along(struct orl_vec3 p, int axis)
     return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
 }
 
-/* Of a point in its plane; holes are outside. */
+/* Returns true if a point in the face's plane is inside the face; holes are outside. */
 static bool is_inside(const struct side *side, struct orl_vec3 point)
 {
     const struct orl_hb_polygon *polygon = &side->polygon;
@@ -36,7 +36,8 @@ static bool is_inside(const struct side *side, struct orl_vec3 point)
     return inside;
 }
 
-/* In one of its ears, and not in the middle, lest lines meet edges of faces that are alike. */
+/* Finds a point inside the face, near a corner and off the centre, so that lines through it
+ * miss edges of similar faces. */
 static bool find_inside(const struct side *side, struct orl_vec3 *ret_point)
 {
     const struct orl_vec3 *p = side->polygon.points;

@@ -13,7 +13,7 @@ enum { IDENTIFIER_MAX_BYTES = 100, NAME_SIZE = 512 };
 
 /* ---- Places ---------------------------------------------------------------------------------- */
 
-/* From the document on; what does not fit is left out at the end. */
+/* Writes the path from the document down; cuts it off at the end if it does not fit. */
 static size_t tell_place(const struct orl_hb_at *at, char *text, size_t size)
 {
     if (!at)
