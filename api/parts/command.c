@@ -14,8 +14,8 @@ extern char **environ;
 
 enum { MOST = ORL_COMMAND_OUTPUT - 1, TURN_MS = 50 };
 
-/* Its standard input is empty, and what it prints goes to the end of a pipe. It ignores no signals
- * and blocks none, whatever the thread that starts it does. */
+/* Starts a program with empty standard input; its output goes to a pipe (ends). It ignores and
+ * blocks no signals, regardless of the calling thread. */
 static int spawn(char *const argv[], const int ends[2], pid_t *ret_pid)
 {
     posix_spawn_file_actions_t actions;
@@ -41,7 +41,7 @@ static int spawn(char *const argv[], const int ends[2], pid_t *ret_pid)
     return rc;
 }
 
-/* Reads until its end; 0, or why not. */
+/* Reads output until its end. Returns 0 or a negative orl_err. */
 static int read_output(int from, double limit_s, const atomic_bool *cancel, char *output)
 {
     const int turns = (int)(limit_s * 1000 / TURN_MS) + 1;

@@ -16,13 +16,13 @@ extern char **environ;
 
 struct task {
     uint32_t number;
-    pid_t pid; /* 0: it waits */
+    pid_t pid; /* 0: waiting */
 };
 
 struct local {
     struct orl_runner_spec spec;
     char wave[ORL_WAVE_NAME];
-    struct task *tasks; /* waiting or running, in the order in which they came */
+    struct task *tasks; /* waiting or running, in order of arrival */
     size_t n_tasks;
 };
 
@@ -48,7 +48,7 @@ static int spawn(const struct local *local, struct task *task, struct orl_error 
                          local->spec.program, strerror(rc));
 }
 
-/* Those that have ended go, and others take their place. */
+/* Removes ended tasks and starts waiting ones in their place. */
 static int turn_over(struct local *local, struct orl_error *err)
 {
     size_t kept = 0, running = 0;
@@ -93,7 +93,7 @@ static int local_look(void *ctx, const char *wave, struct orl_part_seen *ret_see
     struct local *local = ctx;
     const int rc = turn_over(local, err);
 
-    (void)wave; /* there is one at a time */
+    (void)wave; /* there is only one wave at a time */
     for (size_t i = 0; i < n; i++)
         ret_seen[i] = (struct orl_part_seen){.state = ORL_PART_GONE};
     for (size_t i = 0; i < local->n_tasks; i++)

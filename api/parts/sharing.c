@@ -10,7 +10,7 @@
 #include "parts/wave.h"
 #include "parts/wave_files.h"
 
-/* Those that are not made yet, in their order. */
+/* Makes the pieces that are not made yet, in their order. */
 static int run_rest(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,
                     const bool *made, struct orl_error *err)
 {
@@ -28,7 +28,7 @@ static int run_rest(struct orl_sharing *sharing, const struct orl_piece *pieces,
     return rc;
 }
 
-/* Of a run that hands all pieces to others. */
+/* Callback of a run that hands out all its pieces. */
 static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
                   const struct orl_pieces_watch *watch, struct orl_error *err)
 {
@@ -101,7 +101,7 @@ int orl_sharing_abandon(const char *folder, double (*now_s)(void *ctx), struct o
     json_t *doc = NULL;
     int rc = 0;
 
-    /* Without its files no task of it comes to anything. */
+    /* Verified first: without its files, no task of the job can succeed. */
     if (orl_shared_folder_verify(folder, job, &doc, NULL) == 0)
         while (rc == 0 && orl_wave_find(folder, wave)) {
             rc = orl_slurm_cancel(&spec, wave, err);

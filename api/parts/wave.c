@@ -14,9 +14,9 @@
 
 enum { MOST_TRIES = 3, MOST_RAISED = 5 };
 
-/* How often parts are looked at: ever more rarely, after a share of the wave's age. */
+/* Interval between looks at the parts, in seconds. It grows with the wave's age. */
 static const double look_least_s = 0.05, look_most_s = 1, look_share = 0.005;
-/* A disk that is full is looked at again after so long. */
+/* Seconds until a full disk is checked again. */
 static const double full_s = 10;
 
 static double now_s(const struct orl_sharing *sharing)
@@ -38,7 +38,8 @@ static void count_lost(struct orl_sharing *sharing, struct orl_wave *wave, size_
     part->told = false;
 }
 
-/* What its runner tells of a part. One that ran and waits was put back by Slurm. */
+/* Takes over the state reported by the runner. A part that ran and now waits was requeued by
+ * Slurm. */
 static void take_state(struct orl_sharing *sharing, struct orl_wave *wave, size_t i)
 {
     struct orl_part *part = &wave->parts[i];
@@ -90,7 +91,7 @@ static void tell_wave(struct orl_sharing *sharing, const struct orl_wave *wave,
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
 
-/* Of its first try: by what is known of the job by now. */
+/* Returns the limits for a part's first try, from what is known of the job by now. */
 static struct orl_part_limits first_limits(const struct orl_sharing *sharing,
                                            const struct orl_part *part)
 {
@@ -103,7 +104,7 @@ static struct orl_part_limits first_limits(const struct orl_sharing *sharing,
     return orl_part_limits(&part->needs, &basis);
 }
 
-/* Those that are due, all at once. */
+/* Starts all due parts at once. */
 static int start_due(struct orl_sharing *sharing, struct orl_wave *wave, struct orl_error *err)
 {
     size_t n = 0;
@@ -127,7 +128,7 @@ static int start_due(struct orl_sharing *sharing, struct orl_wave *wave, struct 
                                           err);
 }
 
-/* What a part that failed says. */
+/* Reads the error of a failed part. */
 static void read_error(const char *path, struct orl_error *ret_said)
 {
     json_t *problem = json_load_file(path, 0, NULL);
@@ -140,14 +141,15 @@ static void read_error(const char *path, struct orl_error *ret_said)
     json_decref(problem);
 }
 
-/* Until there is room again; it is not the part's fault. */
+/* Holds a part back until the disk has room. This does not count as a failure of the part. */
 static void hold(const struct orl_sharing *sharing, struct orl_part *part)
 {
     part->held_s = now_s(sharing) + full_s;
     part->state = ORL_PART_WAITING;
 }
 
-/* Whether it came up against a limit that was ours to raise, and is: it is started with more. */
+/* Raises the exceeded limit if this program had set it. Returns true if it did; the part is
+ * then restarted. */
 static bool raise_limits(struct orl_part *part, const struct orl_part_seen *seen,
                          enum orl_part_end end)
 {
@@ -163,7 +165,7 @@ static bool raise_limits(struct orl_part *part, const struct orl_part_seen *seen
     return true;
 }
 
-/* Why there is nothing of a part. */
+/* Describes why a part has no result. */
 static void say_end(const struct orl_sharing *sharing, const struct orl_part *part,
                     const struct orl_part_seen *seen, enum orl_part_end end,
                     struct orl_error *ret_said)
@@ -183,7 +185,7 @@ static void say_end(const struct orl_sharing *sharing, const struct orl_part *pa
                       part->tries, sharing->folder);
 }
 
-/* One that has left an error, or nothing: once more, or never again. */
+/* Restarts a part that left an error or nothing, or fails if its tries are used up. */
 static int try_again(struct orl_sharing *sharing, struct orl_wave *wave, size_t i,
                      const char *error_path, struct orl_error *err)
 {
@@ -303,7 +305,7 @@ static int wait_for(struct orl_sharing *sharing, struct orl_wave *wave, struct o
     return rc;
 }
 
-/* What is under way ends with the run, unless a run after it is to find it. */
+/* Ends a wave. Active parts end with the run, unless a later run is to find them. */
 static void end_wave(struct orl_sharing *sharing, struct orl_wave *wave, int rc,
                      struct orl_error *err)
 {
@@ -337,7 +339,7 @@ static int make_tables(struct orl_sharing *sharing, struct orl_wave *wave, struc
     return 0;
 }
 
-/* Its files, once the disk has room for them. */
+/* Writes the wave's files, and waits while the disk is full. */
 static int write_wave(struct orl_sharing *sharing, struct orl_wave *wave,
                       const struct orl_piece *pieces, size_t n, struct orl_error *err)
 {
@@ -365,7 +367,7 @@ int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, si
 
     if (sharing->load_s <= 0)
         sharing->load_s = now_s(sharing) - sharing->opened_s;
-    /* Tasks of an earlier run may still leave their files here. */
+    /* A unique name: tasks of an earlier run may still write files here. */
     snprintf(wave.name, sizeof wave.name, "%lx.%lx-wave%u", (long)sharing->began, (long)getpid(),
              ++sharing->count.waves);
     rc = write_wave(sharing, &wave, pieces, n, err);
@@ -385,7 +387,8 @@ int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, si
 
 /* ---- Waves of an earlier run ----------------------------------------------------------------- */
 
-/* Its parts count as tried once: whether they are under way will be seen. */
+/* Finishes a wave of an earlier run. Its parts count as tried once; the runner tells which are
+ * active. */
 static int finish_wave(struct orl_sharing *sharing, struct orl_wave *wave, struct orl_error *err)
 {
     int rc = make_tables(sharing, wave, err);

@@ -41,7 +41,8 @@ void orl_part_tell(const struct orl_sharing *sharing, struct orl_wave *wave, siz
 
 /* ---- The wave -------------------------------------------------------------------------------- */
 
-/* What it counts among its wave: seconds of the machine that it runs on, or all parts alike. */
+/* Returns a part's weight in its wave: estimated seconds on one node, or 1 if estimates are
+ * missing. */
 static double weight(const struct orl_sharing *sharing, const struct orl_part *part, bool known)
 {
     return known ? part->needs.core_s / fmax(sharing->spec.threads, 1) : 1;
@@ -71,9 +72,9 @@ void orl_wave_learn(struct orl_sharing *sharing, struct orl_wave *wave, const st
 }
 
 /*
- * Parts that have ended, and of those that run as much as time has gone by of what others took for
- * as much work, or, before any has ended, of what was foreseen. One that overruns is never thought
- * to be all but done.
+ * Returns the fraction of the wave's work that is done. A running part counts by its elapsed
+ * time over its estimated time. The estimate is scaled by the pace of ended parts, if any. An
+ * overrunning part counts as at most 90 % done.
  */
 static double share_made(const struct orl_sharing *sharing, const struct orl_wave *wave)
 {
