@@ -1,4 +1,5 @@
-/* oriel bsdf plot FILE.xml [OTHER.xml] -o PICTURE: where light from a direction goes. */
+/* oriel bsdf plot FILE.xml [OTHER.xml] -o PICTURE: plots the scattering of light from one
+ * direction. */
 #include "command.h"
 
 #include <stdio.h>
@@ -39,7 +40,7 @@ static int one(const struct plot *p, struct orl_error *err)
                                 p->output, err);
 }
 
-/* From 0 to 80 degrees, in one scale: that of the brightest. */
+/* Draws frames from 0 to 80 degrees with one scale, that of the brightest frame. */
 static int draw_frames(struct plot *p, char names[FRAMES][4096], struct orl_error *err)
 {
     double top = 0;
@@ -76,7 +77,7 @@ static int animate(struct plot *p, struct orl_error *err)
     return rc;
 }
 
-/* ---- The line -------------------------------------------------------------------------------- */
+/* ---- Command line ---------------------------------------------------------------------------- */
 
 static int load(struct plot *p, const struct orl_operands *operands, struct orl_error *err)
 {

@@ -1,4 +1,4 @@
-/* oriel glare PICTURE.hdr */
+/* oriel glare PICTURE.hdr: computes glare metrics of a picture. */
 #include "command.h"
 
 #include <math.h>
@@ -12,13 +12,13 @@
 #include "glare_json.h"
 #include "report.h"
 
-/* What the command line says, as text. */
+/* Options of the command line, as text. */
 struct asked {
     const char *view, *mask, *band, *threshold, *task, *radius, *peak, *age, *eye, *directions;
     bool smooth, no_peaks, published, low_light, whole_pixels, json, detail;
 };
 
-/* So many numbers with commas between them; false when text is anything else. */
+/* Reads count numbers separated by commas; returns false for any other text. */
 static bool read_numbers(const char *text, double *numbers, int count)
 {
     for (int i = 0; i < count; i++) {

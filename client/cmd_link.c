@@ -1,4 +1,4 @@
-/* oriel link ID FILE...: addresses of results that need no token, for a while. */
+/* oriel link ID FILE...: prints temporary addresses of result files that need no token. */
 #include "command.h"
 
 #include <stdio.h>

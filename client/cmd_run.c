@@ -1,6 +1,6 @@
 /*
- * oriel run JOB.json -o DIR: one job, in this process, the same code path that the daemon's workers
- * take. DIR/result.json says how it went, also when it failed; images lie beside it.
+ * oriel run JOB.json -o DIR: runs one job in this process, by the same code as the daemon's
+ * workers. DIR gets images and result.json, which is also written on failure.
  */
 #include "command.h"
 
@@ -18,7 +18,7 @@
 #include "result_json.h"
 #include "sharing_line.h"
 
-/* result.json for a run that went wrong: what is known, and why. */
+/* Returns result.json for a failed run: the known facts and the error. */
 static json_t *failure_to_json(const struct orl_job *job, uint32_t threads,
                                const struct orl_error *err)
 {
@@ -83,7 +83,7 @@ static void print_skies(const json_t *results, const char *output)
     printf("%s/result.json\n", output);
 }
 
-/* Renders; *ret_json is what result.json will hold. */
+/* Renders. *ret_json: contents of result.json. */
 static int render(const struct orl_job *job, const char *folder, const char *output,
                   uint32_t threads, const struct orl_local_share *share,
                   struct orl_result *ret_result, json_t **ret_json, struct orl_error *err)
@@ -98,7 +98,7 @@ static int render(const struct orl_job *job, const char *folder, const char *out
     return rc;
 }
 
-/* The same in parts, where the command line asks for that. */
+/* Renders likewise, in parts if the command line asks for that. */
 static int render_shared(const struct orl_job_file *file, const struct orl_job *job,
                          const struct orl_local_line *line,
                          const struct orl_sharing_line *sharing_line, struct orl_result *ret_result,
@@ -124,7 +124,7 @@ static int render_shared(const struct orl_job_file *file, const struct orl_job *
     return rc;
 }
 
-/* The whole of it, once the command line is understood. sharing: NULL: in one piece. */
+/* Runs the document. sharing: NULL if not in parts. */
 static int run_document(const struct orl_local_line *line, const struct orl_project_line *project,
                         const struct orl_sharing_line *sharing)
 {
@@ -141,7 +141,7 @@ static int run_document(const struct orl_local_line *line, const struct orl_proj
         rc = orl_join_path(output, "result.json", path, sizeof path, &err);
     if (rc)
         return orl_report_error(&err);
-    unlink(path); /* an earlier run's success must not outlive this one's start */
+    unlink(path); /* so that a failed start leaves no result of an earlier run */
     rc = orl_job_file_open(document, project, &file, &err);
     if (rc == 0)
         rc = orl_job_file_decode(&file, &job, &err);

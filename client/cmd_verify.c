@@ -1,6 +1,6 @@
 /*
- * oriel verify RESULT [--files DIR]: repeats a year from its provenance, and compares bytes. Exit
- * codes: 0 the same, 1 something differs, 2 it cannot be repeated.
+ * oriel verify RESULT [--files DIR]: repeats a year from its provenance and compares the bytes.
+ * Exit codes: 0 identical, 1 different, 2 cannot be repeated.
  */
 #include "command.h"
 
@@ -23,10 +23,10 @@
 
 enum { EXIT_CANNOT = 2, PATH_SIZE = 4096 };
 
-/* A result, and where it is repeated. */
+/* The result to verify, and the folder where it is repeated. */
 struct verifying {
-    struct orl_job_file result; /* its folder: where its files are */
-    const char *files;          /* the inputs' folder */
+    struct orl_job_file result; /* its folder has the result's files */
+    const char *files;          /* folder of the inputs */
     char work[PATH_SIZE];
     json_t *again; /* owned: the new result.json */
     size_t same, differing, absent;
@@ -40,7 +40,7 @@ static int cannot(const struct orl_error *err)
 
 /* ---- The inputs ------------------------------------------------------------------------------ */
 
-/* Says what is wrong with it. */
+/* Returns true if the input has its recorded digest; else prints the reason. */
 static bool is_as_it_was(const struct verifying *v, const json_t *input)
 {
     const char *name = orl_json_text(input, "name"), *wanted = orl_json_text(input, "sha256");
@@ -72,7 +72,7 @@ static int check_inputs(const struct verifying *v, const json_t *provenance)
     return EXIT_CANNOT;
 }
 
-/* ---- Once more ------------------------------------------------------------------------------- */
+/* ---- Second run ------------------------------------------------------------------------------ */
 
 static int tell(void *ctx, const struct orl_annual_result *result,
                 const struct orl_annual_report *report, json_t *document, struct orl_error *err)
@@ -97,9 +97,10 @@ static int run_again(struct verifying *v, const json_t *document, uint32_t threa
     return rc ? cannot(&err) : 0;
 }
 
-/* ---- What came of it ------------------------------------------------------------------------- */
+/* ---- Comparison ------------------------------------------------------------------------------ */
 
-/* 0: the same bytes; 1: not; ORL_ERR_NOT_FOUND and others of reading the first one. */
+/* Returns 0 if the bytes are equal, 1 if not, or ORL_ERR_NOT_FOUND and others if the first file
+ * cannot be read. */
 static int compare_files(const char *a, const char *b)
 {
     const struct orl_files here = orl_files_from_folder(".");
@@ -135,7 +136,8 @@ static void compare_file(struct verifying *v, const char *name)
         printf("differs: %s\n", name);
 }
 
-/* But for what is a run's own, and the version, which is told apart. */
+/* Compares result.json without the members of a run itself and without the version, which is
+ * reported separately. */
 static void compare_documents(struct verifying *v)
 {
     static const char *const own[] = {"timings_s", "threads", "reuse", "rays"};
@@ -176,7 +178,7 @@ static int compare(struct verifying *v)
     return ORL_EXIT_OK;
 }
 
-/* ---- All of it ------------------------------------------------------------------------------- */
+/* ---- Command --------------------------------------------------------------------------------- */
 
 static int remove_one(const char *path, const struct stat *st, int flag, struct FTW *at)
 {

@@ -1,6 +1,6 @@
 /*
- * oriel watch: all jobs of a daemon as they change, a line each, by its stream of events; until
- * that is refused, or the daemon stays away.
+ * oriel watch: prints all jobs of a daemon as they change, one line per change, from its event
+ * stream. It ends when the stream is refused or the daemon stays away.
  */
 #include "command.h"
 
@@ -16,19 +16,20 @@
 #include "progress.h"
 #include "report.h"
 
-/* How long a daemon that is away is waited for, and what is told of a job that goes on. */
+/* Seconds to wait for an absent daemon, and percent between two lines of a running job. */
 #define PATIENCE_S 60.0
 #define PERCENT_STEP 10.0
 
-/* What is being read, and what was told of every job. */
+/* State of the event parser, and the job summaries printed so far. */
 struct watch {
     char event[32], id[64], last_id[64];
     char *data;
-    json_t *told; /* by id: its last summary that was */
-    bool heard;   /* something, since it was connected */
+    json_t *told; /* last printed summary of each job, by id */
+    bool heard;   /* true if anything was received since connecting */
 };
 
-/* Is it something else than what was told: state, error, so much further? */
+/* Returns true if the job differs from its printed summary: state, error, or PERCENT_STEP more
+ * progress. */
 static bool is_news(const json_t *told, const json_t *job)
 {
     const double percent = orl_json_number(job, "percent", 0);
@@ -64,7 +65,7 @@ static void take_event(struct watch *watch)
     memcpy(watch->last_id, watch->id, sizeof watch->last_id);
 }
 
-/* A line of the stream (WHATWG HTML, 9.2.6); an event ends with an empty one. */
+/* Parses a line of the stream (WHATWG HTML, 9.2.6); an empty line ends an event. */
 static bool on_line(void *ctx, const char *line)
 {
     struct watch *watch = ctx;
@@ -84,7 +85,7 @@ static bool on_line(void *ctx, const char *line)
     return true;
 }
 
-/* The jobs there are, the oldest first. */
+/* Prints the existing jobs, oldest first. */
 static int list_jobs(struct orl_http *http, struct watch *watch, const char *filters,
                      struct orl_error *err)
 {
@@ -108,7 +109,7 @@ static void pause_s(double seconds)
     nanosleep(&span, NULL);
 }
 
-/* Connects again where it broke off, as long as the daemon is not away for too long. */
+/* Reads events, and reconnects after an interruption unless the daemon is away for too long. */
 static int follow(struct orl_http *http, struct watch *watch, const char *filters,
                   struct orl_error *err)
 {

@@ -28,13 +28,13 @@ static bool ends_with(const char *path, const char *ending)
     return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
-/* A file that names a scene's files: of rad, or of frads. */
+/* Returns true for a file that lists a scene's files: of rad, or of frads. */
 static bool is_list(const char *path)
 {
     return ends_with(path, ".rif") || ends_with(path, ".cfg");
 }
 
-/* Models are also called .json, as documents are. */
+/* Returns true if the file is a model: models may be called .json, as documents are. */
 static bool holds_model(const char *path)
 {
     const struct orl_files here = orl_files_from_folder(".");
@@ -109,7 +109,7 @@ static int translate(const char *path, const char *place, struct orl_names *name
 
 /* ---- Projects -------------------------------------------------------------------------------- */
 
-/* A model's own folder stands as "model" there, which its texts call it. */
+/* Lays a folder out in place. A model folder is linked as "model", the name that its files use. */
 static int lay_out_folder(const char *path, const char *place, struct orl_names *names,
                           struct orl_error *err)
 {
@@ -127,7 +127,7 @@ static int lay_out_folder(const char *path, const char *place, struct orl_names 
     return rc ? rc : orl_names_list(path, "model/", 0, names, err);
 }
 
-/* Commands in a file of rad, and windows of BSDFs, become scene files. */
+/* Writes the commands of a rad file, and windows with BSDFs, as scene files. */
 static int write_commands(const struct orl_project_place *place, struct orl_error *err)
 {
     const json_t *command;
@@ -146,7 +146,7 @@ static int write_commands(const struct orl_project_place *place, struct orl_erro
     return rc;
 }
 
-/* Its names are relative to the folder that it lies in. */
+/* Lays the file's project out. Its names are relative to the folder of the file. */
 static int lay_out_list(const char *path, struct orl_project_place *place, struct orl_error *err)
 {
     const struct orl_files here = orl_files_from_folder(".");
@@ -246,9 +246,9 @@ void orl_project_done(struct orl_project_place *place)
     *place = (struct orl_project_place){{0}, false, NULL};
 }
 
-/* ---- Into documents -------------------------------------------------------------------------- */
+/* ---- Documents ------------------------------------------------------------------------------- */
 
-/* Square pixels, or those that the project asks for; any, where it asks for exactly a size. */
+/* Sets square pixels, or the project's aspect; any aspect if the project gives an exact size. */
 static void set_pixel_aspect(json_t *view)
 {
     const json_t *const own = json_object_get(view, "pixel_aspect");
@@ -265,7 +265,7 @@ static json_t *views_of(const json_t *project)
 
     json_array_foreach(json_object_get(project, "views"), i, view)
     {
-        if (json_object_get(view, "width")) { /* it has its size */
+        if (json_object_get(view, "width")) { /* has its own size */
             json_array_append(views, view);
             set_pixel_aspect(view);
             continue;

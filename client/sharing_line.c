@@ -56,7 +56,7 @@ static int collect(const json_t *doc, const char *folder, struct orl_upload *ret
     return rc;
 }
 
-/* The rest of what is asked for, once its files are known. */
+/* Opens the shared job with its files. */
 static int open_job(struct orl_shared_job *job, const struct orl_sharing_line *line,
                     struct orl_sharing_spec *spec, const struct orl_upload *bundle,
                     struct orl_error *err)

@@ -4,7 +4,7 @@
 
 static const char space[] = " \t\r\n";
 
-/* Bytes of the character at text, 1 or more; one character counts as one column. */
+/* Returns the number of bytes of the character at text, 1 or more; a character takes one column. */
 static size_t character(const char *text)
 {
     size_t length = 1;
@@ -28,7 +28,7 @@ static void start_line(FILE *to, int indent)
     fprintf(to, "\n%*s", indent, "");
 }
 
-/* Prints one word from column on, cut where the line ends; the column behind it. */
+/* Prints one word from column on, cut at the line's end. Returns the column after it. */
 static int print_word(FILE *to, int column, int indent, const char *word, size_t length)
 {
     for (size_t at = 0; at < length;) {
