@@ -203,7 +203,7 @@ static int run_document(const char *document, const struct orl_project_line *pro
         rc = orl_join_path(output->folder, "result.json", path, sizeof path, &err);
     if (rc)
         return orl_report_error(&err);
-    unlink(path); /* so that a failed start leaves no result of an earlier run */
+    unlink(path); /* a failed start must not leave an earlier run's result */
     rc = open_document(document, project, &file, &err);
     if (rc == 0)
         rc = decode(&file, &job, &err);

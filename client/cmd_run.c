@@ -141,7 +141,7 @@ static int run_document(const struct orl_local_line *line, const struct orl_proj
         rc = orl_join_path(output, "result.json", path, sizeof path, &err);
     if (rc)
         return orl_report_error(&err);
-    unlink(path); /* so that a failed start leaves no result of an earlier run */
+    unlink(path); /* a failed start must not leave an earlier run's result */
     rc = orl_job_file_open(document, project, &file, &err);
     if (rc == 0)
         rc = orl_job_file_decode(&file, &job, &err);

@@ -148,7 +148,7 @@ static void add_label(struct room *room, enum orl_chart_role role, const char *t
     struct orl_chart *chart = room->chart;
     struct orl_chart_text *t = orl_chart_add(chart, role, text, 0, 0, ORL_CANVAS_LEFT);
     const struct orl_chart_text made = *t;
-    chart->n_texts--; /* so that the label does not block itself */
+    chart->n_texts--; /* removed, or the label would block itself */
     const struct place place = find_place(room, &made, x, y);
     if (place.box.x1 <= place.box.x0) {
         chart->n_unlabelled += role == ORL_CHART_GIVEN;

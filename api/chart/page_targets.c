@@ -179,7 +179,7 @@ static void draw_list(const struct orl_page_sheet *s, struct list *list,
     column->y += ORL_PAGE_HEADING;
     list->begun = true;
     if (!list->brief)
-        list->rule = NULL; /* so that its name is repeated */
+        list->rule = NULL; /* repeats its name in this column */
     while (list->n_left > 0 && draw_next(s, list, column, bottom))
         ;
     put_note(s, list, column);

@@ -11,7 +11,7 @@
 
 struct orl_polar_map {
     struct orl_canvas *canvas;
-    double x, y, radius; /* of the disc, in page units */
+    double x, y, radius; /* centre and radius of the disc, in page units */
     double top;          /* top of the scale */
     const double (*values)[ORL_POLAR_PHIS];
     const double (*second)[ORL_POLAR_PHIS]; /* map to compare with; NULL: values are shown */

@@ -387,8 +387,8 @@ int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, si
 
 /* ---- Waves of an earlier run ----------------------------------------------------------------- */
 
-/* Finishes a wave of an earlier run. Its parts count as tried once; the runner tells which are
- * active. */
+/* Finishes a wave of an earlier run. Its parts count as tried once; the runner reports which
+ * are active. */
 static int finish_wave(struct orl_sharing *sharing, struct orl_wave *wave, struct orl_error *err)
 {
     int rc = make_tables(sharing, wave, err);
