@@ -29,7 +29,7 @@ static const struct {
 } kinds[3] = {{ORL_CANVAS_SVG, "svg"}, {ORL_CANVAS_PNG, "png"}, {ORL_CANVAS_PDF, "pdf"}};
 
 /* Appends the name of a file that is about to be written, and reports progress. */
-static int note(void *ctx, const char *name, struct orl_error *err)
+static int note_file(void *ctx, const char *name, struct orl_error *err)
 {
     const struct writing *w = ctx;
     const struct orl_run_env *run = w->told->run;
@@ -56,7 +56,7 @@ static int name_file(struct writing *w, char ret_path[PATH_SIZE], const char *fo
     va_start(args, format);
     vsnprintf(name, sizeof name, format, args);
     va_end(args);
-    const int rc = note(w, name, w->err);
+    const int rc = note_file(w, name, w->err);
     if (rc)
         return rc;
     const int length = snprintf(ret_path, PATH_SIZE, "%s/%s", w->told->run->output_folder, name);
@@ -328,7 +328,7 @@ static int note_honeybee(void *ctx, const char *name, struct orl_error *err)
 {
     char below[NAME_SIZE];
     snprintf(below, sizeof below, HONEYBEE "/%s", name);
-    return note(ctx, below, err);
+    return note_file(ctx, below, err);
 }
 
 static int write_honeybee(struct writing *w)

@@ -66,7 +66,7 @@ static int run_year(struct running *r, struct orl_error *err)
 }
 
 /* Evaluates view out before the year, so that wrong names fail before the long work begins. */
-static int see_out(struct running *r, struct orl_error *err)
+static int evaluate_view_out(struct running *r, struct orl_error *err)
 {
     const struct orl_view_out_wish *wish = &r->job->wishes.view_out;
     if (!orl_view_out_is_wished(wish))
@@ -89,7 +89,7 @@ static int note_scene(struct running *r, struct orl_error *err)
 
 /* ---- Report and files ------------------------------------------------------------------------ */
 
-static int dazzle(struct running *r, struct orl_error *err)
+static int evaluate_glare(struct running *r, struct orl_error *err)
 {
     struct orl_run_env run = r->run;
     run.part_from = year_part(r->job);
@@ -107,7 +107,7 @@ static int make_report(struct running *r, struct orl_error *err)
         rc = orl_annual_report_expose(&r->job->request, &r->result, &r->job->wishes, run,
                                       &r->report, err);
     if (rc == 0)
-        rc = dazzle(r, err);
+        rc = evaluate_glare(r, err);
     if (rc == 0 && r->views) {
         rc = orl_annual_report_view(&r->job->wishes, r->views, r->n_views, &r->report, err);
         r->views = NULL;
@@ -117,7 +117,7 @@ static int make_report(struct running *r, struct orl_error *err)
                                        run->ctx, err);
 }
 
-static int tell(struct running *r, struct orl_error *err)
+static int write_and_report(struct running *r, struct orl_error *err)
 {
     const struct orl_annual_told told = {r->job, &r->run, &r->result, &r->report,
                                          r->job->formats.phases ? &r->phases : NULL};
@@ -147,7 +147,7 @@ int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_e
     if (rc == 0)
         rc = orl_annual_validate(&job->request, err);
     if (rc == 0)
-        rc = see_out(&r, err);
+        rc = evaluate_view_out(&r, err);
     if (rc == 0 && job->formats.phases)
         rc = orl_annual_phases_find(&job->request, &r.run, &r.phases, err);
     if (rc == 0)
@@ -157,7 +157,7 @@ int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_e
     if (rc == 0)
         rc = make_report(&r, err);
     if (rc == 0)
-        rc = tell(&r, err);
+        rc = write_and_report(&r, err);
     free(r.views);
     orl_annual_phases_done(&r.phases);
     orl_annual_report_done(&r.report);

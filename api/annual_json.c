@@ -290,8 +290,8 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
     return rc;
 }
 
-static int decode(const json_t *doc, enum orl_job_origin origin, struct orl_annual_job *job,
-                  char **ret_scene_id, struct orl_error *err)
+static int decode_document(const json_t *doc, enum orl_job_origin origin,
+                           struct orl_annual_job *job, char **ret_scene_id, struct orl_error *err)
 {
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     if (json_is_object(doc) && (!kind || strcmp(kind, "annual") != 0))
@@ -330,7 +330,7 @@ int orl_annual_job_from_json(const json_t *doc, enum orl_job_origin origin,
     if (rc)
         orl_error_set(err, rc, "out of memory");
     else
-        rc = decode(doc, origin, &job, &scene_id, err);
+        rc = decode_document(doc, origin, &job, &scene_id, err);
     if (rc == 0)
         rc = keep_document(doc, &job, err);
     if (rc) {

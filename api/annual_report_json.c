@@ -104,7 +104,7 @@ static json_t *verdicts_to_json(const struct orl_annual_report *report)
 }
 
 /* Returns true if an earlier verdict has this rule and grid. */
-static bool was_told(const struct orl_annual_verdict *verdicts, size_t i)
+static bool is_repeated(const struct orl_annual_verdict *verdicts, size_t i)
 {
     for (size_t k = 0; k < i; k++)
         if (verdicts[k].rule == verdicts[i].rule && verdicts[k].grid == verdicts[i].grid)
@@ -119,7 +119,7 @@ static json_t *rules_to_json(const struct orl_annual_report *report)
     for (size_t i = 0; array && i < report->n_verdicts; i++) {
         enum orl_verdict all = ORL_VERDICT_PASS;
         const char *note = NULL;
-        if (!v[i].rule || was_told(v, i))
+        if (!v[i].rule || is_repeated(v, i))
             continue;
         for (size_t k = i; k < report->n_verdicts; k++)
             if (v[k].rule == v[i].rule && v[k].grid == v[i].grid) {

@@ -52,7 +52,7 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
     return orl_json_members(doc, "", members, err);
 }
 
-static int decode(const json_t *doc, struct draft *draft, struct orl_error *err)
+static int decode_document(const json_t *doc, struct draft *draft, struct orl_error *err)
 {
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     if (json_is_object(doc) && (!kind || strcmp(kind, "bsdf_fit") != 0))
@@ -71,7 +71,7 @@ int orl_bsdf_fit_from_json(const json_t *doc, enum orl_job_origin origin,
 {
     struct draft draft = {.origin = origin};
     orl_bsdf_fit_request_init(&draft.request);
-    const int rc = decode(doc, &draft, err);
+    const int rc = decode_document(doc, &draft, err);
     if (rc) {
         orl_bsdf_fit_request_done(&draft.request);
         free(draft.scene_id);

@@ -34,7 +34,7 @@ struct text {
     bool failed;
 };
 
-static int append(const char *bytes, size_t size, void *ctx)
+static int append_text(const char *bytes, size_t size, void *ctx)
 {
     enum { FIRST = 256 };
     struct text *text = ctx;
@@ -57,7 +57,7 @@ static int append(const char *bytes, size_t size, void *ctx)
 char *orl_json_text(const json_t *value, size_t flags)
 {
     struct text text = {NULL, 0, 0, false};
-    if (value && json_dump_callback(value, append, &text, flags) == 0 && !text.failed)
+    if (value && json_dump_callback(value, append_text, &text, flags) == 0 && !text.failed)
         return text.bytes;
     free(text.bytes);
     return NULL;

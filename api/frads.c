@@ -35,7 +35,8 @@ static int no_memory(const struct reading *r)
 /* ---- Sections -------------------------------------------------------------------------------- */
 
 /* Stores a value with its line number for errors: {"text", "line"}. */
-static int put(struct reading *r, const char *section, const char *key, const char *text, int line)
+static int store_value(struct reading *r, const char *section, const char *key, const char *text,
+                       int line)
 {
     json_t *const values = json_object_get(r->sections, section);
     json_t *const value = json_pack("{s:s, s:i}", "text", text, "line", line);
@@ -44,7 +45,7 @@ static int put(struct reading *r, const char *section, const char *key, const ch
     return json_object_set_new(values, key, value) ? no_memory(r) : 0;
 }
 
-static void trim(char *text)
+static void trim_text(char *text)
 {
     const size_t front = strspn(text, " \t\r");
     size_t length = strlen(text + front);
@@ -53,7 +54,7 @@ static void trim(char *text)
         text[--length] = '\0';
 }
 
-static void lower(char *text)
+static void lower_case(char *text)
 {
     for (; *text; text++)
         *text = (char)tolower((unsigned char)*text);
@@ -96,7 +97,7 @@ static int begin_section(struct reading *r, struct entry *at, char *line, int nu
 static int read_entry(struct reading *r, struct entry *at, char *line, int number)
 {
     const bool goes_on = at->key[0] && (line[0] == ' ' || line[0] == '\t');
-    trim(line);
+    trim_text(line);
     if (line[0] == '\0' || line[0] == '#' || line[0] == ';')
         return 0;
     if (goes_on) {
@@ -106,7 +107,7 @@ static int read_entry(struct reading *r, struct entry *at, char *line, int numbe
                         "Name fewer files");
         r->value[before] = ' ';
         memcpy(r->value + before + 1, line, more + 1);
-        return put(r, at->section, at->key, r->value, at->line);
+        return store_value(r, at->section, at->key, r->value, at->line);
     }
     if (line[0] == '[')
         return begin_section(r, at, line, number);
@@ -116,12 +117,12 @@ static int read_entry(struct reading *r, struct entry *at, char *line, int numbe
                     "Lines are [Section], or key = value");
     *sign = '\0';
     snprintf(at->key, sizeof at->key, "%s", line);
-    trim(at->key);
-    lower(at->key);
+    trim_text(at->key);
+    lower_case(at->key);
     at->line = number;
     snprintf(r->value, VALUE_SIZE, "%s", sign + 1);
-    trim(r->value);
-    return put(r, at->section, at->key, r->value, number);
+    trim_text(r->value);
+    return store_value(r, at->section, at->key, r->value, number);
 }
 
 static int read_sections(struct reading *r, const char *text, size_t size)
@@ -151,7 +152,8 @@ static int line_of(const json_t *value)
 }
 
 /* Appends the value to ret (VALUE_SIZE bytes), with references replaced by the values they name. */
-static int expand(struct reading *r, const char *section, const json_t *value, int depth, char *ret)
+static int expand_value(struct reading *r, const char *section, const json_t *value, int depth,
+                        char *ret)
 {
     const char *text = json_string_value(json_object_get(value, "text"));
     const int line = line_of(value);
@@ -176,13 +178,13 @@ static int expand(struct reading *r, const char *section, const json_t *value, i
         char *const colon = strchr(names, ':'), *const key = colon ? colon + 1 : names;
         if (colon)
             *colon = '\0';
-        lower(key);
+        lower_case(key);
         const char *const in = colon ? names : section;
         const json_t *const other = value_of(r, in, key);
         if (!other)
             return fail(r, ORL_ERR_SYNTAX, line, "a value names one that there is not", key,
                         "Write ${key} or ${Section:key}");
-        const int rc = expand(r, in, other, depth + 1, ret);
+        const int rc = expand_value(r, in, other, depth + 1, ret);
         if (rc)
             return rc;
         text += length + 3;
@@ -200,7 +202,7 @@ static int words_of(struct reading *r, const char *section, const char *key, jso
     *ret_words = json_array();
     r->value[0] = '\0';
     if (value)
-        rc = expand(r, section, value, 0, r->value);
+        rc = expand_value(r, section, value, 0, r->value);
     while (rc == 0 && *(at += strspn(at, space))) {
         char *const end = at + strcspn(at, space);
         if (json_array_append_new(*ret_words, json_stringn(at, (size_t)(end - at))))

@@ -194,7 +194,7 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
     return rc;
 }
 
-static int decode(const json_t *doc, struct draft *draft, struct orl_error *err)
+static int decode_document(const json_t *doc, struct draft *draft, struct orl_error *err)
 {
     const json_t *kind = json_object_get(doc, "kind");
     if (kind && !json_is_string(kind))
@@ -219,7 +219,7 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
 {
     struct draft draft = {.origin = origin};
     orl_job_init(&draft.job);
-    const int rc = decode(doc, &draft, err);
+    const int rc = decode_document(doc, &draft, err);
     if (rc) {
         orl_job_done(&draft.job);
         free(draft.scene_id);

@@ -18,7 +18,7 @@ void orl_labels_done(struct orl_labels *labels)
 
 /* Returns the number of characters, or most + 1 if text has a control character (including C1,
  * which terminals interpret) or one of others. jansson has already checked the UTF-8. */
-static size_t count(const char *text, const char *others, size_t most)
+static size_t count_characters(const char *text, const char *others, size_t most)
 {
     size_t characters = 0;
     for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
@@ -32,7 +32,7 @@ static size_t count(const char *text, const char *others, size_t most)
 
 static bool is_label(const char *text, const char *others, size_t most)
 {
-    const size_t characters = count(text, others, most);
+    const size_t characters = count_characters(text, others, most);
     return characters >= 1 && characters <= most;
 }
 

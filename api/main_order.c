@@ -43,7 +43,7 @@ static bool is_one_of(const struct word *word, const char *const *texts)
     return *texts != NULL;
 }
 
-static void add(struct order *order, struct words *words, const struct word *word)
+static void add_word(struct order *order, struct words *words, const struct word *word)
 {
     if (is_word(word, "void"))
         return;
@@ -95,12 +95,12 @@ static void look_at_command(struct order *order, struct orl_scanner *scanner,
         const struct word word = {next.text, next.length, 0};
         const bool file = word.size > 4 && strncasecmp(word.at + word.size - 4, ".rad", 4) == 0;
         if (i == 0 && is_one_of(&word, skies))
-            add(order, &order->defined, &sky);
+            add_word(order, &order->defined, &sky);
         else if (file)
             look_at_named(order, &word, depth);
         else if (is_word(&before, "-m") ||
                  (i == 1 && before.size > 3 && memcmp(before.at, "gen", 3) == 0))
-            add(order, &order->used, &word);
+            add_word(order, &order->used, &word);
         before = word;
         more = orl_scanner_word_of_line(scanner, &next);
     }
@@ -134,7 +134,7 @@ static void skip_arguments(struct order *order, struct orl_scanner *scanner, boo
         for (bool named = names_modifier && list == 0;
              left > 0 && next_of_scene(order, scanner, false, 0, &word); left--, named = false)
             if (named)
-                add(order, &order->used, &word);
+                add_word(order, &order->used, &word);
     }
 }
 
@@ -148,13 +148,13 @@ static void look_at_text(struct order *order, struct orl_scanner *scanner, unsig
     while (next_of_scene(order, scanner, true, depth, &modifier) &&
            next_of_scene(order, scanner, false, depth, &type) &&
            next_of_scene(order, scanner, false, depth, &name)) {
-        add(order, &order->used, &modifier);
+        add_word(order, &order->used, &modifier);
         if (!is_one_of(&type, surfaces))
-            add(order, &order->defined, &name);
+            add_word(order, &order->defined, &name);
         if (!is_word(&type, "alias"))
             skip_arguments(order, scanner, is_one_of(&type, others));
         else if (next_of_scene(order, scanner, false, depth, &name))
-            add(order, &order->used, &name);
+            add_word(order, &order->used, &name);
     }
 }
 
@@ -180,7 +180,7 @@ static int compare_names(const struct word *a, const struct word *b)
     return order != 0 ? order : (a->size > b->size) - (a->size < b->size);
 }
 
-static int compare(const void *a, const void *b)
+static int compare_words(const void *a, const void *b)
 {
     const struct word *x = a, *y = b;
     const int order = compare_names(x, y);
@@ -191,9 +191,9 @@ static void sort_once(struct words *words)
 {
     size_t kept = 0;
     if (words->count > 0)
-        qsort(words->items, words->count, sizeof *words->items, compare);
+        qsort(words->items, words->count, sizeof *words->items, compare_words);
     for (size_t i = 0; i < words->count; i++)
-        if (kept == 0 || compare(&words->items[kept - 1], &words->items[i]) != 0)
+        if (kept == 0 || compare_words(&words->items[kept - 1], &words->items[i]) != 0)
             words->items[kept++] = words->items[i];
     words->count = kept;
 }
@@ -252,7 +252,7 @@ static bool take_materials(const struct order *order, bool *is_main)
     return taken;
 }
 
-static bool waits(const bool *needs, const bool *left, size_t count, size_t index)
+static bool waits_for_other(const bool *needs, const bool *left, size_t count, size_t index)
 {
     for (size_t j = 0; j < count; j++)
         if (left[j] && needs[index * count + j])
@@ -270,7 +270,7 @@ static size_t put_in_order(const bool *needs, bool *left, size_t count, size_t *
         for (size_t i = 0; i < count && next == count; i++) {
             if (left[i] && first == count)
                 first = i;
-            if (left[i] && !waits(needs, left, count, i))
+            if (left[i] && !waits_for_other(needs, left, count, i))
                 next = i;
         }
         if (first == count)

@@ -42,7 +42,7 @@ static json_t *timings_to_json(const struct orl_result *result)
 }
 
 /* Appends item (stolen) to array. Returns -1 if either is NULL or memory is short. */
-static int append(json_t *array, json_t *item)
+static int append_item(json_t *array, json_t *item)
 {
     return item ? json_array_append_new(array, item) : -1;
 }
@@ -51,7 +51,7 @@ static json_t *maps_to_json(const struct orl_result *result)
 {
     json_t *maps = json_array();
     for (size_t i = 0; i < result->n_maps; i++)
-        if (append(maps, orl_map_info_to_json(&result->maps[i]))) {
+        if (append_item(maps, orl_map_info_to_json(&result->maps[i]))) {
             json_decref(maps);
             return NULL;
         }
@@ -91,10 +91,10 @@ static json_t *sensors_to_json(const struct orl_result *result)
         json_t *lux = orl_json_from_real(result->illuminance_lx[i]);
         json_t *se = number_of(result->standard_error_lx, i);
         json_t *bias = number_of(result->bias_estimate_lx, i);
-        if (append(sensors,
-                   json_pack("{s:o, s:o*, s:o*, s:o*, s:o*}", "illuminance_lx", lux,
-                             "standard_error_lx", se, "bias_estimate_lx", bias, "interval_95_lx",
-                             interval_of(result, i), "unreliable", doubts_of(result, i)))) {
+        if (append_item(sensors, json_pack("{s:o, s:o*, s:o*, s:o*, s:o*}", "illuminance_lx", lux,
+                                           "standard_error_lx", se, "bias_estimate_lx", bias,
+                                           "interval_95_lx", interval_of(result, i), "unreliable",
+                                           doubts_of(result, i)))) {
             json_decref(sensors);
             return NULL;
         }
@@ -120,7 +120,7 @@ static json_t *views_to_json(const struct orl_result *result)
 {
     json_t *views = json_array();
     for (size_t i = 0; i < result->n_views; i++) {
-        if (append(views, view_to_json(&result->views[i]))) {
+        if (append_item(views, view_to_json(&result->views[i]))) {
             json_decref(views);
             return NULL;
         }
@@ -165,7 +165,7 @@ static json_t *warnings_to_json(const struct orl_result *result)
 {
     json_t *warnings = json_array();
     for (size_t i = 0; i < result->n_warnings; i++)
-        if (append(warnings, orl_json_from_text(result->warnings[i]))) {
+        if (append_item(warnings, orl_json_from_text(result->warnings[i]))) {
             json_decref(warnings);
             return NULL;
         }
@@ -176,8 +176,8 @@ static json_t *course_to_json(const struct orl_outcome *outcome)
 {
     json_t *course = json_array();
     for (uint32_t i = 0; i < outcome->n_course; i++)
-        if (append(course, json_pack("{s:f, s:f}", "seconds", outcome->course[i].seconds, "error",
-                                     outcome->course[i].error))) {
+        if (append_item(course, json_pack("{s:f, s:f}", "seconds", outcome->course[i].seconds,
+                                          "error", outcome->course[i].error))) {
             json_decref(course);
             return NULL;
         }

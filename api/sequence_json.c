@@ -71,7 +71,7 @@ static int path_of(const struct strip *strip, const char *what, char ret_path[PA
 }
 
 /* Writes "22 Mar 11:30", "11:30" without the day, or the sky's name. */
-static void tell_time(const struct orl_named_sky *sky, bool with_day, char *ret_text, size_t size)
+static void format_time(const struct orl_named_sky *sky, bool with_day, char *ret_text, size_t size)
 {
     static const char *const months[] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun",
                                          "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
@@ -124,7 +124,7 @@ static void read_hour(const struct strip *strip, size_t i, bool one_day)
         .high = real_or_nan(json_array_get(interval, 1)),
         .class_of = class_named(json_string_value(json_object_get(glare, "class"))),
         .dark = json_is_true(json_object_get(strip->parts[i].sky, "dark"))};
-    tell_time(sky, !one_day, hour->label, sizeof hour->label);
+    format_time(sky, !one_day, hour->label, sizeof hour->label);
 }
 
 /* Writes the captions below a picture: the time, and its glare. */
@@ -132,7 +132,7 @@ static void write_lines(const struct strip *strip, size_t i)
 {
     const struct orl_glare_hour *h = &strip->hours[i];
     char(*lines)[ORL_SEQUENCE_TEXT] = strip->frames[i].lines;
-    tell_time(&strip->job->skies[i], true, lines[0], sizeof lines[0]);
+    format_time(&strip->job->skies[i], true, lines[0], sizeof lines[0]);
     const double margin = ceil(1000 * (h->high - h->low) / 2 - 1e-6) / 1000;
     if (h->dark)
         snprintf(lines[1], sizeof lines[1], "no light from the sky");
@@ -209,7 +209,7 @@ static int draw_chart(const struct strip *strip, enum orl_canvas_kind kind, cons
 {
     char title[192], day[40] = "", path[PATH];
     if (is_one_day(strip->job)) {
-        tell_time(&strip->job->skies[0], true, day, sizeof day);
+        format_time(&strip->job->skies[0], true, day, sizeof day);
         *strrchr(day, ' ') = '\0'; /* cuts the hour off */
     }
     snprintf(title, sizeof title, "Glare in '%.100s'%s%s", strip->view->name, day[0] ? ", " : "",

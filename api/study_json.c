@@ -139,8 +139,9 @@ static int refuse_samples(const json_t *doc, bool views, struct orl_error *err)
                          views ? "views" : "sensors", name);
 }
 
-static int decode(const json_t *doc, enum orl_job_origin origin, struct orl_study_request *request,
-                  char **ret_scene_id, struct orl_error *err)
+static int decode_document(const json_t *doc, enum orl_job_origin origin,
+                           struct orl_study_request *request, char **ret_scene_id,
+                           struct orl_error *err)
 {
     const bool views = json_array_size(json_object_get(doc, "views")) > 0;
     const char *kind = json_string_value(json_object_get(doc, "kind"));
@@ -159,7 +160,7 @@ int orl_study_from_json(const json_t *doc, enum orl_job_origin origin,
     struct orl_study_request request;
     char *scene_id = NULL;
     orl_study_request_init(&request);
-    const int rc = decode(doc, origin, &request, &scene_id, err);
+    const int rc = decode_document(doc, origin, &request, &scene_id, err);
     if (rc) {
         orl_study_request_done(&request);
         free(scene_id);

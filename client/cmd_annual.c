@@ -119,8 +119,9 @@ static int write_result(const char *output, const json_t *json, struct orl_error
 }
 
 /* Writes result.json and prints the summary. ctx: a struct telling. */
-static int tell(void *ctx, const struct orl_annual_result *result,
-                const struct orl_annual_report *report, json_t *document, struct orl_error *err)
+static int on_result(void *ctx, const struct orl_annual_result *result,
+                     const struct orl_annual_report *report, json_t *document,
+                     struct orl_error *err)
 {
     const struct telling *telling = ctx;
     const int rc = write_result(telling->folder, document, err);
@@ -132,7 +133,7 @@ static int tell(void *ctx, const struct orl_annual_result *result,
 
 /* ---- The run --------------------------------------------------------------------------------- */
 
-static void tell_failure(const char *output, const struct orl_error *err)
+static void write_failure(const char *output, const struct orl_error *err)
 {
     struct orl_error second = {0};
     json_t *json = json_pack("{s:s, s:s, s:o}", "kind", "annual", "state",
@@ -145,8 +146,8 @@ static void tell_failure(const char *output, const struct orl_error *err)
     orl_report_error(err);
 }
 
-static int decode(const struct orl_job_file *file, struct orl_annual_job *ret_job,
-                  struct orl_error *err)
+static int decode_annual(const struct orl_job_file *file, struct orl_annual_job *ret_job,
+                         struct orl_error *err)
 {
     const int rc = orl_annual_job_from_json(file->doc, ORL_JOB_LOCAL, ret_job, NULL, err);
 
@@ -196,7 +197,7 @@ static int run_document(const char *document, const struct orl_project_line *pro
     struct orl_error err = {0};
     char path[4096];
     struct telling telling = {&job, output->folder};
-    const struct orl_local_tell teller = {tell, &telling};
+    const struct orl_local_tell teller = {on_result, &telling};
     int rc = orl_make_folder(output->folder, &err);
 
     if (rc == 0)
@@ -206,14 +207,14 @@ static int run_document(const char *document, const struct orl_project_line *pro
     unlink(path); /* a failed start must not leave an earlier run's result */
     rc = open_document(document, project, &file, &err);
     if (rc == 0)
-        rc = decode(&file, &job, &err);
+        rc = decode_annual(&file, &job, &err);
     job.formats.honeybee = job.formats.honeybee || output->formats.honeybee;
     job.formats.matrices = job.formats.matrices || output->formats.matrices;
     job.formats.phases = job.formats.phases || output->formats.phases;
     if (rc == 0)
         rc = run_year(&job, &file, output, &teller, &err);
     if (rc)
-        tell_failure(output->folder, &err);
+        write_failure(output->folder, &err);
     orl_annual_job_done(&job);
     orl_job_file_done(&file);
     return rc ? ORL_EXIT_FAILED : ORL_EXIT_OK;

@@ -134,9 +134,10 @@ static int request_of(const struct line *line, struct orl_bsdf_make_request *ret
 }
 
 /* Converts the BSDF and computes the loss. */
-static int bring(const struct line *line, const struct orl_bsdf *before,
-                 const struct orl_bsdf_make_request *to, struct orl_bsdf_made *ret_made,
-                 struct orl_bsdf_comparison *ret_lost, struct orl_error *err)
+static int convert_and_compare(const struct line *line, const struct orl_bsdf *before,
+                               const struct orl_bsdf_make_request *to,
+                               struct orl_bsdf_made *ret_made, struct orl_bsdf_comparison *ret_lost,
+                               struct orl_error *err)
 {
     struct orl_bsdf *after = NULL;
     char source[512];
@@ -163,7 +164,7 @@ static int bring(const struct line *line, const struct orl_bsdf *before,
     return rc;
 }
 
-static int convert(const struct line *line)
+static int run_convert(const struct line *line)
 {
     struct orl_bsdf_make_request request = {0};
     struct orl_bsdf_made made = {0};
@@ -174,7 +175,7 @@ static int convert(const struct line *line)
     if (rc == 0)
         rc = orl_bsdf_file_load(line->local.operand, &before, &err);
     if (rc == 0)
-        rc = bring(line, before, &request, &made, &comparison, &err);
+        rc = convert_and_compare(line, before, &request, &made, &comparison, &err);
     if (rc == 0)
         rc = orl_write_text(line->local.output, made.xml, made.xml_size, &err);
     if (rc == 0)
@@ -227,5 +228,5 @@ int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **arg
         return orl_usage_error(self, "-o FILE is missing");
     if (line.within_text && !read_share(line.within_text, &line.within))
         return orl_usage_error(self, "--within takes a share, above 0 and below 1: 0.01 is 1 %%");
-    return convert(&line);
+    return run_convert(&line);
 }

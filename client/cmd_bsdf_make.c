@@ -153,9 +153,9 @@ static int write_report(const char *path, const struct orl_bsdf_made *made, stru
 }
 
 /* Computes the BSDF, in parts if the command line asks for that. Their folder is beside the XML. */
-static int run(const struct line *line, const struct orl_job_file *file,
-               const struct orl_bsdf_make_request *request, struct orl_bsdf_made *ret_made,
-               struct orl_error *err)
+static int compute_bsdf(const struct line *line, const struct orl_job_file *file,
+                        const struct orl_bsdf_make_request *request, struct orl_bsdf_made *ret_made,
+                        struct orl_error *err)
 {
     struct orl_shared_job shared;
     const struct orl_local_share share = {&shared.sharing.pieces, &shared.sharing.store};
@@ -174,7 +174,7 @@ static int run(const struct line *line, const struct orl_job_file *file,
     return rc;
 }
 
-static int make(const struct line *line)
+static int run_make(const struct line *line)
 {
     struct orl_job_file file = {0};
     struct orl_bsdf_make_request request = {0};
@@ -183,7 +183,7 @@ static int make(const struct line *line)
     int rc = request_of(line, &file, &request, &err);
     request.tell_errors = line->errors != NULL;
     if (rc == 0)
-        rc = run(line, &file, &request, &made, &err);
+        rc = compute_bsdf(line, &file, &request, &made, &err);
     if (rc == 0)
         rc = orl_write_text(line->local.output, made.xml, made.xml_size, &err);
     if (rc == 0 && line->errors)
@@ -238,5 +238,5 @@ int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
         return orl_usage_error(self, "\"%s\" says itself what is made, alone on its line",
                                line.local.operand);
     line.shared = orl_sharing_asked(self, &line.sharing, &code);
-    return code ? code : make(&line);
+    return code ? code : run_make(&line);
 }

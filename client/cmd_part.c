@@ -138,8 +138,8 @@ static bool is_asked_for_more(struct part *part, bool of_last)
 }
 
 /* Chooses the part's own pieces, and missing maps that these need. */
-static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                  const struct orl_pieces_watch *watch, struct orl_error *err)
+static int choose_pieces(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                         const struct orl_pieces_watch *watch, struct orl_error *err)
 {
     struct part *part = ctx;
     size_t mine = 0, last = 0;
@@ -168,8 +168,8 @@ static int tell_nothing(void *ctx, const struct orl_annual_result *result,
     return 0;
 }
 
-static int run(const struct part *part, struct orl_task *task, const char *files,
-               const struct orl_local_share *share, struct orl_error *err)
+static int run_task(const struct part *part, struct orl_task *task, const char *files,
+                    const struct orl_local_share *share, struct orl_error *err)
 {
     const struct orl_local_tell teller = {tell_nothing, NULL};
     struct orl_result result = {0};
@@ -207,7 +207,7 @@ static int run(const struct part *part, struct orl_task *task, const char *files
 
 static int make_pieces(struct part *part, struct orl_error *err)
 {
-    const struct orl_pieces pieces = {part, part->job, divide, is_over};
+    const struct orl_pieces pieces = {part, part->job, choose_pieces, is_over};
     struct orl_map_store store;
     const struct orl_local_share share = {&pieces, &store};
     struct orl_task task = {0};
@@ -222,7 +222,7 @@ static int make_pieces(struct part *part, struct orl_error *err)
     if (rc == 0)
         rc = orl_make_folder(part->scratch, err);
     if (rc == 0)
-        rc = run(part, &task, files, &share, err);
+        rc = run_task(part, &task, files, &share, err);
     orl_remove_folder(part->scratch);
     orl_shared_store_done(&part->in_folder);
     orl_task_done(&task);
@@ -236,7 +236,7 @@ static int make_pieces(struct part *part, struct orl_error *err)
 
 /* ---- The command ----------------------------------------------------------------------------- */
 
-static int leave(const struct part *part, const char *ending, const json_t *json)
+static int write_ending(const struct part *part, const char *ending, const json_t *json)
 {
     struct orl_error err = {0};
     char path[4300];
@@ -245,7 +245,7 @@ static int leave(const struct part *part, const char *ending, const json_t *json
     return orl_write_json(path, json, &err) ? orl_report_error(&err) : ORL_EXIT_OK;
 }
 
-static int do_part(const char *path)
+static int run_part(const char *path)
 {
     struct part part = {.begun = 0};
     struct orl_error err = {0};
@@ -257,7 +257,7 @@ static int do_part(const char *path)
     if (rc == 0)
         rc = make_pieces(&part, &err);
     json = rc ? orl_problem_from_error(&err, NULL) : json_object();
-    code = leave(&part, rc ? "error" : "done", json);
+    code = write_ending(&part, rc ? "error" : "done", json);
     json_decref(json);
     json_decref(part.doc);
     json_decref(part.pieces);
@@ -277,5 +277,5 @@ int orl_cmd_part(const struct orl_subcommand *self, int argc, char **argv)
     if (strlen(line.operand) <= ending ||
         strcmp(line.operand + strlen(line.operand) - ending, ".json") != 0)
         return orl_usage_error(self, "a part's file ends in .json");
-    return do_part(line.operand);
+    return run_part(line.operand);
 }

@@ -84,9 +84,9 @@ static void print_skies(const json_t *results, const char *output)
 }
 
 /* Renders. *ret_json: contents of result.json. */
-static int render(const struct orl_job *job, const char *folder, const char *output,
-                  uint32_t threads, const struct orl_local_share *share,
-                  struct orl_result *ret_result, json_t **ret_json, struct orl_error *err)
+static int render_job(const struct orl_job *job, const char *folder, const char *output,
+                      uint32_t threads, const struct orl_local_share *share,
+                      struct orl_result *ret_result, json_t **ret_json, struct orl_error *err)
 {
     int rc;
 
@@ -109,8 +109,8 @@ static int render_shared(const struct orl_job_file *file, const struct orl_job *
     int rc;
 
     if (!sharing_line)
-        return render(job, file->folder, line->output, line->threads, NULL, ret_result, ret_json,
-                      err);
+        return render_job(job, file->folder, line->output, line->threads, NULL, ret_result,
+                          ret_json, err);
     if (job->goal.deadline_s > 0)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
                              "a job for a deadline is not done in parts: what it finds depends on "
@@ -118,8 +118,8 @@ static int render_shared(const struct orl_job_file *file, const struct orl_job *
     rc = orl_shared_job_open(&shared, sharing_line, file->doc, file->folder, line->output,
                              line->threads, orl_local_interrupted(), err);
     if (rc == 0)
-        rc = render(job, file->folder, line->output, line->threads, &share, ret_result, ret_json,
-                    err);
+        rc = render_job(job, file->folder, line->output, line->threads, &share, ret_result,
+                        ret_json, err);
     orl_shared_job_done(&shared, rc == 0);
     return rc;
 }

@@ -35,8 +35,8 @@ static int clear_output(const char *output, char paths[FILE_COUNT][4096], struct
 }
 
 /* Decodes the document; errors name its file. */
-static int decode(const struct orl_job_file *file, struct orl_study_request *ret_request,
-                  struct orl_error *err)
+static int decode_study(const struct orl_job_file *file, struct orl_study_request *ret_request,
+                        struct orl_error *err)
 {
     struct orl_study_request request;
     int rc = orl_study_from_json(file->doc, ORL_JOB_LOCAL, &request, NULL, err);
@@ -115,7 +115,7 @@ static int run_document(const struct orl_local_line *line, const struct orl_shar
     if (rc == 0)
         rc = orl_job_file_read(line->operand, &file, &err);
     if (rc == 0)
-        rc = decode(&file, &request, &err);
+        rc = decode_study(&file, &request, &err);
     if (rc == 0)
         rc = run_study(&request, &file, line, sharing, &study, &err);
     if (rc == 0)

@@ -65,8 +65,8 @@ static bool is_inlined(const struct orl_job_file *file)
 }
 
 /* Sets name and tags from the command line, which override the document's. */
-static int label(struct orl_job_file *file, const char *name, const char *tags,
-                 struct orl_error *err)
+static int set_labels(struct orl_job_file *file, const char *name, const char *tags,
+                      struct orl_error *err)
 {
     json_t *list = tags ? json_array() : NULL;
     int rc = name ? json_object_set_new(file->doc, "name", json_string(name)) : 0;
@@ -84,14 +84,15 @@ static int label(struct orl_job_file *file, const char *name, const char *tags,
 }
 
 /* Submits the job. *ret_reply: the job's first document, from the daemon's 202. */
-static int submit(struct orl_http *http, const char *path, const struct orl_project_line *project,
-                  const char *name, const char *tags, json_t **ret_reply, struct orl_error *err)
+static int submit_job(struct orl_http *http, const char *path,
+                      const struct orl_project_line *project, const char *name, const char *tags,
+                      json_t **ret_reply, struct orl_error *err)
 {
     struct orl_job_file file = {0};
     int rc = orl_job_file_open(path, project, &file, err);
 
     if (rc == 0)
-        rc = label(&file, name, tags, err);
+        rc = set_labels(&file, name, tags, err);
     if (rc == 0 && is_inlined(&file))
         rc = orl_job_file_inline_sensors(&file, err);
     if (rc == 0 && is_inlined(&file))
@@ -130,7 +131,7 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
         return code;
     rc = orl_http_open(&http, server, &err);
     if (rc == 0)
-        rc = submit(&http, operands.items[0], &project, name, tags, &reply, &err);
+        rc = submit_job(&http, operands.items[0], &project, name, tags, &reply, &err);
     if (rc) {
         code = orl_report_error(&err);
     } else {

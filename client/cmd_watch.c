@@ -39,7 +39,7 @@ static bool is_news(const json_t *told, const json_t *job)
            fabs(percent - orl_json_number(told, "percent", 0)) >= PERCENT_STEP;
 }
 
-static void take_job(struct watch *watch, json_t *job)
+static void handle_job(struct watch *watch, json_t *job)
 {
     const char *id = orl_json_text(job, "id");
 
@@ -49,12 +49,12 @@ static void take_job(struct watch *watch, json_t *job)
     json_object_set(watch->told, id, job);
 }
 
-static void take_event(struct watch *watch)
+static void handle_event(struct watch *watch)
 {
     json_t *doc = watch->data ? json_loads(watch->data, 0, NULL) : NULL;
 
     if (doc && strcmp(watch->event, "job") == 0) {
-        take_job(watch, doc);
+        handle_job(watch, doc);
     } else if (doc && strcmp(watch->event, "removed") == 0) {
         printf("%-8.8s  removed\n", orl_json_text(doc, "id"));
         json_object_del(watch->told, orl_json_text(doc, "id"));
@@ -79,7 +79,7 @@ static bool on_line(void *ctx, const char *line)
         free(watch->data);
         watch->data = strdup(line + 6);
     } else if (!*line) {
-        take_event(watch);
+        handle_event(watch);
         watch->event[0] = '\0';
     }
     return true;
@@ -97,7 +97,7 @@ static int list_jobs(struct orl_http *http, struct watch *watch, const char *fil
     json_t *jobs = json_object_get(reply, "jobs");
 
     for (size_t i = json_array_size(jobs); rc == 0 && i > 0; i--)
-        take_job(watch, json_array_get(jobs, i - 1));
+        handle_job(watch, json_array_get(jobs, i - 1));
     json_decref(reply);
     return rc;
 }
@@ -110,8 +110,8 @@ static void pause_s(double seconds)
 }
 
 /* Reads events, and reconnects after an interruption unless the daemon is away for too long. */
-static int follow(struct orl_http *http, struct watch *watch, const char *filters,
-                  struct orl_error *err)
+static int follow_events(struct orl_http *http, struct watch *watch, const char *filters,
+                         struct orl_error *err)
 {
     double silent_since_s = orl_clock_s(NULL);
     char path[2048];
@@ -160,7 +160,7 @@ int orl_cmd_watch(const struct orl_subcommand *self, int argc, char **argv)
         rc = list_jobs(&http, &watch, filters, &err);
     }
     if (rc == 0)
-        rc = follow(&http, &watch, filters, &err);
+        rc = follow_events(&http, &watch, filters, &err);
     json_decref(watch.told);
     free(watch.data);
     orl_http_close(&http);

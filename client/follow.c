@@ -198,7 +198,7 @@ static void note_timings(json_t *job)
 }
 
 /* Reports how the job ended; returns the exit code. */
-static int conclude(json_t *job, const char *id)
+static int report_end(json_t *job, const char *id)
 {
     const char *state = orl_json_text(job, "state");
 
@@ -226,7 +226,7 @@ static void pause_s(double seconds)
     nanosleep(&span, NULL);
 }
 
-static void show(struct orl_progress_line *progress, const json_t *job)
+static void show_job(struct orl_progress_line *progress, const json_t *job)
 {
     const char *state = orl_json_text(job, "state"), *stage = orl_json_text(job, "stage");
 
@@ -294,9 +294,9 @@ int orl_follow_job(struct orl_http *http, const char *id)
             note_warnings(&progress, job, &told);
             if (orl_job_has_ended(job)) {
                 orl_progress_end(&progress);
-                code = conclude(job, id);
+                code = report_end(job, id);
             } else {
-                show(&progress, job);
+                show_job(&progress, job);
             }
             json_decref(job);
             if (code >= 0) {

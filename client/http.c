@@ -160,8 +160,8 @@ static void add_credentials(struct orl_http *http)
 }
 
 /* Sets the options common to all requests. The caller may add a body afterwards. */
-static int prepare(struct orl_http *http, const char *method, const char *path, struct sink *sink,
-                   struct orl_error *err)
+static int prepare_request(struct orl_http *http, const char *method, const char *path,
+                           struct sink *sink, struct orl_error *err)
 {
     CURL *const curl = http->curl;
     char url[4096];
@@ -190,7 +190,7 @@ static int prepare(struct orl_http *http, const char *method, const char *path, 
 }
 
 /* Sends the prepared request. Returns 0 for a 2xx reply, else the error of its problem document. */
-static int perform(struct orl_http *http, struct sink *sink, struct orl_error *err)
+static int perform_request(struct orl_http *http, struct sink *sink, struct orl_error *err)
 {
     const CURLcode code = curl_easy_perform(http->curl);
 
@@ -217,7 +217,7 @@ static int perform_json(struct orl_http *http, struct sink *sink, json_t **ret_j
 {
     json_error_t where;
     json_t *json = NULL;
-    int rc = perform(http, sink, err);
+    int rc = perform_request(http, sink, err);
 
     if (rc == 0 && ret_json) {
         json = sink->size ? json_loadb(sink->data, sink->size, 0, &where) : json_null();
@@ -237,7 +237,7 @@ int orl_http_call(struct orl_http *http, const char *method, const char *path, j
                   struct orl_error *err)
 {
     struct sink sink = {0};
-    const int rc = prepare(http, method, path, &sink, err);
+    const int rc = prepare_request(http, method, path, &sink, err);
 
     return rc ? rc : perform_json(http, &sink, ret_json, err);
 }
@@ -262,7 +262,7 @@ int orl_http_stream(struct orl_http *http, const char *path, const char *last_id
     struct sink sink = {.line = line, .ctx = ctx};
     struct curl_slist *headers = curl_slist_append(NULL, "Accept: text/event-stream");
     char header[128];
-    int rc = headers ? prepare(http, "GET", path, &sink, err)
+    int rc = headers ? prepare_request(http, "GET", path, &sink, err)
                      : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 
     snprintf(header, sizeof header, "Last-Event-ID: %s", last_id);
@@ -270,7 +270,7 @@ int orl_http_stream(struct orl_http *http, const char *path, const char *last_id
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (rc == 0) {
         curl_easy_setopt(http->curl, CURLOPT_HTTPHEADER, headers);
-        rc = perform(http, &sink, err);
+        rc = perform_request(http, &sink, err);
     }
     free(sink.data);
     curl_slist_free_all(headers);
@@ -280,12 +280,12 @@ int orl_http_stream(struct orl_http *http, const char *path, const char *last_id
 int orl_http_has(struct orl_http *http, const char *path, bool *ret_found, struct orl_error *err)
 {
     struct sink sink = {0};
-    int rc = prepare(http, "HEAD", path, &sink, err);
+    int rc = prepare_request(http, "HEAD", path, &sink, err);
 
     if (rc)
         return rc;
     curl_easy_setopt(http->curl, CURLOPT_NOBODY, 1L);
-    rc = perform(http, &sink, err);
+    rc = perform_request(http, &sink, err);
     free(sink.data);
     if (rc && http->status == 0)
         return rc;
@@ -327,7 +327,7 @@ int orl_http_post_json(struct orl_http *http, const char *path, const json_t *bo
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
         goto done;
     }
-    rc = prepare(http, "POST", path, &sink, err);
+    rc = prepare_request(http, "POST", path, &sink, err);
     if (rc)
         goto done;
     headers = add_name(headers);
@@ -360,7 +360,7 @@ int orl_http_post_parts(struct orl_http *http, const char *path,
         }
     }
     if (rc == 0)
-        rc = prepare(http, "POST", path, &sink, err);
+        rc = prepare_request(http, "POST", path, &sink, err);
     if (rc == 0) {
         curl_easy_setopt(http->curl, CURLOPT_MIMEPOST, form);
         rc = perform_json(http, &sink, ret_json, err);
@@ -383,7 +383,7 @@ int orl_http_post_file(struct orl_http *http, const char *path, const char *file
     headers = curl_slist_append(NULL, line);
     if (rc)
         goto done;
-    rc = prepare(http, "POST", path, &sink, err);
+    rc = prepare_request(http, "POST", path, &sink, err);
     if (rc)
         goto done;
     curl_easy_setopt(http->curl, CURLOPT_HTTPHEADER, headers);
@@ -408,9 +408,9 @@ int orl_http_download(struct orl_http *http, const char *path, const char *file,
     if (rc)
         return rc;
     sink.file = out.stream;
-    rc = prepare(http, "GET", path, &sink, err);
+    rc = prepare_request(http, "GET", path, &sink, err);
     if (rc == 0)
-        rc = perform(http, &sink, err);
+        rc = perform_request(http, &sink, err);
     free(sink.data);
     if (rc == 0)
         return orl_new_file_commit(&out, err);

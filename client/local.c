@@ -66,7 +66,7 @@ static void catch_interrupts(void)
 
 /* Returns the processors available to this process: fewer than all under taskset or in a
  * container. */
-static uint32_t cores(void)
+static uint32_t count_cores(void)
 {
     cpu_set_t set;
 
@@ -78,7 +78,7 @@ static uint32_t cores(void)
 /* Reads --threads; reports an invalid value. */
 static int read_threads(const struct orl_subcommand *self, struct orl_local_line *line)
 {
-    uint64_t threads = line->threads > 0 ? line->threads : cores();
+    uint64_t threads = line->threads > 0 ? line->threads : count_cores();
 
     if (line->threads_text && !orl_parse_count(line->threads_text, 1, 1024, &threads))
         return orl_usage_error(self, "--threads takes a number from 1 to 1024, not \"%s\"",
@@ -170,7 +170,7 @@ static void on_round(void *ctx, const struct orl_result *result)
 }
 
 /* Sets the members of env that all commands need. */
-static int prepare(struct orl_run_env *env, uint32_t threads, struct orl_error *err)
+static int init_env(struct orl_run_env *env, uint32_t threads, struct orl_error *err)
 {
     env->cancel = &interrupted;
     env->now_s = orl_clock_s;
@@ -198,7 +198,7 @@ static int local_start(struct local *local, const char *folder, const char *outp
     local->warnings = NULL;
     rc = orl_join_path(output, "maps", local->maps.folder, sizeof local->maps.folder, err);
     if (rc == 0)
-        rc = prepare(&local->env, threads, err);
+        rc = init_env(&local->env, threads, err);
     if (rc == 0)
         orl_progress_start(&local->progress);
     return rc;
@@ -310,7 +310,7 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
 {
     const struct orl_files files = orl_library_files(folder);
     struct orl_run_env env = {.files = &files};
-    int rc = prepare(&env, threads, err);
+    int rc = init_env(&env, threads, err);
 
     if (rc)
         return rc;

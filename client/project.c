@@ -80,8 +80,8 @@ static int write_file(const char *place, const struct orl_text_file *file, struc
                          orl_open_reason(errno));
 }
 
-static int translate(const char *path, const char *place, struct orl_names *names,
-                     struct orl_error *err)
+static int translate_model(const char *path, const char *place, struct orl_names *names,
+                           struct orl_error *err)
 {
     const struct orl_files here = orl_files_from_folder(".");
     struct orl_text_files files = {0};
@@ -197,7 +197,7 @@ int orl_project_open(const json_t *scene, const char *path, const char *beside,
         rc = lay_out_list(path, &place, err);
     else if (rc == 0)
         rc = orl_is_folder(path) ? lay_out_folder(path, place.folder, &names, err)
-                                 : translate(path, place.folder, &names, err);
+                                 : translate_model(path, place.folder, &names, err);
     if (rc == 0 && beside)
         rc = orl_place_link_entries(place.folder, beside, err);
     if (rc == 0 && !place.project)
@@ -226,7 +226,7 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
     if (rc == 0)
         rc = orl_make_folder(into, err);
     if (rc == 0)
-        rc = translate(path, place.folder, &names, err);
+        rc = translate_model(path, place.folder, &names, err);
     if (rc == 0)
         rc = find_project(path, scene, &names, &place, err);
     orl_names_done(&names);
@@ -302,7 +302,7 @@ int orl_project_fill(const struct orl_project_place *place, const json_t *scene,
                                    json_object_get(scene, "states"), doc, err);
 }
 
-static void tell_names(const char *what, const json_t *list)
+static void print_names(const char *what, const json_t *list)
 {
     const json_t *item;
     size_t i;
@@ -328,9 +328,9 @@ void orl_project_tell(const json_t *project)
 
     fprintf(stderr, "project: %zu scene files\n",
             json_array_size(json_object_get(project, "files")));
-    tell_names("grids", json_object_get(project, "grids"));
-    tell_names("views", json_object_get(project, "views"));
-    tell_names("skies", json_object_get(project, "skies"));
+    print_names("grids", json_object_get(project, "grids"));
+    print_names("views", json_object_get(project, "views"));
+    print_names("skies", json_object_get(project, "skies"));
     json_object_foreach((json_t *)(uintptr_t)json_object_get(project, "states"), group, state)
     {
         fprintf(stderr, "group %s: %s of", group,

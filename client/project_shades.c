@@ -98,7 +98,7 @@ static json_t *make_shade(const char *name, const json_t *group, bool blinds)
     return shade;
 }
 
-static void tell(const char *name, const json_t *group, const json_t *shade)
+static void print_shade(const char *name, const json_t *group, const json_t *shade)
 {
     const json_t *of = json_object_get(group, "of");
 
@@ -126,7 +126,7 @@ static int fill_group(const char *name, const json_t *group, bool blinds, json_t
     shade = make_shade(name, group, blinds);
     if (!shade || json_array_append_new(shades, shade))
         return no_memory(err);
-    tell(name, group, shade);
+    print_shade(name, group, shade);
     return 0;
 }
 

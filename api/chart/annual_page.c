@@ -258,7 +258,7 @@ static double draw_columns(const struct orl_page_sheet *s, double y, double bott
 }
 
 /* Draws all parts from top to bottom. Each leaves the parts below it the least height they need. */
-static int draw(const struct orl_page_sheet *s)
+static int draw_page(const struct orl_page_sheet *s)
 {
     const double assumptions = ORL_PAGE_HEIGHT - ORL_PAGE_RIM - measure_assumptions(s->page);
     const double year =
@@ -286,7 +286,7 @@ int orl_annual_page_write(const struct orl_annual_page *page, enum orl_canvas_ki
                                kind == ORL_CANVAS_PDF ? pdf_scale : png_scale, &s.canvas, err);
     if (code < 0)
         return code;
-    code = draw(&s);
+    code = draw_page(&s);
     if (code < 0)
         orl_error_set(err, code, "%s drawing a page",
                       code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");

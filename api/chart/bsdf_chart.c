@@ -102,7 +102,7 @@ static void draw_peaks(const struct page *p, size_t i, double y)
 /* ---- Differences ----------------------------------------------------------------------------- */
 
 /* Returns half the integral of the absolute difference: the flux that would have to move. */
-static double moved(const struct page *p, int t)
+static double moved_flux(const struct page *p, int t)
 {
     const double dtheta = ORL_PI / 2 / ORL_POLAR_THETAS;
     double sum = 0;
@@ -128,7 +128,7 @@ static void draw_difference(const struct page *p, double y)
         snprintf(text, sizeof text, "in all %+.2f %%, elsewhere %.2f %% of the light",
                  100 * (t ? p->polar[1].transmitted - p->polar[0].transmitted
                           : p->polar[1].reflected - p->polar[0].reflected),
-                 100 * moved(p, t));
+                 100 * moved_flux(p, t));
         write_text(p, map.x - radius, y + 22, letters, false, ink, text);
     }
 }
@@ -185,7 +185,7 @@ static double draw_findings(const struct page *p, size_t i, double y)
     return y;
 }
 
-static void draw(const struct page *p)
+static void draw_page(const struct page *p)
 {
     const struct orl_bsdf_chart *c = p->chart;
     char text[128];
@@ -220,7 +220,7 @@ static double height_of(const struct orl_bsdf_chart *c)
     return height;
 }
 
-static double largest(const struct orl_bsdf_polar *polar)
+static double largest_value(const struct orl_bsdf_polar *polar)
 {
     double most = 0;
     for (int t = 0; t < 2; t++)
@@ -237,7 +237,7 @@ static double round_up(double value)
     return value <= power ? power : value <= 3 * power ? 3 * power : 10 * power;
 }
 
-static void look(const struct orl_bsdf_chart *c, struct orl_bsdf_polar polar[2])
+static void compute_polars(const struct orl_bsdf_chart *c, struct orl_bsdf_polar polar[2])
 {
     for (size_t i = 0; i < c->n_files; i++)
         orl_bsdf_polar(c->files[i].bsdf, c->front, c->theta_deg, c->phi_deg, &polar[i]);
@@ -247,7 +247,7 @@ static double top_of(const struct orl_bsdf_chart *c, const struct orl_bsdf_polar
 {
     double most = 0;
     for (size_t i = 0; i < c->n_files; i++)
-        most = fmax(most, largest(&polar[i]));
+        most = fmax(most, largest_value(&polar[i]));
     return c->top > 0 ? c->top : round_up(most);
 }
 
@@ -256,7 +256,7 @@ double orl_bsdf_chart_top(const struct orl_bsdf_chart *chart)
     struct orl_bsdf_polar *polar = calloc(2, sizeof *polar);
     if (!polar)
         return 1;
-    look(chart, polar);
+    compute_polars(chart, polar);
     const double top = top_of(chart, polar);
     free(polar);
     return top;
@@ -268,12 +268,12 @@ int orl_bsdf_chart_write(const struct orl_bsdf_chart *chart, enum orl_canvas_kin
     struct page page = {.chart = chart, .polar = calloc(2, sizeof *page.polar)};
     if (!page.polar)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    look(chart, page.polar);
+    compute_polars(chart, page.polar);
     page.top = top_of(chart, page.polar);
     int code =
         orl_canvas_open(kind, path, page_width, height_of(chart), png_scale, &page.canvas, err);
     if (code == 0) {
-        draw(&page);
+        draw_page(&page);
         code = orl_canvas_close(page.canvas, 0, err);
     }
     free(page.polar);

@@ -35,7 +35,7 @@ struct place {
 };
 
 /* Returns true if the segment passes through the box (Liang and Barsky 1984). */
-static bool crosses(const struct segment *s, const struct orl_chart_box *box)
+static bool crosses_box(const struct segment *s, const struct orl_chart_box *box)
 {
     const double dx = s->x1 - s->x0, dy = s->y1 - s->y0;
     const double p[4] = {-dx, dx, -dy, dy};
@@ -52,7 +52,7 @@ static bool crosses(const struct segment *s, const struct orl_chart_box *box)
     return enter < leave;
 }
 
-static struct orl_chart_box grow(struct orl_chart_box box, double by)
+static struct orl_chart_box expand_box(struct orl_chart_box box, double by)
 {
     return (struct orl_chart_box){box.x0 - by, box.y0 - by, box.x1 + by, box.y1 + by};
 }
@@ -73,8 +73,8 @@ static double length_of(const struct segment *s)
 static double cost_of(const struct room *room, const struct orl_chart_box *box, double x, double y,
                       bool leads)
 {
-    const struct orl_chart_box wide = grow(*box, text_gap),
-                               plot = grow(room->chart->plot, -text_gap);
+    const struct orl_chart_box wide = expand_box(*box, text_gap),
+                               plot = expand_box(room->chart->plot, -text_gap);
     const struct segment leader = leader_to(box, x, y);
     double cost = 0;
     if (box->x0 < plot.x0 || box->x1 > plot.x1 || box->y0 < plot.y0 || box->y1 > plot.y1)
@@ -84,25 +84,25 @@ static double cost_of(const struct room *room, const struct orl_chart_box *box, 
         const struct segment other = leader_to(&t->box, t->from_x, t->from_y);
         if (orl_box_meets(&wide, &t->box))
             return impossible;
-        cost += leads && crosses(&leader, &t->box) ? 60 : 0;
-        cost += t->leads && crosses(&other, &wide) ? 60 : 0;
+        cost += leads && crosses_box(&leader, &t->box) ? 60 : 0;
+        cost += t->leads && crosses_box(&other, &wide) ? 60 : 0;
     }
     for (size_t i = 0; i < room->n_markers; i++) {
         const struct orl_chart_box *m = &room->markers[i];
         const bool own = x > m->x0 && x < m->x1 && y > m->y0 && y < m->y1;
         cost += orl_box_meets(&wide, m) ? 40 : 0;
-        cost += leads && !own && crosses(&leader, m) ? 12 : 0;
+        cost += leads && !own && crosses_box(&leader, m) ? 12 : 0;
         /* The label would seem to belong to the other point. */
         const struct segment rival = leader_to(box, 0.5 * (m->x0 + m->x1), 0.5 * (m->y0 + m->y1));
         cost += !own && length_of(&rival) < length_of(&leader) + 4 ? 18 : 0;
     }
     for (size_t i = 0; i < room->n_segments; i++)
-        cost += crosses(&room->segments[i], &wide) ? room->segments[i].cost : 0;
+        cost += crosses_box(&room->segments[i], &wide) ? room->segments[i].cost : 0;
     return cost + 0.4 * length_of(&leader);
 }
 
-static void consider(const struct room *room, struct orl_chart_box box, double x, double y,
-                     bool leads, struct place *best)
+static void consider_place(const struct room *room, struct orl_chart_box box, double x, double y,
+                           bool leads, struct place *best)
 {
     const double cost = cost_of(room, &box, x, y, leads);
     if (cost < best->cost)
@@ -129,14 +129,14 @@ static struct place find_place(const struct room *room, const struct orl_chart_t
     struct place best = {.cost = given ? impossible : 16};
     for (int ring = 0; ring < (given ? RINGS : 3); ring++)
         for (int i = 0; i < DIRECTIONS; i++)
-            consider(room, beside(x, y, width, height, rings[ring], i), x, y,
-                     rings[ring] > leader_from, &best);
+            consider_place(room, beside(x, y, width, height, rings[ring], i), x, y,
+                           rings[ring] > leader_from, &best);
     /* No place around the point is free: try the whole plot. */
     for (int i = 0; given && best.cost >= impossible && i < GRID * GRID; i++) {
         const double left = plot->x0 + (plot->x1 - plot->x0) * (i % GRID) / GRID;
         const double top = plot->y0 + (plot->y1 - plot->y0) * (int)(i / GRID) / GRID;
-        consider(room, (struct orl_chart_box){left, top, left + width, top + height}, x, y, true,
-                 &best);
+        consider_place(room, (struct orl_chart_box){left, top, left + width, top + height}, x, y,
+                       true, &best);
     }
     return best;
 }

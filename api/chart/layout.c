@@ -10,7 +10,7 @@
 static const double left_edge = 86, top_edge = 46, bottom_edge = 58, legend_width = 208,
                     legend_gap = 22, row_height = 21;
 
-static void widen(double *low, double *high, double value)
+static void widen_range(double *low, double *high, double value)
 {
     if (isfinite(value) && value > 0) {
         *low = fmin(*low, value);
@@ -25,15 +25,15 @@ static void make_axes(struct orl_chart *chart, const struct orl_study *study)
         const struct orl_study_point *p = &study->points[i];
         if (!orl_chart_shows(p))
             continue;
-        widen(&x0, &x1, p->total_s);
-        widen(&y0, &y1, 100 * p->rms);
-        widen(&y0, &y1, 100 * (p->rms + p->rms_error));
+        widen_range(&x0, &x1, p->total_s);
+        widen_range(&y0, &y1, 100 * p->rms);
+        widen_range(&y0, &y1, 100 * (p->rms + p->rms_error));
         /* An error bar that reaches zero has no end on a logarithmic axis. */
-        widen(&y0, &y1, 100 * fmax(p->rms - p->rms_error, p->rms / 2));
+        widen_range(&y0, &y1, 100 * fmax(p->rms - p->rms_error, p->rms / 2));
     }
     for (size_t i = 0; i < study->n_given; i++) {
-        widen(&x0, &x1, study->given[i].here_s);
-        widen(&y0, &y1, 100 * study->given[i].rms);
+        widen_range(&x0, &x1, study->given[i].here_s);
+        widen_range(&y0, &y1, 100 * study->given[i].rms);
     }
     if (!(x1 > 0))
         x0 = x1 = 1;

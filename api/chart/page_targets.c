@@ -187,8 +187,8 @@ static void draw_list(const struct orl_page_sheet *s, struct list *list,
 }
 
 /* Returns the height in a column of a list's remaining verdicts, with their heading. */
-static double measure(const struct orl_page_sheet *s, struct list list,
-                      struct orl_page_column column)
+static double measure_list(const struct orl_page_sheet *s, struct list list,
+                           struct orl_page_column column)
 {
     const struct orl_page_sheet measuring = {.page = s->page};
     column.y = 0;
@@ -208,7 +208,7 @@ static size_t draw_lists(const struct orl_page_sheet *s, struct lists lists,
 {
     left->y += PARTS_APART;
     draw_list(s, &lists.all, left, bottom);
-    draw_list(s, &lists.own, right, bottom - measure(s, lists.all, *right));
+    draw_list(s, &lists.own, right, bottom - measure_list(s, lists.all, *right));
     draw_list(s, &lists.all, right, bottom);
     draw_list(s, &lists.own, left, bottom);
     return lists.own.n_left + lists.all.n_left;

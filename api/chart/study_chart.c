@@ -114,7 +114,7 @@ static void draw_bars(const struct pen *pen, const struct orl_study_point *p)
 
 /* ---- Curves ---------------------------------------------------------------------------------- */
 
-static void trace(const struct pen *pen, size_t n, double weight, const unsigned char rgb[3])
+static void draw_curve(const struct pen *pen, size_t n, double weight, const unsigned char rgb[3])
 {
     for (size_t i = 0; i < n; i++) {
         const struct orl_study_point *p = &pen->study->points[pen->index[i]];
@@ -134,7 +134,7 @@ static void draw_technique(const struct pen *pen, enum orl_technique technique)
         if (p->setting.technique == technique && orl_chart_shows(p))
             draw_bars(pen, p);
     }
-    trace(pen, n, 1.8, ink_of(technique));
+    draw_curve(pen, n, 1.8, ink_of(technique));
     for (size_t i = 0; i < study->n_points; i++) {
         const struct orl_study_point *p = &study->points[i];
         bool on_line = false;
@@ -159,7 +159,7 @@ static void draw_curves(const struct pen *pen)
 {
     const struct orl_chart *chart = pen->chart;
     const double noise = 100 * pen->study->reference.standard_error;
-    trace(pen, orl_chart_front(pen->study, pen->index), 11, gold);
+    draw_curve(pen, orl_chart_front(pen->study, pen->index), 11, gold);
     if (noise > chart->y.low && noise < chart->y.high)
         draw_reference(pen->canvas, chart->plot.x0, chart->plot.x1, orl_axis_at(&chart->y, noise));
     for (int technique = 0; technique < ORL_TECHNIQUE_COUNT; technique++)
@@ -225,7 +225,7 @@ static void draw_text(const struct orl_chart_text *t, struct orl_canvas *canvas)
     orl_canvas_text(canvas, t->x, t->y, &letters, t->text);
 }
 
-static void draw(const struct pen *pen)
+static void draw_chart(const struct pen *pen)
 {
     draw_frame(pen->chart, pen->canvas);
     draw_curves(pen);
@@ -253,7 +253,7 @@ int orl_study_chart_write(const struct orl_study *study, const char *title,
     if (code == 0)
         code = orl_canvas_open(kind, path, chart.width, chart.height, png_scale, &pen.canvas, err);
     if (code == 0) {
-        draw(&pen);
+        draw_chart(&pen);
         code = orl_canvas_close(pen.canvas, 0, err);
     }
     free(pen.index);

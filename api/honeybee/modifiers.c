@@ -33,7 +33,8 @@ static const struct {
 
 /* ---- Look-up --------------------------------------------------------------------------------- */
 
-static int add(struct orl_hb *hb, const char *identifier, const json_t *json, size_t *ret_place)
+static int add_modifier(struct orl_hb *hb, const char *identifier, const json_t *json,
+                        size_t *ret_place)
 {
     if (hb->n_modifiers == hb->modifier_room) {
         const size_t room = hb->modifier_room > 0 ? 2 * hb->modifier_room : 32;
@@ -66,7 +67,7 @@ static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at
         return rc;
     const json_t *known = json_object_get(hb->modifier_places, identifier);
     if (!known)
-        return add(hb, identifier, json, ret_place);
+        return add_modifier(hb, identifier, json, ret_place);
     *ret_place = (size_t)json_integer_value(known);
     if (!json_equal(hb->modifiers[*ret_place].json, json))
         orl_hb_warn(hb,
@@ -93,7 +94,7 @@ int orl_hb_modifiers_read(struct orl_hb *hb)
     }
     for (size_t i = 0; i < sizeof generics / sizeof *generics && rc == 0; i++)
         if (!json_object_get(hb->modifier_places, generics[i].identifier))
-            rc = add(hb, generics[i].identifier, NULL, &place);
+            rc = add_modifier(hb, generics[i].identifier, NULL, &place);
     return rc;
 }
 

@@ -12,7 +12,7 @@ struct side {
     int u, v;
 };
 
-static double along(struct orl_vec3 p, int axis)
+static double coordinate_of(struct orl_vec3 p, int axis)
 {
     return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
 }
@@ -21,16 +21,17 @@ static double along(struct orl_vec3 p, int axis)
 static bool is_inside(const struct side *side, struct orl_vec3 point)
 {
     const struct orl_hb_polygon *polygon = &side->polygon;
-    const double u = along(point, side->u), v = along(point, side->v);
+    const double u = coordinate_of(point, side->u), v = coordinate_of(point, side->v);
     bool inside = false;
     for (size_t loop = 0, from = 0; loop < polygon->n_loops; from = polygon->ends[loop++])
         for (size_t i = from, before = polygon->ends[loop] - 1; i < polygon->ends[loop];
              before = i++) {
             const struct orl_vec3 a = polygon->points[before], b = polygon->points[i];
-            const double av = along(a, side->v), bv = along(b, side->v);
+            const double av = coordinate_of(a, side->v), bv = coordinate_of(b, side->v);
             if ((av > v) != (bv > v) &&
-                u < along(a, side->u) +
-                        (v - av) / (bv - av) * (along(b, side->u) - along(a, side->u)))
+                u < coordinate_of(a, side->u) +
+                        (v - av) / (bv - av) *
+                            (coordinate_of(b, side->u) - coordinate_of(a, side->u)))
                 inside = !inside;
         }
     return inside;

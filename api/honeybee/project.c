@@ -216,7 +216,7 @@ static const char *why_left_out(const struct orl_project_finding *f, const char 
 
 /* Lists the unused files. BSDFs are found by the files that name them; lists and settings are
  * not part of a scene. */
-static int tell_rest(struct orl_project_finding *f)
+static int list_unused(struct orl_project_finding *f)
 {
     for (size_t i = 0; i < f->count; i++) {
         const char *why = f->used[i] ? NULL : why_left_out(f, f->names[i]);
@@ -246,10 +246,10 @@ static int find_parts(struct orl_project_finding *f)
         rc = orl_project_add_views(f);
     if (rc == 0)
         rc = orl_project_add_warnings(f);
-    return rc ? rc : tell_rest(f);
+    return rc ? rc : list_unused(f);
 }
 
-static int begin(struct orl_project_finding *f, const char *const *names)
+static int init_finding(struct orl_project_finding *f, const char *const *names)
 {
     f->names = calloc(f->count + 1, sizeof *f->names);
     f->used = calloc(f->count + 1, sizeof *f->used);
@@ -269,7 +269,7 @@ static int begin(struct orl_project_finding *f, const char *const *names)
     return 0;
 }
 
-static json_t *pack(const struct orl_project_finding *f)
+static json_t *pack_project(const struct orl_project_finding *f)
 {
     json_t *project =
         json_pack("{s:O, s:O, s:O, s:O, s:O, s:O}", "files", f->main, "grids", f->grids, "views",
@@ -287,12 +287,12 @@ int orl_project_find(const char *const *names, size_t count, const struct orl_fi
                      struct orl_error *err)
 {
     struct orl_project_finding f = {.count = count, .files = files, .choice = choice, .err = err};
-    int rc = begin(&f, names);
+    int rc = init_finding(&f, names);
     *ret_project = NULL;
     if (rc == 0 && find_root(&f) && has_more(&f)) {
         rc = find_parts(&f);
         if (rc == 0) {
-            *ret_project = pack(&f);
+            *ret_project = pack_project(&f);
             rc = *ret_project ? 0 : orl_project_no_memory(&f);
         }
     }

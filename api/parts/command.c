@@ -64,7 +64,7 @@ static int read_output(int from, double limit_s, const atomic_bool *cancel, char
     return ORL_ERR_IO;
 }
 
-static int end(pid_t pid)
+static int wait_for_exit(pid_t pid)
 {
     int status = 0;
 
@@ -93,7 +93,7 @@ int orl_command_run(char *const argv[], double limit_s, const atomic_bool *cance
     close(ends[0]);
     if (rc)
         kill(pid, SIGKILL);
-    status = end(pid);
+    status = wait_for_exit(pid);
     if (rc == 0)
         return status;
     ret_output[0] = '\0';

@@ -49,7 +49,7 @@ static int spawn(const struct local *local, struct task *task, struct orl_error 
 }
 
 /* Removes ended tasks and starts waiting ones in their place. */
-static int turn_over(struct local *local, struct orl_error *err)
+static int replace_ended_tasks(struct local *local, struct orl_error *err)
 {
     size_t kept = 0, running = 0;
     int rc = 0;
@@ -84,14 +84,14 @@ static int local_start(void *ctx, const char *wave, const struct orl_part_order 
     snprintf(local->wave, sizeof local->wave, "%s", wave);
     for (size_t i = 0; i < n; i++)
         local->tasks[local->n_tasks++] = (struct task){orders[i].number, 0};
-    return turn_over(local, err);
+    return replace_ended_tasks(local, err);
 }
 
 static int local_look(void *ctx, const char *wave, struct orl_part_seen *ret_seen, size_t n,
                       struct orl_error *err)
 {
     struct local *local = ctx;
-    const int rc = turn_over(local, err);
+    const int rc = replace_ended_tasks(local, err);
 
     (void)wave; /* there is only one wave at a time */
     for (size_t i = 0; i < n; i++)

@@ -193,7 +193,7 @@ static void mark_sent(struct slurm *slurm, struct orl_part_limits asked,
 }
 
 /* Submits the unsent parts with these limits. */
-static int hand_in_group(struct slurm *slurm, struct orl_part_limits limits, struct orl_error *err)
+static int submit_group(struct slurm *slurm, struct orl_part_limits limits, struct orl_error *err)
 {
     const struct orl_part_limits given = orl_slurm_bounded(&slurm->bounds, limits);
     char *array = list_unsent(slurm, limits), output[ORL_COMMAND_OUTPUT] = "";
@@ -216,7 +216,7 @@ static int hand_in_group(struct slurm *slurm, struct orl_part_limits limits, str
 
 /* Submits all unsent parts, one array for each set of limits. If Slurm is unavailable they stay
  * unsent. */
-static int hand_in(struct slurm *slurm, struct orl_error *err)
+static int submit_unsent(struct slurm *slurm, struct orl_error *err)
 {
     int rc = 0;
 
@@ -224,7 +224,7 @@ static int hand_in(struct slurm *slurm, struct orl_error *err)
         orl_slurm_bounds_ask(&slurm->spec, &slurm->bounds);
     for (size_t i = 0; i < slurm->n && rc == 0 && !slurm->in_doubt; i++)
         if (slurm->parts[i].unsent)
-            rc = hand_in_group(slurm, slurm->parts[i].limits, err);
+            rc = submit_group(slurm, slurm->parts[i].limits, err);
     return rc;
 }
 
@@ -241,7 +241,7 @@ static int slurm_start(void *ctx, const char *wave, const struct orl_part_order 
         slurm->parts[orders[i].number].limits = orders[i].limits;
     }
     if (!slurm->in_doubt)
-        rc = hand_in(slurm, err);
+        rc = submit_unsent(slurm, err);
     slurm->asked_s = now_s(slurm); /* submitted tasks take a moment to appear */
     slurm->known = false;
     return rc;
@@ -304,7 +304,7 @@ static int run_squeue(const char *tasks, double limit_s, const atomic_bool *canc
 }
 
 /* Marks all states unknown because Slurm does not answer; fails after patience_s. */
-static int be_patient(struct slurm *slurm, const char *says, struct orl_error *err)
+static int check_patience(struct slurm *slurm, const char *says, struct orl_error *err)
 {
     const double patience = slurm->spec.patience_s;
 
@@ -318,7 +318,7 @@ static int be_patient(struct slurm *slurm, const char *says, struct orl_error *e
     return ORL_ERR_IO;
 }
 
-static int ask(struct slurm *slurm, struct orl_error *err)
+static int query_slurm(struct slurm *slurm, struct orl_error *err)
 {
     struct orl_error why = {0};
     char tasks[128], output[ORL_COMMAND_OUTPUT];
@@ -333,7 +333,7 @@ static int ask(struct slurm *slurm, struct orl_error *err)
         if (rc == ORL_ERR_CANCELLED || rc == ORL_ERR_NOT_FOUND || rc == ORL_ERR_NOMEM)
             rc = orl_error_set(err, rc, "%s", why.message);
         else
-            rc = be_patient(slurm, says, err);
+            rc = check_patience(slurm, says, err);
         return rc;
     }
     for (size_t i = 0; i < slurm->n; i++)
@@ -354,12 +354,12 @@ static bool any_unsent(const struct slurm *slurm)
     return any;
 }
 
-static int look_again(struct slurm *slurm, struct orl_error *err)
+static int refresh_states(struct slurm *slurm, struct orl_error *err)
 {
-    int rc = ask(slurm, err);
+    int rc = query_slurm(slurm, err);
 
     if (rc == 0 && !slurm->in_doubt && any_unsent(slurm))
-        rc = hand_in(slurm, err);
+        rc = submit_unsent(slurm, err);
     slurm->asked_s = now_s(slurm);
     return rc;
 }
@@ -377,7 +377,7 @@ static int slurm_look(void *ctx, const char *wave, struct orl_part_seen *ret_see
                          : share > asked_most_s ? asked_most_s
                                                 : share;
     if (now - slurm->asked_s >= every)
-        rc = look_again(slurm, err);
+        rc = refresh_states(slurm, err);
     for (size_t i = 0; i < n; i++) {
         const struct slurm_part *part = &slurm->parts[i];
 
@@ -403,7 +403,7 @@ static enum orl_part_end slurm_end(void *ctx, const char *wave, uint32_t number)
 
 /* ---- Cancelling ------------------------------------------------------------------------------ */
 
-static void rest(void)
+static void sleep_briefly(void)
 {
     const struct timespec moment = {.tv_nsec = 200000000};
 
@@ -428,7 +428,7 @@ static int cancel_tasks(const struct orl_runner_spec *spec, const char *wave, do
         gone = run_squeue(tasks, limit_s, NULL, output, NULL) == 0 && output[0] == '\0';
         gone = gone && spec->now_s(NULL) - began >= least_s;
         if (!gone)
-            rest();
+            sleep_briefly();
     }
     if (gone)
         return 0;

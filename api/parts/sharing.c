@@ -29,8 +29,8 @@ static int run_rest(struct orl_sharing *sharing, const struct orl_piece *pieces,
 }
 
 /* Callback of a run that hands out all its pieces. */
-static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                  const struct orl_pieces_watch *watch, struct orl_error *err)
+static int distribute_pieces(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                             const struct orl_pieces_watch *watch, struct orl_error *err)
 {
     struct orl_sharing *sharing = ctx;
     bool *made = calloc(n + 1, sizeof *made);
@@ -81,7 +81,7 @@ int orl_sharing_open(struct orl_sharing *sharing, const struct orl_sharing_spec 
     snprintf(sharing->in_folder.folder, sizeof sharing->in_folder.folder, "%.4000s/store",
              sharing->folder);
     orl_shared_store_init(&sharing->in_folder, &sharing->store);
-    sharing->pieces = (struct orl_pieces){sharing, sharing->job, divide, NULL};
+    sharing->pieces = (struct orl_pieces){sharing, sharing->job, distribute_pieces, NULL};
     return start_runner(sharing, err);
 }
 

@@ -40,7 +40,7 @@ static void count_lost(struct orl_sharing *sharing, struct orl_wave *wave, size_
 
 /* Takes over the state reported by the runner. A part that ran and now waits was requeued by
  * Slurm. */
-static void take_state(struct orl_sharing *sharing, struct orl_wave *wave, size_t i)
+static void update_state(struct orl_sharing *sharing, struct orl_wave *wave, size_t i)
 {
     struct orl_part *part = &wave->parts[i];
     const enum orl_part_state state = wave->seen[i].state;
@@ -62,7 +62,7 @@ static bool is_same(const struct orl_parts_count *a, const struct orl_parts_coun
            a->held == b->held && a->again == b->again && a->waves == b->waves;
 }
 
-static void tell(struct orl_sharing *sharing)
+static void report_count(struct orl_sharing *sharing)
 {
     if (is_same(&sharing->count, &sharing->told))
         return;
@@ -71,8 +71,8 @@ static void tell(struct orl_sharing *sharing)
         sharing->spec.told(sharing->spec.ctx, &sharing->count);
 }
 
-static void tell_wave(struct orl_sharing *sharing, const struct orl_wave *wave,
-                      uint64_t done_before)
+static void report_wave(struct orl_sharing *sharing, const struct orl_wave *wave,
+                        uint64_t done_before)
 {
     struct orl_parts_count *count = &sharing->count;
 
@@ -86,7 +86,7 @@ static void tell_wave(struct orl_sharing *sharing, const struct orl_wave *wave,
         count->waiting += !part->done && part->state != ORL_PART_RUNNING;
         count->held += part->held_s > 0;
     }
-    tell(sharing);
+    report_count(sharing);
 }
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
@@ -142,7 +142,7 @@ static void read_error(const char *path, struct orl_error *ret_said)
 }
 
 /* Holds a part back until the disk has room. This does not count as a failure of the part. */
-static void hold(const struct orl_sharing *sharing, struct orl_part *part)
+static void hold_part(const struct orl_sharing *sharing, struct orl_part *part)
 {
     part->held_s = now_s(sharing) + full_s;
     part->state = ORL_PART_WAITING;
@@ -166,9 +166,9 @@ static bool raise_limits(struct orl_part *part, const struct orl_part_seen *seen
 }
 
 /* Describes why a part has no result. */
-static void say_end(const struct orl_sharing *sharing, const struct orl_part *part,
-                    const struct orl_part_seen *seen, enum orl_part_end end,
-                    struct orl_error *ret_said)
+static void describe_end(const struct orl_sharing *sharing, const struct orl_part *part,
+                         const struct orl_part_seen *seen, enum orl_part_end end,
+                         struct orl_error *ret_said)
 {
     if (end == ORL_PART_OUT_OF_TIME)
         orl_error_set(ret_said, ORL_ERR_LIMIT,
@@ -198,13 +198,13 @@ static int try_again(struct orl_sharing *sharing, struct orl_wave *wave, size_t 
     if ((!error_path || said.code == ORL_ERR_CANCELLED) && sharing->runner.end)
         end = sharing->runner.end(sharing->runner.ctx, wave->name, (uint32_t)i);
     if (!error_path || end != ORL_PART_ENDED)
-        say_end(sharing, part, &wave->seen[i], end, &said);
+        describe_end(sharing, part, &wave->seen[i], end, &said);
     if (error_path)
         unlink(error_path);
     if (said.code == ORL_ERR_FULL || !orl_wave_has_room(sharing->folder)) {
         count_lost(sharing, wave, i, "the shared folder's disk is full");
         part->tries--;
-        hold(sharing, part);
+        hold_part(sharing, part);
         return 0;
     }
     part->due = raise_limits(part, &wave->seen[i], end) || part->tries < MOST_TRIES;
@@ -223,7 +223,7 @@ static void look_at_held(const struct orl_sharing *sharing, struct orl_part *par
         return;
     part->due = orl_wave_has_room(sharing->folder);
     if (!part->due)
-        hold(sharing, part);
+        hold_part(sharing, part);
 }
 
 static void end_well(struct orl_sharing *sharing, struct orl_wave *wave, size_t i)
@@ -252,7 +252,7 @@ static int look_at(struct orl_sharing *sharing, struct orl_wave *wave, size_t i,
     }
     if (orl_part_file(sharing->folder, wave->name, i, "error", path))
         return try_again(sharing, wave, i, path, err);
-    take_state(sharing, wave, i);
+    update_state(sharing, wave, i);
     if (wave->seen[i].state != ORL_PART_GONE) {
         part->gone_s = 0;
         return 0;
@@ -267,7 +267,7 @@ static int look_at(struct orl_sharing *sharing, struct orl_wave *wave, size_t i,
 
 /* ---- The wave -------------------------------------------------------------------------------- */
 
-static void rest(const struct orl_sharing *sharing, const struct orl_wave *wave)
+static void sleep_between_looks(const struct orl_sharing *sharing, const struct orl_wave *wave)
 {
     const double share = look_share * (now_s(sharing) - wave->began_s);
     const double wait = share < look_least_s  ? look_least_s
@@ -294,13 +294,13 @@ static int wait_for(struct orl_sharing *sharing, struct orl_wave *wave, struct o
         }
         if (rc == 0)
             rc = start_due(sharing, wave, err);
-        tell_wave(sharing, wave, done_before);
+        report_wave(sharing, wave, done_before);
         if (rc == 0)
             orl_wave_tell_share(sharing, wave);
         if (rc == 0 && left > 0 && atomic_load(sharing->spec.cancel))
             rc = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while others made parts of it");
         if (left > 0 && rc == 0)
-            rest(sharing, wave);
+            sleep_between_looks(sharing, wave);
     }
     return rc;
 }
@@ -350,9 +350,9 @@ static int write_wave(struct orl_sharing *sharing, struct orl_wave *wave,
         const double until_s = now_s(sharing) + full_s;
 
         sharing->count.held = 1;
-        tell(sharing);
+        report_count(sharing);
         while (now_s(sharing) < until_s && !atomic_load(sharing->spec.cancel))
-            rest(sharing, wave);
+            sleep_between_looks(sharing, wave);
         rc = orl_wave_write(sharing, wave->name, pieces, n, &wave->n, err);
     }
     sharing->count.held = 0;

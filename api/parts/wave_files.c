@@ -175,7 +175,8 @@ struct orl_part_needs orl_wave_needs(const char *folder, const char *wave, size_
     return (struct orl_part_needs){core_s > 0 ? core_s : 0, bytes > 0 ? (uint64_t)bytes : 0};
 }
 
-static void mark(const json_t *part, const struct orl_piece *pieces, size_t n, bool *ret_made)
+static void mark_pieces_of_part(const json_t *part, const struct orl_piece *pieces, size_t n,
+                                bool *ret_made)
 {
     const json_t *own;
     size_t i;
@@ -197,7 +198,7 @@ void orl_wave_mark(const char *folder, const char *wave, size_t n_parts,
         json_t *part =
             orl_part_file(folder, wave, i, "json", path) ? json_load_file(path, 0, NULL) : NULL;
 
-        mark(part, pieces, n, ret_made);
+        mark_pieces_of_part(part, pieces, n, ret_made);
         json_decref(part);
     }
 }
