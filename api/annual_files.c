@@ -12,7 +12,7 @@
 enum { NAME_SIZE = 256, PATH_SIZE = 4096, GRID_SIZE = 128 };
 #define HONEYBEE "results"
 
-/* State of one writer of files. */
+/* State for writing the files. */
 struct writing {
     const struct orl_annual_told *told;
     struct orl_annual_plans *plans;

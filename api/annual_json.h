@@ -12,10 +12,10 @@
  *      "occupancy": {"from": 8, "to": 18, "days": ["mon", ...], "first_day": "sun"}
  *                   or {"file": "occupancy.csv"} (oriel/annual_metrics.h),
  *      "metrics": ["DA300", "UDI100-3000", ...], "targets": ["sDA300/50 >= 55 %", ...],
- *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths a sensor), "seed": 0,
+ *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths per sensor), "seed": 0,
  *      "sun_halvings": 0 (to 2: how often the distance between the sun's nodes is halved),
- *      "technique": "paths" or "precomputed", "photons": 300000 (by default as the scene has it),
- *      "median_diffuse": 14200 (lx outside, for daylight factors; by default of the weather),
+ *      "technique": "paths" or "precomputed", "photons": 300000 (by default chosen for the scene),
+ *      "median_diffuse": 14200 (lx outside, for daylight factors; by default from the weather),
  *      "exposure": {...} (annual_exposure.h), "view_out": {...} (annual_view_out.h),
  *      "glare": {...} (annual_glare.h),
  *      "accuracy": {"verdict": "sDA300/50 >= 55 %"} (more paths for
@@ -26,13 +26,13 @@
  * result.json:
  *     {"kind": "annual", "state", "title", "location": {"latitude", "longitude", "time_zone"},
  *      "hours": {"occupied", "daylight", "year", "missing", "doubtful", "sun_up"},
- *      "median_diffuse" (lx: as given, or of the weather),
+ *      "median_diffuse" (lx: as given, or from the weather),
  *      "grids": [{"name", "sensors", "figures": [{"name", "unit", "value", "interval_95", "open"
  *      (undecided sensors)}]}], "all": {likewise} (for several grids together),
  *      "verdicts": [{"rule", "clause" (null: the job's own target), "target", "grid" (null: all),
- *      "unit", "value", "interval_95", "open", "verdict", "note" (why it is undecided; null: its
- *      interval, or it is decided), "hours" (behind the figure; null: a daylight factor)}],
- *      "rules": [{"rule", "grid", "verdict", "note"}] (all targets of each),
+ *      "unit", "value", "interval_95", "open", "verdict", "note" (why undecided; null: by its
+ *      interval, or decided), "hours" (behind the figure; null: a daylight factor)}],
+ *      "rules": [{"rule", "grid", "verdict", "note"}] (over all targets of each),
  *      "accuracy": null or {"target", "value", "interval_95", "verdict", "settled", "rounds",
  *      "refined_sensors", "most_samples", "sun_halvings"} (oriel/annual_report.h),
  *      "shades": null or the states of window groups (annual_shades.h),
@@ -41,7 +41,7 @@
  *      "glare": null or glare at seats (annual_glare.h),
  *      "files": [...] (names below the result's folder), "provenance": {"version", "seed",
  *      "samples", "inputs": [{"name", "bytes", "sha256"}], "settings": {...},
- *      "document": the year's, by which `oriel verify` repeats it},
+ *      "document": from which `oriel verify` repeats the year},
  *      "reuse": null or {"suns", "map", "paths", "sun": {"found", "topped_up", "made"},
  *      "rays_saved"} (from earlier jobs' results: oriel/annual.h), "rays" (of this run's paths),
  *      "timings_s", "threads", "warnings"}

@@ -205,7 +205,8 @@ static json_t *provenance_to_json(const struct orl_annual_job *job,
         "document", document_to_json(job));
 }
 
-/* Reports how many rays earlier jobs' results saved; json null if no reuse was asked for. */
+/* Encodes the reuse of earlier jobs' results: what was found and what had to be made; json null
+ * if no reuse was asked for. */
 static json_t *reuse_to_json(const struct orl_annual_result *result)
 {
     json_t *reuse = result->reuse.asked ? json_object() : json_null();
@@ -224,7 +225,7 @@ static json_t *reuse_to_json(const struct orl_annual_result *result)
     return NULL;
 }
 
-/* ---- The whole ------------------------------------------------------------------------------- */
+/* ---- result.json ----------------------------------------------------------------------------- */
 
 static json_t *timings_to_json(const struct orl_annual_result *result)
 {

@@ -16,7 +16,7 @@
  * By default, a control closes the group to its second state. In result.json:
  *
  *     "shades": null or {"runs", "summed" (the groups' light was added), "groups": [{"name", "by",
- * "states": [{"name", "hours" (with light in the weather file), "occupied_hours" (of those)}]}]}
+ *     "states": [{"name", "hours" (with light in the weather file), "occupied_hours"}]}]}
  */
 #ifndef ORL_API_ANNUAL_SHADES_H
 #define ORL_API_ANNUAL_SHADES_H

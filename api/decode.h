@@ -2,8 +2,8 @@
  * Decodes JSON values into typed ones, with errors that name the JSON path. members.h decodes
  * objects.
  *
- * Every function takes the value (NULL when the member is absent), the path it was found at
- * ("views[2].width") for messages, and returns 0 or a negative orl_err with err filled in:
+ * Every function takes the value (NULL if the member is absent) and its path, such as
+ * "views[2].width", for messages. It returns 0 or a negative orl_err with err filled in;
  * orl_error.primitive is the path. Outputs are untouched on failure.
  */
 #ifndef ORL_API_DECODE_H

@@ -16,8 +16,8 @@
 
 #include "members.h"
 
-orl_json_decoder orl_glare_metrics_from_json;  /* sets bits of a uint32_t */
-orl_json_decoder orl_glare_settings_from_json; /* into a struct orl_glare_settings */
+orl_json_decoder orl_glare_metrics_from_json;  /* decoder; sets bits of a uint32_t */
+orl_json_decoder orl_glare_settings_from_json; /* decoder into a struct orl_glare_settings */
 
 /* Returns a new reference, or NULL when out of memory. metrics: bits of the metrics to report. */
 json_t *orl_glare_to_json(const struct orl_glare *glare, uint32_t metrics);

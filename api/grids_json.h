@@ -2,7 +2,7 @@
  * A job's sensors in grids:
  *
  *     "grids": [{"name": "desks", "sensors": {"file": "grid/desks.pts"} or [[x, y, z, dx, dy, dz],
- * ...]}]
+ *               ...]}]
  *
  * in place of "sensors". The result has "grids": [{"name", "first", "count", "res", "npy"}]: first
  * is an index in "sensors", res and npy are file names.

@@ -5,8 +5,8 @@
  *    files at the top, the files that its "scene" lists, provided that all exist;
  * 2. else the Radiance files (.rad) at the top that no other file's commands name
  *    (orl_scene_guess_main), in an order that defines modifiers before they are used, and otherwise
- *    sorted by name; also material files (.mat) beside them that define names which no main file
- *    defines (main_order.h).
+ *    sorted by name; also material files (.mat) beside them that define names used but not defined
+ *    in them (main_order.h).
  *
  * The top is the least deep folder with .rad files. If several are equally deep, none is chosen
  * and *ret_count is 0.

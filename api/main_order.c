@@ -11,7 +11,7 @@ enum { MOST_DEFINERS = 16, DEEPEST = 8 };
 struct word {
     const char *at;
     size_t size;
-    size_t file; /* index of the main or material file that is charged with it */
+    size_t file; /* index of the main or material file in which it was found */
 };
 
 struct words {

@@ -12,8 +12,9 @@
  *
  * A row names a member and the destination of its value, whose field gives the type. A row without
  * a destination allows a member that is read elsewhere. Other members are errors. Rows are decoded
- * in order. An absent member leaves its destination unchanged, or is an error if required. After a
- * failure destinations may be partly filled in; the caller owns them.
+ * in order. An absent member leaves its destination unchanged, or is an error if required. A value
+ * of a wrong type is an error. After a failure destinations may be partly filled in; the caller
+ * owns them.
  *
  * Errors as in decode.h.
  */

@@ -16,15 +16,15 @@
 
 #include "members.h"
 
-orl_json_decoder orl_formats_from_json; /* into a uint32_t, as bits */
-orl_json_decoder orl_display_from_json; /* into a struct orl_display of zeros */
+orl_json_decoder orl_formats_from_json; /* decoder; sets bits of a uint32_t */
+orl_json_decoder orl_display_from_json; /* decoder into a struct orl_display of zeros */
 /* Decoder into a struct orl_view_request that has its size. The request owns the points, also
  * after a failure. */
 orl_json_decoder orl_false_color_from_json;
 
 /* Decoder into a double: a number, or "auto", which leaves it unchanged. Heat maps use it too. */
 orl_json_decoder orl_scale_from_json;
-orl_json_decoder orl_palette_from_json; /* into an enum orl_palette */
+orl_json_decoder orl_palette_from_json; /* decoder into an enum orl_palette */
 /* Decoder into a char[ORL_PICTURE_LABEL_MAX]: a label of characters that the drawing font has. */
 orl_json_decoder orl_label_from_json;
 

@@ -48,7 +48,7 @@ int orl_wishes_from_json(const json_t *effects, const char *path, void *into, st
     return rc;
 }
 
-/* NULL if there is no bound. */
+/* Returns NULL if there is no bound. */
 static const char *unit_name(enum orl_bound_unit unit)
 {
     return unit == ORL_BOUND_LX ? "lx" : unit == ORL_BOUND_RELATIVE ? "relative" : NULL;

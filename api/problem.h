@@ -2,8 +2,8 @@
  * Errors as RFC 9457 problem documents (application/problem+json).
  *
  *     {"type": "urn:oriel:error:syntax", "title": "The text does not parse", "status": 400,
- *      "detail": "...", "file": "room.rad", "line": 12, "primitive": "polygon floor", "hint":
- * "..."}
+ *      "detail": "...", "file": "room.rad", "line": 12, "primitive": "polygon floor",
+ *      "hint": "..."}
  *
  * The last four appear only if known. One table, in problem.c, maps orl_err to an HTTP status.
  * Functions return new references, owned by the caller, or NULL when out of memory.

@@ -2,8 +2,8 @@
  * Reads a file of Radiance's rad (.rif) as a project: {"files": [materials, illum, then scene, in
  * file order], "grids": [], "views": [{"name", "view" or "file", "width", "height",
  * "pixel_aspect"}], "states": {}, "skies": [], "left_out": [{"file", "why"}], "commands":
- * [{"name", "text"}]}, as in honeybee/project.h. Commands in quotes become scene files with these
- * names, which the caller writes.
+ * [{"name", "text"}]}, as in honeybee/project.h. Commands in quotes become scene files: "commands"
+ * has their names and texts, for the caller to write.
  *
  * Lines are "NAME= value"; '#' begins a comment, and a backslash at the end continues the line.
  * Names may be abbreviated to three letters, in either case. "objects" is listed as left out: rad

@@ -4,8 +4,9 @@
  *
  *     [{"name": "noon", "weather": {...}}, {"cie": {...}}, ...]
  *
- * or as a sequence of hours: a sky model that depends on time, without month, day and hour, and
- * the first and last (included) moment and the step in hours, in a year of 365 days:
+ * or as a sequence of hours in a year of 365 days. It has a sky model that depends on time,
+ * without month, day and hour. It also has the first and the last moment (inclusive) and the step
+ * in hours:
  *
  *     {"weather": {"file": "place.epw"}, "from": {"month": 3, "day": 22, "hour": 0.5},
  *      "to": {"month": 3, "day": 22, "hour": 23.5}, "step_h": 1}

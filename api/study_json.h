@@ -16,12 +16,16 @@
  * study.json:
  *     {"kind": "study", "title", "note", "threads", "rays_per_s", "measured": "sensors" or "views",
  *      "reference": {"samples", "runs", "seconds", "values", "left_out", "standard_error",
- * "worst"}, "points": [{"technique", "photons", "samples" (null: not used), "seeds", "seconds":
- * {"load", ..., "render", "total", "total_error"}, "rms", "rms_error", "bias", "bias_error",
- * "noise", "p95", "peak", "map_bytes", "reference_shows", "on_front"}], "fits": [{"technique",
- * "points", "terms": {"kernel": {"value", "error"}, ...}, "chi2", "residual"}], "given": [{"name",
- * "seconds", "rms", "rays_per_s", "here_s"}], "warnings": [...]}. Unknown numbers are null. Errors
- * are fractions. oriel/study.h defines the terms.
+ *                    "worst"},
+ *      "points": [{"technique", "photons", "samples" (null: not used), "seeds",
+ *                  "seconds": {"load", ..., "render", "total", "total_error"}, "rms", "rms_error",
+ *                  "bias", "bias_error", "noise", "p95", "peak", "map_bytes", "reference_shows",
+ *                  "on_front"}],
+ *      "fits": [{"technique", "points", "terms": {"kernel": {"value", "error"}, ...}, "chi2",
+ *                "residual"}],
+ *      "given": [{"name", "seconds", "rms", "rays_per_s", "here_s"}], "warnings": [...]}
+ *
+ * Unknown numbers are null. Errors are fractions. oriel/study.h defines the terms.
  *
  * Rules, ownership, threads and errors as in job_json.h.
  */

@@ -1,6 +1,6 @@
 /*
  * oriel plan JOB.json: prints what `oriel run` would simulate, and why, without rendering. It
- * prints a table and the estimated times of accuracies, or with --json the result's "plan",
+ * prints a table and the estimated time for each accuracy, or with --json the result's "plan",
  * "warnings" and "curve". A job of several skies has one plan per sky.
  */
 #include "command.h"

@@ -3,10 +3,11 @@
  * option parser they share (options.c).
  *
  * Exit codes: 0 done, 1 failed (the reason is on stderr), 2 the command line is invalid. For
- * verify, 2 also means that there is nothing to compare with. Standard output has results for
- * scripts (an id, a table, JSON); progress and errors go to stderr. Standard output is flushed at
- * the end of each line. So a log of both (`> log 2>&1`) has whole lines in the order in which they
- * were written.
+ * verify, 2 also means that there is nothing to compare with.
+ *
+ * Standard output has results for scripts (an id, a table, JSON); progress and errors go to stderr.
+ * Standard output is flushed at the end of each line. So a log of both (`> log 2>&1`) has whole
+ * lines in the order in which they were written.
  */
 #ifndef ORL_CLIENT_COMMAND_H
 #define ORL_CLIENT_COMMAND_H

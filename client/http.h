@@ -3,9 +3,9 @@
  * with sequential requests and JSON in both directions. Problem documents (RFC 9457) become struct
  * orl_error, so that a daemon's error reads like a local one.
  *
- * Ownership: orl_http_close frees what orl_http_open made; JSON values returned are new
- * references. Threads: one at a time. Errors: negative enum orl_err; ORL_ERR_IO if the daemon
- * cannot be reached.
+ * Ownership: orl_http_close frees what orl_http_open made; JSON values returned are new references.
+ * Threads: one at a time.
+ * Errors: negative enum orl_err; ORL_ERR_IO if the daemon cannot be reached.
  */
 #ifndef ORL_CLIENT_HTTP_H
 #define ORL_CLIENT_HTTP_H

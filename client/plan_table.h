@@ -15,7 +15,7 @@
  * out. */
 void orl_plan_print(FILE *to, const struct orl_plan *plan);
 
-/* Prints the estimated time for accuracies, one per line, or why it is unknown. */
+/* Prints the estimated time for each accuracy, one per line, or why it is unknown. */
 void orl_curve_print(FILE *to, const struct orl_curve *curve);
 
 /* Formats a plan in one line: "gather; 7 of 17 effects left out". */

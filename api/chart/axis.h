@@ -23,7 +23,8 @@ struct orl_axis {
 void orl_axis_init(struct orl_axis *axis, double low, double high, double from, double to,
                    double spacing);
 
-double orl_axis_at(const struct orl_axis *axis, double value); /* may lie beyond the ends */
+/* Returns the page coordinate of a value; it may lie beyond the ends. */
+double orl_axis_at(const struct orl_axis *axis, double value);
 
 /* Writes a tick's label, such as "0.05", "20", "10000" or "1e+05". */
 void orl_axis_format(double tick, char *ret_text, size_t size);

@@ -214,8 +214,8 @@ static size_t draw_lists(const struct orl_page_sheet *s, struct lists lists,
     return lists.own.n_left + lists.all.n_left;
 }
 
-/* Chooses how rules are listed. If there is no room for all targets, the rules of the grid are
- * listed without their targets, and if that does not suffice, those of all grids as well. */
+/* Chooses how rules are listed. If there is no room for all targets, the grid's rules are
+ * listed without their targets. If that does not suffice, so are those of all grids. */
 static struct lists choose_lists(const struct orl_page_sheet *s, const struct orl_page_column *left,
                                  const struct orl_page_column *right, double bottom)
 {

@@ -13,8 +13,9 @@
  *   own holes are cut likewise.
  * - Faces of a closed room are turned outwards (outward.h), and openings with their face. All other
  *   objects are oriented by their plane's normal, or else by the order of their corners.
- * - If two faces bound each other, the first one gets the apertures and doors of both. The second
- *   is offset inwards by twice the model's tolerance, so that each side shows its own modifier.
+ * - If two faces bound each other, their common apertures and doors are written with the first. The
+ *   second face is offset inwards by twice the model's tolerance, so that each side shows its own
+ *   modifier.
  * - Faces of type AirBoundary are not written: light passes.
  * - A modifier is the object's, else its room's set's, else the generic one (modifier_sets.h).
  *   Void is no surface. If several modifiers have one identifier, the last in the list counts; a

@@ -3,10 +3,10 @@
  * when it reads a model, and so does this code. The orientation matters because the second of two
  * adjacent faces is offset inwards, and because BSDFs have a front.
  *
- * A face is inward if the line through it along its normal intersects an odd number of the room's
- * other faces in front of it, and an even number behind. If both are odd or both even, the room
- * has a gap there and the face is left as it is. Rooms with more than 256 faces are left as they
- * are, because time is proportional to faces times corners.
+ * The test follows the line through a face along its normal. The face is inward if the line meets
+ * an odd number of the room's other faces in front of it, and an even number behind. If both are
+ * odd or both even, the room has a gap there and the face is left as it is. Rooms with more than
+ * 256 faces are left as they are, because time is proportional to faces times corners.
  */
 #ifndef ORL_API_HONEYBEE_OUTWARD_H
 #define ORL_API_HONEYBEE_OUTWARD_H

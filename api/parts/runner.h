@@ -47,7 +47,7 @@ enum orl_part_end { ORL_PART_ENDED, ORL_PART_OUT_OF_TIME, ORL_PART_OUT_OF_MEMORY
 
 struct orl_runner {
     void *ctx;
-    double settle_s; /* seconds until the files of an ended part are visible, at most */
+    double settle_s; /* longest time until the files of an ended part are visible, seconds */
     /* Starts parts of a wave; their numbers are below n_all. */
     int (*start)(void *ctx, const char *wave, const struct orl_part_order *orders, size_t n,
                  size_t n_all, struct orl_error *err);

@@ -7,9 +7,9 @@
  * parts of about equal work. The division depends only on the job and the number of parts. A part
  * that is lost or fails is tried three times; then the job ends with that part's error. A part
  * that exceeds Slurm's limit of time or memory is restarted with twice as much, at most five
- * times, which do not count as tries (limits.h). A stopped run leaves the folder. The next run of
- * the same job, by the same version, reuses its pieces and waits for its parts that are still
- * active.
+ * times. These restarts do not count as tries (limits.h). A stopped run leaves the folder. The
+ * next run of the same job, by the same version, reuses its pieces and waits for its parts that
+ * are still active.
  */
 #ifndef ORL_PARTS_SHARING_H
 #define ORL_PARTS_SHARING_H

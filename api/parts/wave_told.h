@@ -15,7 +15,7 @@ struct orl_part {
     enum orl_part_state state;
     struct orl_part_needs needs;
     struct orl_part_limits limits; /* requested limits */
-    double gone_s;                 /* time since when the runner has not had it; 0: it has */
+    double gone_s;                 /* time when the runner stopped listing it; 0: it is listed */
     double runs_s;                 /* start time; 0: not running */
     double held_s;                 /* time until which it is held back; 0: not held */
 };
