@@ -10,7 +10,7 @@
 #include "progress.h"
 #include "report.h"
 
-/* Formats the age in short from the daemon's time, "2026-11-22T05:01:02Z"; "-" if there is none. */
+/* Formats the age of a time such as "2026-11-22T05:01:02Z" as "3 h"; "-" if it is no such time. */
 static void format_age(const char *when, char *text, size_t size)
 {
     struct tm then = {0};

@@ -28,9 +28,8 @@
 /* Globals, because a signal handler can use nothing else. */
 static atomic_bool interrupted;
 
-/* Seconds after which an interrupted run that does not stop is killed; its files are still
- * whole or absent. A run with parts in other processes has no limit, because it cancels them
- * first. */
+/* Seconds after which an interrupted run is forced to exit; its files are still whole or
+ * absent. A run with parts in other processes has no limit, because it cancels them first. */
 enum { STOP_S = 5 };
 static atomic_bool has_parts;
 

@@ -88,7 +88,7 @@ int orl_local_make_bsdf(const struct orl_bsdf_make_request *request, const char 
                         uint32_t threads, const struct orl_local_share *share,
                         struct orl_bsdf_made *ret_made, struct orl_error *err);
 
-/* Converts a BSDF likewise. source: text that the file gives as its source. */
+/* Converts a BSDF likewise. source: description of the input, which the new XML states. */
 int orl_local_convert_bsdf(const struct orl_bsdf *bsdf, const char *source,
                            const struct orl_bsdf_make_request *to, uint32_t threads,
                            struct orl_bsdf_made *ret_made, struct orl_error *err);

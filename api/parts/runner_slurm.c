@@ -76,7 +76,7 @@ static int begin_wave(struct slurm *slurm, const char *wave, size_t n, struct or
     return slurm->parts ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* Returns the first line of text that is no warning, for messages. */
+/* Cuts the text after its first line and returns it, for messages. */
 static const char *first_line(char *text)
 {
     char *end = strchr(text, '\n');

@@ -101,7 +101,8 @@ int orl_sharing_abandon(const char *folder, double (*now_s)(void *ctx), struct o
     json_t *doc = NULL;
     int rc = 0;
 
-    /* Verified first: without its files, no task of the job can succeed. */
+    /* If verification fails, there is nothing to cancel: tasks cannot succeed without the job's
+     * files. */
     if (orl_shared_folder_verify(folder, job, &doc, NULL) == 0)
         while (rc == 0 && orl_wave_find(folder, wave)) {
             rc = orl_slurm_cancel(&spec, wave, err);
