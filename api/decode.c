@@ -23,11 +23,11 @@ int orl_json_fail(struct orl_error *err, int code, const char *path, const char 
     return code;
 }
 
-static _Thread_local const atomic_bool *heeded;
+static _Thread_local const atomic_bool *cancel_flag;
 
 void orl_json_heed(const atomic_bool *cancel)
 {
-    heeded = cancel;
+    cancel_flag = cancel;
 }
 
 static int fail_cancelled(struct orl_error *err)
@@ -37,7 +37,7 @@ static int fail_cancelled(struct orl_error *err)
 
 int orl_json_poll(struct orl_error *err)
 {
-    return orl_is_cancelled(heeded) ? fail_cancelled(err) : 0;
+    return orl_is_cancelled(cancel_flag) ? fail_cancelled(err) : 0;
 }
 
 int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret_doc,
@@ -56,7 +56,7 @@ int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret
     const size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     json_error_t where;
     json_t *doc =
-        orl_json_read_until(text + mark, size - mark, JSON_REJECT_DUPLICATES, heeded, &where);
+        orl_json_read_until(text + mark, size - mark, JSON_REJECT_DUPLICATES, cancel_flag, &where);
     if (doc) {
         *ret_doc = doc;
         return 0;
