@@ -4,7 +4,7 @@
 #include "members.h"
 #include "places_json.h"
 
-/* ---- The wish -------------------------------------------------------------------------------- */
+/* ---- Request --------------------------------------------------------------------------------- */
 
 int orl_annual_exposure_from_json(const json_t *value, const char *path, void *into,
                                   struct orl_error *err)
@@ -24,7 +24,7 @@ int orl_annual_exposure_from_json(const json_t *value, const char *path, void *i
     return rc ? rc : orl_places_name(wish->points, wish->n_points, err);
 }
 
-/* ---- What was found -------------------------------------------------------------------------- */
+/* ---- Result ---------------------------------------------------------------------------------- */
 
 json_t *orl_annual_exposure_to_json(const struct orl_exposure_wish *wish,
                                     const struct orl_annual_report *report)

@@ -1,14 +1,14 @@
 /*
- * Exposure to sunlight in a year's document, and in its result (oriel/sun_exposure.h has what it
- * means).
+ * Exposure to sunlight in a year's document and in its result. oriel/sun_exposure.h defines the
+ * terms.
  *
  *     "exposure": {"points": [{"name": "living room" (by default "point" and its number),
  *                              "at": [x, y, z]}, ...], "least_altitude": 0 (degrees)}
  *
- * result.json has
+ * In result.json:
  *
- *     "exposure": null or {"least_altitude", "points": [{"name", "hours", "month", "day" (with the
- *     most), "last_day_hours" (21 March, or September), "level": "none", "minimum", "medium" or
+ *     "exposure": null or {"least_altitude", "points": [{"name", "hours", "month", "day" (the
+ *     sunniest), "last_day_hours" (21 March or September), "level": "none", "minimum", "medium" or
  *     "high"}]}
  */
 #ifndef ORL_API_ANNUAL_EXPOSURE_H
@@ -18,11 +18,11 @@
 
 #include <oriel/annual_report.h>
 
-/* A decoder of members.h; into: a struct orl_exposure_wish. */
+/* Decoder (members.h) into a struct orl_exposure_wish. */
 int orl_annual_exposure_from_json(const json_t *value, const char *path, void *into,
                                   struct orl_error *err);
 
-/* A new reference, the caller's; NULL when out of memory. */
+/* Returns a new reference, owned by the caller, or NULL when out of memory. */
 json_t *orl_annual_exposure_to_json(const struct orl_exposure_wish *wish,
                                     const struct orl_annual_report *report);
 

@@ -12,14 +12,14 @@
 enum { NAME_SIZE = 256, PATH_SIZE = 4096, GRID_SIZE = 128 };
 #define HONEYBEE "results"
 
-/* What is written, and where. */
+/* State for writing the files. */
 struct writing {
     const struct orl_annual_told *told;
     struct orl_annual_plans *plans;
     json_t *names;
-    size_t count;           /* there will be */
-    atomic_size_t *n_begun; /* files, by all threads */
-    bool leads;             /* on the thread that tells progress */
+    size_t count;           /* expected number of files */
+    atomic_size_t *n_begun; /* number of files begun by all threads */
+    bool leads;             /* true on the thread that reports progress */
     struct orl_error *err;
 };
 
@@ -28,8 +28,8 @@ static const struct {
     const char *ending;
 } kinds[3] = {{ORL_CANVAS_SVG, "svg"}, {ORL_CANVAS_PNG, "png"}, {ORL_CANVAS_PDF, "pdf"}};
 
-/* Notes the name of a file that is about to be written. */
-static int note(void *ctx, const char *name, struct orl_error *err)
+/* Appends the name of a file that is about to be written, and reports progress. */
+static int note_file(void *ctx, const char *name, struct orl_error *err)
 {
     const struct writing *w = ctx;
     const struct orl_run_env *run = w->told->run;
@@ -46,7 +46,7 @@ static int note(void *ctx, const char *name, struct orl_error *err)
     return 0;
 }
 
-/* A file of the folder itself: its path. */
+/* Notes a file of the output folder and returns its path. */
 static int name_file(struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 static int name_file(struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
@@ -56,7 +56,7 @@ static int name_file(struct writing *w, char ret_path[PATH_SIZE], const char *fo
     va_start(args, format);
     vsnprintf(name, sizeof name, format, args);
     va_end(args);
-    const int rc = note(w, name, w->err);
+    const int rc = note_file(w, name, w->err);
     if (rc)
         return rc;
     const int length = snprintf(ret_path, PATH_SIZE, "%s/%s", w->told->run->output_folder, name);
@@ -90,7 +90,7 @@ static int write_tables(struct writing *w)
     return rc;
 }
 
-/* GRID.ill, GRID.direct.ill, and GRID.se.ill where errors are known. */
+/* Writes GRID.ill, GRID.direct.ill and, if errors are known, GRID.se.ill. */
 static int write_grid_matrices(struct writing *w, const struct orl_annual_grid *grid)
 {
     const struct orl_annual_result *result = w->told->result;
@@ -140,7 +140,7 @@ static int write_coefficients(struct writing *w)
     return rc;
 }
 
-/* A window's, or a window's and a grid's. */
+/* Writes the matrices of one window, and those of the window and each grid. */
 static int write_window(struct writing *w, const struct orl_phase_window *window)
 {
     const struct {
@@ -191,7 +191,7 @@ static int write_phases(struct writing *w)
     return rc;
 }
 
-/* Every metric of a grid over the plan. */
+/* Draws every metric of a grid over the plan. */
 static int write_plans(struct writing *w, size_t g, const char *grid)
 {
     int rc = 0;
@@ -210,7 +210,7 @@ static int write_plans(struct writing *w, size_t g, const char *grid)
     return rc;
 }
 
-/* A grid's year as carpets: mean illuminance, and the share of the area with 300 lx. */
+/* Draws a grid's year as carpets: mean illuminance, and share of the area with at least 300 lx. */
 static int write_years(struct writing *w, size_t g, const char *grid)
 {
     static const struct {
@@ -279,7 +279,7 @@ static int write_grid(struct writing *w, size_t g)
     return rc;
 }
 
-/* Grids are drawn by all threads of the crew, each with a list of names and an error of its own. */
+/* Per-thread state for drawing grids in parallel: a list of names and an error of its own. */
 struct drawing {
     struct writing writing;
     struct orl_error err;
@@ -323,12 +323,12 @@ static int write_pictures(struct writing *w)
     return rc;
 }
 
-/* Below a folder of its own. */
+/* Notes a file of the subfolder HONEYBEE. */
 static int note_honeybee(void *ctx, const char *name, struct orl_error *err)
 {
     char below[NAME_SIZE];
     snprintf(below, sizeof below, HONEYBEE "/%s", name);
-    return note(ctx, below, err);
+    return note_file(ctx, below, err);
 }
 
 static int write_honeybee(struct writing *w)
@@ -340,7 +340,7 @@ static int write_honeybee(struct writing *w)
                               w->told->run->cancel, w->err);
 }
 
-/* Roughly, for progress. */
+/* Estimates the number of files, for progress. */
 static size_t count_files(const struct orl_annual_told *told)
 {
     const struct orl_annual_formats *formats = &told->job->formats;

@@ -8,7 +8,7 @@
 
 enum { NAME_MAX_BYTES = 63 };
 
-/* ---- The wish -------------------------------------------------------------------------------- */
+/* ---- Request --------------------------------------------------------------------------------- */
 
 static int decode_seat(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
@@ -52,7 +52,7 @@ int orl_annual_glare_from_json(const json_t *value, const char *path, void *into
     return orl_json_members(value, path, members, err);
 }
 
-/* ---- What was found -------------------------------------------------------------------------- */
+/* ---- Result ---------------------------------------------------------------------------------- */
 
 static json_t *interval_of(const struct orl_annual_value *v)
 {

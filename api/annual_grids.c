@@ -12,7 +12,7 @@
 
 enum { NAME_MAX_BYTES = ORL_TARGET_GRID - 1 };
 
-/* A grid as it is written. */
+/* A grid of the document before its sensors are decoded. */
 struct grid_draft {
     const json_t *doc, *sensors;
     char *name;
@@ -41,7 +41,7 @@ static int decode_grid(const json_t *value, const char *path, void *into, struct
     return rc;
 }
 
-/* "model/grid/desks.pts" gives "desks". */
+/* Returns the file's name without folder and ending: "model/grid/desks.pts" gives "desks". */
 static char *name_after(const char *file)
 {
     const char *slash = strrchr(file, '/'), *from = slash ? slash + 1 : file;
@@ -50,7 +50,8 @@ static char *name_after(const char *file)
     return strndup(from, length < NAME_MAX_BYTES ? length : NAME_MAX_BYTES);
 }
 
-/* Smallest power of two that holds so many sensors: room doubles, for there may be many grids. */
+/* Returns the least power of two that is at least n_sensors. Capacity doubles because a document
+ * may have many grids. */
 static size_t room_for(size_t n_sensors)
 {
     size_t room = 1;
@@ -77,7 +78,7 @@ static int add_sensors(struct orl_annual_request *request, const struct orl_job 
     return 0;
 }
 
-/* Takes the name over, and what it needs of part. */
+/* Takes name, and the sensors file of part; copies part's sensors. */
 static int add_grid(struct orl_annual_job *job, char *name, struct orl_job *part,
                     struct orl_error *err)
 {
@@ -97,7 +98,7 @@ static int add_grid(struct orl_annual_job *job, char *name, struct orl_job *part
 
 /* ---- Names ----------------------------------------------------------------------------------- */
 
-/* What a grid's files are named by. */
+/* File name of a grid, for finding clashes. */
 struct file_name {
     char text[ORL_TARGET_GRID];
     const char *grid;
@@ -115,7 +116,8 @@ static int compare_files(const void *a, const void *b)
     return strcmp(((const struct file_name *)a)->text, ((const struct file_name *)b)->text);
 }
 
-/* NAME.direct.ill and NAME.se.ill are files of NAME. */
+/* Fails if a grid's file, such as NAME.direct.ill or NAME.se.ill, would also be a file of grid
+ * NAME. */
 static int check_ending(const struct file_name *names, size_t n, const char *ending,
                         struct orl_error *err)
 {
@@ -147,7 +149,7 @@ static int compare_neighbours(const struct file_name *names, size_t n, struct or
     return 0;
 }
 
-/* Each is a grid's own, and so are the files that are named by it. */
+/* Checks that the grids' names, and the file names made from them, are unique. */
 static int check_names(const struct orl_annual_request *request, struct orl_error *err)
 {
     const size_t n = request->n_grids;
@@ -177,7 +179,7 @@ struct making {
     char **scene_id;
 };
 
-/* Written, and decoded, as that of a job; so are sensors. */
+/* Decodes the scene into a temporary job, as a render job's scene is, and moves the result. */
 static int take_scene(const struct making *m, struct orl_error *err)
 {
     struct orl_annual_request *request = &m->job->request;
@@ -193,7 +195,7 @@ static int take_scene(const struct making *m, struct orl_error *err)
     return rc;
 }
 
-/* Takes the name over. */
+/* Takes name. */
 static int take_grid(const struct making *m, char *name, const json_t *sensors, const char *path,
                      struct orl_error *err)
 {
@@ -218,7 +220,7 @@ static int make_room(struct orl_annual_job *job, size_t grids, struct orl_error 
                : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* Areas are known of all grids, or of none. */
+/* Requires areas for all grids or for none. */
 static int take_areas(const struct grid_draft *drafts, size_t n, struct orl_annual_wishes *wishes,
                       struct orl_error *err)
 {

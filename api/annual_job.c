@@ -4,24 +4,24 @@
 
 #include "annual_files.h"
 
-/* A job on its way. */
+/* State of a running job. */
 struct running {
     struct orl_annual_job *job;
     const struct orl_annual_job_env *env;
     struct orl_annual_inputs inputs;
-    struct orl_files files; /* the run's, all of which is noted */
-    struct orl_run_env run; /* with these */
+    struct orl_files files; /* the run's files, wrapped so that every opened file is noted */
+    struct orl_run_env run; /* env's environment, with these files */
     struct orl_annual_result result;
     struct orl_annual_refinement refinement;
     struct orl_annual_report report;
-    struct orl_view_out *views; /* until the report has them */
+    struct orl_view_out *views; /* until moved into the report */
     size_t n_views;
     struct orl_annual_phases phases;
 };
 
 /* ---- The year -------------------------------------------------------------------------------- */
 
-/* What is wrong with the wishes is told before the work begins. */
+/* Checks the wishes against the loaded year before rendering begins. */
 static int on_begins(void *ctx, const struct orl_annual_result *result, struct orl_error *err)
 {
     const struct running *r = ctx;
@@ -41,7 +41,7 @@ static void on_done(void *ctx, const struct orl_annual_block *block)
         r->env->done(r->env->run->ctx, block);
 }
 
-/* Of the whole, the year's; seats take about as long as grids of that many places. */
+/* Returns the year's fraction of the job's time. A seat takes about as long as 128 sensors. */
 static double year_part(const struct orl_annual_job *job)
 {
     static const double sensors_a_seat = 128;
@@ -65,8 +65,8 @@ static int run_year(struct running *r, struct orl_error *err)
                                 &r->result, &r->refinement, err);
 }
 
-/* Ahead of the year: names that are wrong are told before the work begins. */
-static int see_out(struct running *r, struct orl_error *err)
+/* Evaluates view out before the year, so that wrong names fail before the long work begins. */
+static int evaluate_view_out(struct running *r, struct orl_error *err)
 {
     const struct orl_view_out_wish *wish = &r->job->wishes.view_out;
     if (!orl_view_out_is_wished(wish))
@@ -78,7 +78,7 @@ static int see_out(struct running *r, struct orl_error *err)
     return orl_view_out_find(wish, &r->job->request, &r->run, r->views, err);
 }
 
-/* Scenes that were found on the shelf were read, too. */
+/* Notes the scene files as inputs also when the scene came from the in-memory cache. */
 static int note_scene(struct running *r, struct orl_error *err)
 {
     int rc = 0;
@@ -87,9 +87,9 @@ static int note_scene(struct running *r, struct orl_error *err)
     return rc;
 }
 
-/* ---- What is told of it ---------------------------------------------------------------------- */
+/* ---- Report and files ------------------------------------------------------------------------ */
 
-static int dazzle(struct running *r, struct orl_error *err)
+static int evaluate_glare(struct running *r, struct orl_error *err)
 {
     struct orl_run_env run = r->run;
     run.part_from = year_part(r->job);
@@ -107,7 +107,7 @@ static int make_report(struct running *r, struct orl_error *err)
         rc = orl_annual_report_expose(&r->job->request, &r->result, &r->job->wishes, run,
                                       &r->report, err);
     if (rc == 0)
-        rc = dazzle(r, err);
+        rc = evaluate_glare(r, err);
     if (rc == 0 && r->views) {
         rc = orl_annual_report_view(&r->job->wishes, r->views, r->n_views, &r->report, err);
         r->views = NULL;
@@ -117,7 +117,7 @@ static int make_report(struct running *r, struct orl_error *err)
                                        run->ctx, err);
 }
 
-static int tell(struct running *r, struct orl_error *err)
+static int write_and_report(struct running *r, struct orl_error *err)
 {
     const struct orl_annual_told told = {r->job, &r->run, &r->result, &r->report,
                                          r->job->formats.phases ? &r->phases : NULL};
@@ -147,7 +147,7 @@ int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_e
     if (rc == 0)
         rc = orl_annual_validate(&job->request, err);
     if (rc == 0)
-        rc = see_out(&r, err);
+        rc = evaluate_view_out(&r, err);
     if (rc == 0 && job->formats.phases)
         rc = orl_annual_phases_find(&job->request, &r.run, &r.phases, err);
     if (rc == 0)
@@ -157,7 +157,7 @@ int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_e
     if (rc == 0)
         rc = make_report(&r, err);
     if (rc == 0)
-        rc = tell(&r, err);
+        rc = write_and_report(&r, err);
     free(r.views);
     orl_annual_phases_done(&r.phases);
     orl_annual_report_done(&r.report);

@@ -15,7 +15,7 @@ enum {
     TITLE_MAX = 90,
     FILE_MAX_BYTES = 1024,
     LIST_MAX = 256,
-    FIRST_ROUND = 256 /* paths, where accuracy is asked for */
+    FIRST_ROUND = 256 /* paths per sensor in the first round of a job with "accuracy" */
 };
 
 void orl_annual_job_done(struct orl_annual_job *job)
@@ -75,10 +75,9 @@ static int decode_occupancy(const json_t *value, const char *path, void *into,
     return rc;
 }
 
-/* ---- Metrics, targets, rules ------------------------------------------------------------------
- */
+/* ---- Metrics, targets, rules ----------------------------------------------------------------- */
 
-/* A text, and what its parser makes of it. */
+/* Decodes a string and parses it with parse. */
 static int decode_words(const json_t *value, const char *path,
                         int (*parse)(const char *text, void *into, struct orl_error *err),
                         void *into, struct orl_error *err)
@@ -117,7 +116,7 @@ static int decode_target(const json_t *value, const char *path, void *into, stru
     return decode_words(value, path, parse_target, into, err);
 }
 
-/* A name stands for all rules it begins. */
+/* Adds all rules whose name begins with text. */
 static int add_rules(const char *text, void *into, struct orl_error *err)
 {
     struct orl_annual_wishes *wishes = into;
@@ -147,7 +146,8 @@ static int decode_rules(const json_t *value, const char *path, void *into, struc
     return orl_json_each(value, path, LIST_MAX / 8, decode_rule, into, err);
 }
 
-/* A metric is told once, and its files have its name. */
+/* Fails if two metrics have one name, because a metric is reported once and its files are named by
+ * it. */
 static int check_metrics(const struct orl_annual_wishes *wishes, const char *path,
                          struct orl_error *err)
 {
@@ -212,7 +212,7 @@ static int decode_formats(const json_t *value, const char *path, void *into, str
 static const char *const sun_methods[] = {"accurate", "radiance", NULL};
 static const char *const techniques[] = {"paths", "precomputed", NULL};
 
-/* What goes by paths alone. */
+/* Refuses settings that only path tracing supports. */
 static int check_precomputed(const struct orl_annual_job *job, struct orl_error *err)
 {
     if (job->request.technique != ORL_ANNUAL_PRECOMPUTED)
@@ -241,7 +241,7 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
     const struct orl_json_member members[] = {
         {.name = "kind"},
         {"title", .text = &job->title, .longest = TITLE_MAX},
-        {.name = "scene"}, /* and grids or sensors: read behind the rest */
+        {.name = "scene"}, /* scene, grids and sensors are decoded after the rest */
         {.name = "grids"},
         {.name = "sensors"},
         {"weather", .text = &request->weather_file, .longest = FILE_MAX_BYTES, .required = true},
@@ -290,8 +290,8 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
     return rc;
 }
 
-static int decode(const json_t *doc, enum orl_job_origin origin, struct orl_annual_job *job,
-                  char **ret_scene_id, struct orl_error *err)
+static int decode_document(const json_t *doc, enum orl_job_origin origin,
+                           struct orl_annual_job *job, char **ret_scene_id, struct orl_error *err)
 {
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     if (json_is_object(doc) && (!kind || strcmp(kind, "annual") != 0))
@@ -300,7 +300,7 @@ static int decode(const json_t *doc, enum orl_job_origin origin, struct orl_annu
     return rc ? rc : orl_annual_grids_from_json(doc, origin, job, ret_scene_id, err);
 }
 
-/* But for what is the queue's business alone. */
+/* Keeps a copy of the document without the members for the queue. */
 static int keep_document(const json_t *doc, struct orl_annual_job *job, struct orl_error *err)
 {
     static const char *const not_kept[] = {"priority", "name", "tags"};
@@ -330,7 +330,7 @@ int orl_annual_job_from_json(const json_t *doc, enum orl_job_origin origin,
     if (rc)
         orl_error_set(err, rc, "out of memory");
     else
-        rc = decode(doc, origin, &job, &scene_id, err);
+        rc = decode_document(doc, origin, &job, &scene_id, err);
     if (rc == 0)
         rc = keep_document(doc, &job, err);
     if (rc) {

@@ -1,5 +1,5 @@
 /*
- * A year's document (JSON) -> struct orl_annual_job, and what was found -> result.json.
+ * A year's document (JSON) -> struct orl_annual_job, and its results -> result.json.
  *
  *     {"kind": "annual", "title": "The office" (optional),
  *      "scene": as in a job (job_json.h), without a sky of its own,
@@ -12,40 +12,40 @@
  *      "occupancy": {"from": 8, "to": 18, "days": ["mon", ...], "first_day": "sun"}
  *                   or {"file": "occupancy.csv"} (oriel/annual_metrics.h),
  *      "metrics": ["DA300", "UDI100-3000", ...], "targets": ["sDA300/50 >= 55 %", ...],
- *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths a sensor), "seed": 0,
+ *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths per sensor), "seed": 0,
  *      "sun_halvings": 0 (to 2: how often the distance between the sun's nodes is halved),
- *      "technique": "paths" or "precomputed", "photons": 300000 (by default as the scene has it),
- *      "median_diffuse": 14200 (lx outside, for daylight factors; by default of the weather),
+ *      "technique": "paths" or "precomputed", "photons": 300000 (by default chosen for the scene),
+ *      "median_diffuse": 14200 (lx outside, for daylight factors; by default from the weather),
  *      "exposure": {...} (annual_exposure.h), "view_out": {...} (annual_view_out.h),
  *      "glare": {...} (annual_glare.h),
- *      "accuracy": {"verdict": "sDA300/50 >= 55 %"} (more paths for those sensors that leave it
- * open; "samples" are those of the first round then, 256 when left out),
+ *      "accuracy": {"verdict": "sDA300/50 >= 55 %"} (more paths for
+ *      sensors that leave the verdict open; "samples" then is for the first round, by default 256),
  *      "formats": ["honeybee", "ill", "coefficients", "phases"] (files beside the usual ones),
  *      "priority": 5 (read by task_json.h)}
  *
  * result.json:
  *     {"kind": "annual", "state", "title", "location": {"latitude", "longitude", "time_zone"},
  *      "hours": {"occupied", "daylight", "year", "missing", "doubtful", "sun_up"},
- *      "median_diffuse" (lx: as given, or of the weather),
+ *      "median_diffuse" (lx: as given, or from the weather),
  *      "grids": [{"name", "sensors", "figures": [{"name", "unit", "value", "interval_95", "open"
- *      (sensors whose side is open)}]}], "all": {the same} (of several grids together),
+ *      (undecided sensors)}]}], "all": {likewise} (for several grids together),
  *      "verdicts": [{"rule", "clause" (null: the job's own target), "target", "grid" (null: all),
- *      "unit", "value", "interval_95", "open", "verdict", "note" (why it is undecided; null: by its
- *      interval, or it is not), "hours" (that the figure is of; null: a daylight factor)}],
- *      "rules": [{"rule", "grid", "verdict", "note"}] (all targets of each),
+ *      "unit", "value", "interval_95", "open", "verdict", "note" (why undecided; null: by its
+ *      interval, or decided), "hours" (behind the figure; null: a daylight factor)}],
+ *      "rules": [{"rule", "grid", "verdict", "note"}] (over all targets of each),
  *      "accuracy": null or {"target", "value", "interval_95", "verdict", "settled", "rounds",
  *      "refined_sensors", "most_samples", "sun_halvings"} (oriel/annual_report.h),
- *      "shades": null or what states window groups were in (annual_shades.h),
- *      "exposure": null or for how long points at windows can see the sun (annual_exposure.h),
- *      "view_out": null or how far and wide places see out (annual_view_out.h),
- *      "glare": null or how seats are dazzled (annual_glare.h),
+ *      "shades": null or the states of window groups (annual_shades.h),
+ *      "exposure": null or hours of visible sun at points in windows (annual_exposure.h),
+ *      "view_out": null or distance and width of the view out (annual_view_out.h),
+ *      "glare": null or glare at seats (annual_glare.h),
  *      "files": [...] (names below the result's folder), "provenance": {"version", "seed",
  *      "samples", "inputs": [{"name", "bytes", "sha256"}], "settings": {...},
- *      "document": the year's, by which `oriel verify` repeats it},
+ *      "document": from which `oriel verify` repeats the year},
  *      "reuse": null or {"suns", "map", "paths", "sun": {"found", "topped_up", "made"},
- *      "rays_saved"} (of what earlier jobs left: oriel/annual.h), "rays" (of paths, in this run),
+ *      "rays_saved"} (from earlier jobs' results: oriel/annual.h), "rays" (of this run's paths),
  *      "timings_s", "threads", "warnings"}
- * Numbers that are not known are null.
+ * Unknown numbers are null.
  *
  * Rules, ownership, threads and errors as in job_json.h.
  */
@@ -58,21 +58,21 @@
 
 #include "job_json.h"
 
-/* Files of all hours: Honeybee's results folder; Radiance's matrices; daylight coefficients;
- * matrices of phases. */
+/* Hourly files: Honeybee's results folder, Radiance's matrices, daylight coefficients, and phase
+ * matrices. */
 struct orl_annual_formats {
     bool honeybee, matrices, coefficients, phases;
 };
 
-/* All of it owned; orl_annual_job_done frees it. */
+/* A decoded job; it owns all its members. orl_annual_job_done frees them. */
 struct orl_annual_job {
     char *title;
-    char *document; /* what it was decoded from, in a line */
+    char *document; /* the document it was decoded from, as one line of JSON */
     struct orl_annual_request
-        request; /* sensors of files are not read yet: orl_annual_grids_read */
+        request; /* sensors in files are not read yet: orl_annual_grids_read */
     struct orl_annual_wishes wishes;
-    char **grid_files; /* of each grid; NULL where its sensors are written out */
-    bool bare;         /* the document has sensors, which are its one grid */
+    char **grid_files; /* sensor file of each grid; NULL where the document lists the sensors */
+    bool bare;         /* true if the document has "sensors", which form its only grid */
     struct orl_annual_formats formats;
 };
 void orl_annual_job_done(struct orl_annual_job *job); /* NULL and zeros are fine */
@@ -82,14 +82,15 @@ int orl_annual_job_from_json(const json_t *doc, enum orl_job_origin origin,
                              struct orl_annual_job *ret_job, char **ret_scene_id,
                              struct orl_error *err);
 
-/* Checks it as far as that goes without the scene, weather and sensors of files. */
+/* Checks job as far as possible without the scene, the weather and the sensors in files. */
 int orl_annual_job_validate(const struct orl_annual_job *job, struct orl_error *err);
 
-/* How the accuracy stands, as result.json has it; null where none is asked for. A new reference, or
- * NULL when out of memory. */
+/* Returns the state of the accuracy refinement as in result.json, json null if no accuracy is
+ * asked for, or NULL when out of memory. A new reference. */
 json_t *orl_annual_refinement_to_json(const struct orl_annual_refinement *refinement);
 
-/* A new reference, the caller's; NULL when out of memory. files: an array of names, borrowed. */
+/* Returns a new reference, owned by the caller, or NULL when out of memory. files: an array of
+ * names, borrowed. */
 json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
                                   const struct orl_annual_result *result,
                                   const struct orl_annual_refinement *refinement,

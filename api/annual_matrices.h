@@ -1,6 +1,6 @@
 /*
- * Matrices of other programs in a year's document, in place of paths (oriel/annual_matrices.h has
- * what they mean).
+ * Matrices of other programs in a year's document, in place of path tracing.
+ * oriel/annual_matrices.h defines them.
  *
  *     "matrices": [{"grid": "desks" (by default all sensors),
  *                   "view": "v.mtx", "transmission": "blinds.xml" or "t.mtx", "daylight": "d.mtx",
@@ -14,7 +14,7 @@
 
 #include <oriel/annual.h>
 
-/* A decoder of members.h; into: a struct orl_annual_request. */
+/* Decoder (members.h) into a struct orl_annual_request. */
 int orl_annual_matrices_from_json(const json_t *value, const char *path, void *into,
                                   struct orl_error *err);
 

@@ -1,4 +1,4 @@
-/* What was found of a year, as result.json has it. */
+/* Encodes a year's report as result.json. */
 #include <string.h>
 
 #include <oriel/version.h>
@@ -10,7 +10,7 @@
 #include "annual_view_out.h"
 #include "encode.h"
 
-/* As in result_json.c: json_pack's "o" fails on NULL, so that one check covers all parts. */
+/* json_pack's "o" fails on NULL, so that one check covers all parts (as in result_json.c). */
 
 static json_t *text_or_null(const char *text)
 {
@@ -46,7 +46,7 @@ static json_t *figure_to_json(const struct orl_annual_figure *figure,
                      interval_to_json(&area->value), "open", (json_int_t)area->open);
 }
 
-/* place: a grid, or the one behind the last. */
+/* place: the index of a grid, or n_grids for all grids together. */
 static json_t *figures_to_json(const struct orl_annual_report *report, size_t place)
 {
     json_t *array = json_array();
@@ -75,7 +75,7 @@ static json_t *grid_name(const struct orl_annual_report *report, size_t grid)
     return text_or_null(grid == ORL_ALL_GRIDS ? NULL : report->grids[grid].name);
 }
 
-/* How many hours the figure is of; null of a daylight factor. */
+/* Returns the number of hours behind the figure; json null for a daylight factor. */
 static json_t *hours_of(const struct orl_annual_report *report, const struct orl_annual_verdict *v)
 {
     const struct orl_annual_metric *metric = &v->target.figure.metric;
@@ -103,8 +103,8 @@ static json_t *verdicts_to_json(const struct orl_annual_report *report)
     return array;
 }
 
-/* Whether an earlier verdict is of the same rule and grid. */
-static bool was_told(const struct orl_annual_verdict *verdicts, size_t i)
+/* Returns true if an earlier verdict has this rule and grid. */
+static bool is_repeated(const struct orl_annual_verdict *verdicts, size_t i)
 {
     for (size_t k = 0; k < i; k++)
         if (verdicts[k].rule == verdicts[i].rule && verdicts[k].grid == verdicts[i].grid)
@@ -119,7 +119,7 @@ static json_t *rules_to_json(const struct orl_annual_report *report)
     for (size_t i = 0; array && i < report->n_verdicts; i++) {
         enum orl_verdict all = ORL_VERDICT_PASS;
         const char *note = NULL;
-        if (!v[i].rule || was_told(v, i))
+        if (!v[i].rule || is_repeated(v, i))
             continue;
         for (size_t k = i; k < report->n_verdicts; k++)
             if (v[k].rule == v[i].rule && v[k].grid == v[i].grid) {
@@ -164,7 +164,7 @@ static json_t *occupancy_to_json(const struct orl_annual_wishes *wishes)
                      __builtin_popcount(use->days & 0x7f));
 }
 
-/* The year's own, of a scene by its files' names, and with the seed that it had. */
+/* Returns the year's document with the scene given by file names and with the seed used. */
 static json_t *document_to_json(const struct orl_annual_job *job)
 {
     json_t *document = json_loads(job->document, 0, NULL);
@@ -205,7 +205,8 @@ static json_t *provenance_to_json(const struct orl_annual_job *job,
         "document", document_to_json(job));
 }
 
-/* What came from what earlier jobs left, and what had to be made; null where none was asked. */
+/* Encodes the reuse of earlier jobs' results: what was found and what had to be made; json null
+ * if no reuse was asked for. */
 static json_t *reuse_to_json(const struct orl_annual_result *result)
 {
     json_t *reuse = result->reuse.asked ? json_object() : json_null();
@@ -224,7 +225,7 @@ static json_t *reuse_to_json(const struct orl_annual_result *result)
     return NULL;
 }
 
-/* ---- The whole ------------------------------------------------------------------------------- */
+/* ---- result.json ----------------------------------------------------------------------------- */
 
 static json_t *timings_to_json(const struct orl_annual_result *result)
 {

@@ -12,7 +12,7 @@
 #include "encode.h"
 #include "members.h"
 
-/* Names: Honeybee's identifiers have up to 100 characters, and states of groups more. */
+/* Honeybee's identifiers have up to 100 characters; names of group states may be longer. */
 enum { NAME_MAX_BYTES = 127, FILE_MAX_BYTES = 1024, ROWS_MAX = ORL_LIMIT_YEAR_ROWS };
 
 /* ---- States ---------------------------------------------------------------------------------- */
@@ -94,7 +94,7 @@ static int decode_months(const json_t *value, const char *path, void *into, stru
     return 0;
 }
 
-/* A rule as it is written. */
+/* A rule while it is decoded: the state is still a name. */
 struct draft {
     struct orl_shade_span span;
     char *state;

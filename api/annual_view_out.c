@@ -7,9 +7,9 @@
 #include "places_json.h"
 
 enum { WORD_MAX_BYTES = 1024 };
-static const double highest_eye = 10; /* m above a sensor */
+static const double highest_eye = 10; /* highest eye above a sensor, in metres */
 
-/* ---- The wish -------------------------------------------------------------------------------- */
+/* ---- Request --------------------------------------------------------------------------------- */
 
 static int decode_name(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
@@ -51,7 +51,7 @@ int orl_annual_view_out_from_json(const json_t *value, const char *path, void *i
     return rc ? rc : orl_places_name(wish->points, wish->n_points, err);
 }
 
-/* ---- What was found -------------------------------------------------------------------------- */
+/* ---- Result ---------------------------------------------------------------------------------- */
 
 static json_t *layers_to_json(unsigned layers)
 {

@@ -1,7 +1,7 @@
 /*
- * What two BSDFs differ by -> JSON: {"front": {"reflected": {"albedo": {"rms", "worst", "from":
+ * Differences of two BSDFs -> JSON: {"front": {"reflected": {"albedo": {"rms", "worst", "from":
  * {"theta_deg", "phi_deg"}}, "cone_2deg": {"worst", "from", "to"}, "moved": {"mean", "worst",
- * "from"}}, "transmitted": {...}}, "back": {...}}. Shares of the light that comes
+ * "from"}}, "transmitted": {...}}, "back": {...}}. Values are fractions of the incident light
  * (oriel/bsdf_convert.h).
  */
 #ifndef ORL_API_BSDF_COMPARE_JSON_H
@@ -11,7 +11,7 @@
 
 #include <oriel/bsdf_convert.h>
 
-/* A new reference, the caller's; NULL when out of memory. */
+/* Returns a new reference, owned by the caller, or NULL when out of memory. */
 json_t *orl_bsdf_comparison_to_json(const struct orl_bsdf_comparison *comparison);
 
 #endif

@@ -10,7 +10,7 @@
 
 enum { NAME_MAX_BYTES = 120 };
 
-/* ---- What is asked for ----------------------------------------------------------------------- */
+/* ---- Request --------------------------------------------------------------------------------- */
 
 struct draft {
     enum orl_job_origin origin;
@@ -18,7 +18,7 @@ struct draft {
     char *scene_id;
 };
 
-/* As a job's scene, whose files are then the request's. */
+/* Decodes the files as a job's scene and moves them into the request. */
 static int decode_files(const json_t *files, const char *path, void *into, struct orl_error *err)
 {
     struct draft *draft = into;
@@ -52,7 +52,7 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
     return orl_json_members(doc, "", members, err);
 }
 
-static int decode(const json_t *doc, struct draft *draft, struct orl_error *err)
+static int decode_document(const json_t *doc, struct draft *draft, struct orl_error *err)
 {
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     if (json_is_object(doc) && (!kind || strcmp(kind, "bsdf_fit") != 0))
@@ -71,7 +71,7 @@ int orl_bsdf_fit_from_json(const json_t *doc, enum orl_job_origin origin,
 {
     struct draft draft = {.origin = origin};
     orl_bsdf_fit_request_init(&draft.request);
-    const int rc = decode(doc, &draft, err);
+    const int rc = decode_document(doc, &draft, err);
     if (rc) {
         orl_bsdf_fit_request_done(&draft.request);
         free(draft.scene_id);
@@ -83,8 +83,9 @@ int orl_bsdf_fit_from_json(const json_t *doc, enum orl_job_origin origin,
     return 0;
 }
 
-/* ---- What was made ---------------------------------------------------------------------------
- * json_pack's "o" fails on NULL, so that one check covers all parts. */
+/* ---- Result ---------------------------------------------------------------------------------- */
+
+/* json_pack's "o" fails on NULL, so that one check covers all parts. */
 
 json_t *orl_bsdf_measurements_to_json(const struct orl_bsdf_measurements *m)
 {
@@ -170,9 +171,10 @@ json_t *orl_bsdf_fitted_to_json(const struct orl_bsdf_fit_request *request,
                      "color_left_out", (int)f->color_left_out);
 }
 
-/* ---- What is not as it should be ------------------------------------------------------------- */
+/* ---- Warnings -------------------------------------------------------------------------------- */
 
-/* A peak that was not looked at is not there; and what no sample does. */
+/* Warns of unmeasured directions that may hide a peak, and of a total more than three standard
+ * errors above 1. */
 static int warn_of_scan(json_t *list, const struct orl_bsdf_fitted_scan *s)
 {
     const char *from = s->front ? "inside" : "outside";

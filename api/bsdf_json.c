@@ -1,7 +1,7 @@
 #include "bsdf_json.h"
 
-/* "zero", "copy", or null. */
-static json_t *dummy(enum orl_bsdf_dummy kind)
+/* Returns "zero", "copy" or json null. */
+static json_t *dummy_to_json(enum orl_bsdf_dummy kind)
 {
     if (kind == ORL_BSDF_DUMMY_NONE)
         return json_null();
@@ -13,29 +13,28 @@ json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info)
     json_t *components = json_pack("{s:b, s:b, s:b, s:b}", "reflection_front", (int)info->has[1][0],
                                    "reflection_back", (int)info->has[0][0], "transmission_front",
                                    (int)info->has[1][1], "transmission_back", (int)info->has[0][1]);
-    /* A name that is not UTF-8 is left out rather than failing the whole. */
+    /* Names that are not UTF-8 become null, so that the rest is still returned. */
     json_t *name = json_string(info->name);
     return json_pack(
         "{s:o, s:s, s:i, s:I, s:I, s:o, s:{s:o, s:o}, s:{s:f, s:f}, s:f, s:b, s:b, s:I, s:I}",
         "name", name ? name : json_null(), "kind", info->kind, "resolution", info->resolution,
         "values", (json_int_t)info->values, "bytes", (json_int_t)info->bytes, "components",
-        components, "dummy", "transmission_front", dummy(info->dummy[1]), "transmission_back",
-        dummy(info->dummy[0]), "max_albedo", "front", info->max_albedo[1], "back",
-        info->max_albedo[0], "thickness_m", info->thickness_m, "colored", (int)info->colored,
-        "color_left_out", (int)info->color_left_out, "out_of_gamut", (json_int_t)info->out_of_gamut,
-        "clamped", (json_int_t)info->clamped);
+        components, "dummy", "transmission_front", dummy_to_json(info->dummy[1]),
+        "transmission_back", dummy_to_json(info->dummy[0]), "max_albedo", "front",
+        info->max_albedo[1], "back", info->max_albedo[0], "thickness_m", info->thickness_m,
+        "colored", (int)info->colored, "color_left_out", (int)info->color_left_out, "out_of_gamut",
+        (json_int_t)info->out_of_gamut, "clamped", (json_int_t)info->clamped);
 }
 
-/* ---- The check ---------------------------------------------------------------------------------
- */
+/* ---- The check ------------------------------------------------------------------------------- */
 
-/* {"front": one, "back": other}; takes both. */
-static json_t *both_sides(json_t *front, json_t *back)
+/* Returns {"front": front, "back": back}; takes both references. */
+static json_t *both_sides_to_json(json_t *front, json_t *back)
 {
     return json_pack("{s:o, s:o}", "front", front, "back", back);
 }
 
-static json_t *directions(const struct orl_bsdf_hemispherical *h)
+static json_t *directions_to_json(const struct orl_bsdf_hemispherical *h)
 {
     json_t *list = json_array();
     for (int i = 0; i < ORL_BSDF_CHECK_DIRECTIONS; i++)
@@ -45,16 +44,16 @@ static json_t *directions(const struct orl_bsdf_hemispherical *h)
     return list;
 }
 
-static json_t *extremes(const struct orl_bsdf_extremes *x)
+static json_t *extremes_to_json(const struct orl_bsdf_extremes *x)
 {
     return json_pack("{s:f, s:f, s:f, s:f, s:f}", "least", x->least, "mean", x->mean, "most",
                      x->most, "most_theta_deg", x->most_theta_deg, "most_phi_deg", x->most_phi_deg);
 }
 
-/* Of one component, which has a coarse maximum besides. */
-static json_t *component_extremes(const struct orl_bsdf_extremes *x)
+/* Extremes of one component, which has a coarse maximum besides. */
+static json_t *component_extremes_to_json(const struct orl_bsdf_extremes *x)
 {
-    json_t *json = extremes(x);
+    json_t *json = extremes_to_json(x);
     if (json) {
         json_object_set_new(json, "most_coarse", json_real(x->most_coarse));
         json_object_set_new(json, "even", json_real(x->even));
@@ -62,34 +61,35 @@ static json_t *component_extremes(const struct orl_bsdf_extremes *x)
     return json;
 }
 
-static json_t *side_extremes(const struct orl_bsdf_check *check, int front)
+static json_t *side_extremes_to_json(const struct orl_bsdf_check *check, int front)
 {
-    return json_pack("{s:o, s:o, s:o}", "reflected", component_extremes(&check->extremes[front][0]),
-                     "transmitted", component_extremes(&check->extremes[front][1]), "total",
-                     extremes(&check->total[front]));
+    return json_pack("{s:o, s:o, s:o}", "reflected",
+                     component_extremes_to_json(&check->extremes[front][0]), "transmitted",
+                     component_extremes_to_json(&check->extremes[front][1]), "total",
+                     extremes_to_json(&check->total[front]));
 }
 
-/* null where there was nothing to compare. */
-static json_t *share(double value)
+/* Returns json null if there was nothing to compare (value < 0). */
+static json_t *share_to_json(double value)
 {
     return value < 0 ? json_null() : json_real(value);
 }
 
-static json_t *peak(const struct orl_bsdf_peak *p)
+static json_t *peak_to_json(const struct orl_bsdf_peak *p)
 {
     return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "theta_deg", p->theta_deg, "phi_deg",
                      p->phi_deg, "cell_sr", p->cell_sr, "smear", p->smear, "share", p->share,
                      "straight", p->straight, "dgp_loss_max", p->dgp_loss);
 }
 
-static json_t *redirection(const struct orl_bsdf_redirection by_origin[2])
+static json_t *redirection_to_json(const struct orl_bsdf_redirection by_origin[2])
 {
     return json_pack("{s:{s:f, s:f}, s:{s:f, s:f}}", "from_above", "transmitted",
                      by_origin[1].transmitted, "upward", by_origin[1].upward, "from_below",
                      "transmitted", by_origin[0].transmitted, "upward", by_origin[0].upward);
 }
 
-static json_t *verdicts(const struct orl_bsdf_check *check)
+static json_t *verdicts_to_json(const struct orl_bsdf_check *check)
 {
     json_t *list = json_array();
     for (size_t i = 0; i < check->n_verdicts; i++)
@@ -103,13 +103,16 @@ json_t *orl_bsdf_check_to_json(const struct orl_bsdf_check *c)
 {
     json_t *check = json_pack(
         "{s:s, s:o, s:o, s:o, s:{s:o, s:o, s:o}, s:{s:o, s:o}, s:o}", "verdict",
-        orl_bsdf_level_name(c->worst), "verdicts", verdicts(c), "hemispherical",
-        both_sides(directions(c->directions[1]), directions(c->directions[0])), "extremes",
-        both_sides(side_extremes(c, 1), side_extremes(c, 0)), "irreciprocal", "reflection_front",
-        share(c->irreciprocal_reflection[1]), "reflection_back",
-        share(c->irreciprocal_reflection[0]), "transmission", share(c->irreciprocal_transmission),
-        "straight_through", "normal", peak(&c->normal), "strongest", peak(&c->strongest),
-        "redirection", both_sides(redirection(c->redirection[1]), redirection(c->redirection[0])));
+        orl_bsdf_level_name(c->worst), "verdicts", verdicts_to_json(c), "hemispherical",
+        both_sides_to_json(directions_to_json(c->directions[1]),
+                           directions_to_json(c->directions[0])),
+        "extremes", both_sides_to_json(side_extremes_to_json(c, 1), side_extremes_to_json(c, 0)),
+        "irreciprocal", "reflection_front", share_to_json(c->irreciprocal_reflection[1]),
+        "reflection_back", share_to_json(c->irreciprocal_reflection[0]), "transmission",
+        share_to_json(c->irreciprocal_transmission), "straight_through", "normal",
+        peak_to_json(&c->normal), "strongest", peak_to_json(&c->strongest), "redirection",
+        both_sides_to_json(redirection_to_json(c->redirection[1]),
+                           redirection_to_json(c->redirection[0])));
     json_t *json = orl_bsdf_info_to_json(&c->info);
     if (json_object_set_new(json, "check", check) == 0)
         return json;
@@ -117,10 +120,9 @@ json_t *orl_bsdf_check_to_json(const struct orl_bsdf_check *c)
     return NULL;
 }
 
-/* ---- Where light from one direction goes ------------------------------------------------------
- */
+/* ---- Distribution of light from one direction ------------------------------------------------ */
 
-static json_t *hemisphere(const double values[ORL_POLAR_THETAS][ORL_POLAR_PHIS])
+static json_t *hemisphere_to_json(const double values[ORL_POLAR_THETAS][ORL_POLAR_PHIS])
 {
     json_t *rows = json_array();
     int rc = rows ? 0 : -1;
@@ -143,5 +145,6 @@ json_t *orl_bsdf_polar_to_json(const struct orl_bsdf_polar *polar, bool front, d
     return json_pack("{s:s, s:f, s:f, s:f, s:f, s:f, s:o, s:o}", "from", front ? "front" : "back",
                      "theta_deg", theta_deg, "phi_deg", phi_deg, "reflected", polar->reflected,
                      "transmitted", polar->transmitted, "straight", polar->straight, "reflection",
-                     hemisphere(polar->values[0]), "transmission", hemisphere(polar->values[1]));
+                     hemisphere_to_json(polar->values[0]), "transmission",
+                     hemisphere_to_json(polar->values[1]));
 }

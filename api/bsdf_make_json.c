@@ -9,7 +9,7 @@
 
 enum { NAME_MAX_BYTES = 120 };
 
-/* ---- What is asked for ----------------------------------------------------------------------- */
+/* ---- Request --------------------------------------------------------------------------------- */
 
 struct draft {
     enum orl_job_origin origin;
@@ -17,7 +17,7 @@ struct draft {
     char *scene_id;
 };
 
-/* A job's, whose files are then the request's. */
+/* Decodes the scene as a job's and moves its files into the request. */
 static int decode_scene(const json_t *scene, const char *path, void *into, struct orl_error *err)
 {
     struct draft *draft = into;
@@ -91,7 +91,7 @@ int orl_bsdf_check_tree_members(const json_t *doc, enum orl_bsdf_basis basis, st
     return 0;
 }
 
-static int decode(const json_t *doc, struct draft *draft, struct orl_error *err)
+static int decode_document(const json_t *doc, struct draft *draft, struct orl_error *err)
 {
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     if (json_is_object(doc) && (!kind || strcmp(kind, "bsdf_make") != 0))
@@ -112,7 +112,7 @@ int orl_bsdf_make_from_json(const json_t *doc, enum orl_job_origin origin,
 {
     struct draft draft = {.origin = origin};
     orl_bsdf_make_request_init(&draft.request);
-    const int rc = decode(doc, &draft, err);
+    const int rc = decode_document(doc, &draft, err);
     if (rc) {
         orl_bsdf_make_request_done(&draft.request);
         free(draft.scene_id);
@@ -124,8 +124,9 @@ int orl_bsdf_make_from_json(const json_t *doc, enum orl_job_origin origin,
     return 0;
 }
 
-/* ---- What was made ---------------------------------------------------------------------------
- * json_pack's "o" fails on NULL, so that one check covers all parts. */
+/* ---- Result ---------------------------------------------------------------------------------- */
+
+/* json_pack's "o" fails on NULL, so that one check covers all parts. */
 
 static json_t *share_to_json(struct orl_bsdf_share share)
 {
@@ -193,7 +194,7 @@ json_t *orl_bsdf_made_to_json(const struct orl_bsdf_made *m)
                      "y", m->cell[2], m->cell[3], "z", m->depth[0], m->depth[1]);
 }
 
-/* Nothing is absorbed, reflected or scattered by chance. */
+/* Returns true if all light is transmitted and none reflected, up to rounding. */
 static bool is_air(const struct orl_bsdf_made *made)
 {
     const double rounding = 1e-9;

@@ -23,11 +23,11 @@ int orl_json_fail(struct orl_error *err, int code, const char *path, const char 
     return code;
 }
 
-static _Thread_local const atomic_bool *heeded;
+static _Thread_local const atomic_bool *cancel_flag;
 
 void orl_json_heed(const atomic_bool *cancel)
 {
-    heeded = cancel;
+    cancel_flag = cancel;
 }
 
 static int fail_cancelled(struct orl_error *err)
@@ -37,7 +37,7 @@ static int fail_cancelled(struct orl_error *err)
 
 int orl_json_poll(struct orl_error *err)
 {
-    return orl_is_cancelled(heeded) ? fail_cancelled(err) : 0;
+    return orl_is_cancelled(cancel_flag) ? fail_cancelled(err) : 0;
 }
 
 int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret_doc,
@@ -52,11 +52,11 @@ int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret
             err, ORL_ERR_LIMIT,
             "the document's values would take %llu MiB of memory; the limit is %lu",
             (unsigned long long)weight >> 20, ORL_LIMIT_JSON_MEMORY >> 20);
-    /* Editors and shells of Windows begin texts with a mark of their bytes' order. */
+    /* Editors and shells of Windows put a byte-order mark in front of a text. */
     const size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     json_error_t where;
     json_t *doc =
-        orl_json_read_until(text + mark, size - mark, JSON_REJECT_DUPLICATES, heeded, &where);
+        orl_json_read_until(text + mark, size - mark, JSON_REJECT_DUPLICATES, cancel_flag, &where);
     if (doc) {
         *ret_doc = doc;
         return 0;
@@ -97,7 +97,7 @@ int orl_json_array(const json_t *value, const char *path, size_t max, struct orl
 int orl_json_whole(const json_t *value, const char *path, uint64_t min, uint64_t max,
                    uint64_t *ret_value, struct orl_error *err)
 {
-    /* 2^53: above it a double no longer tells neighbours apart. */
+    /* 2^53: doubles above it do not represent every integer. */
     const double exact = 9007199254740992.0;
     uint64_t whole = 0;
     bool ok = false;

@@ -10,7 +10,7 @@
 
 json_t *orl_json_from_text(const char *text)
 {
-    json_t *string = json_string(text); /* which jansson refuses when it is not UTF-8 */
+    json_t *string = json_string(text); /* NULL if text is not UTF-8 */
     if (string)
         return string;
     char ascii[ORL_ERROR_TEXT_MAX];
@@ -26,14 +26,15 @@ json_t *orl_json_from_real(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-/* Once there was no memory, nothing more is taken: what is left out cannot be seen later. */
+/* Output buffer. After a failed allocation nothing more is appended, because a gap could not be
+ * detected later. */
 struct text {
     char *bytes;
     size_t length, room;
     bool failed;
 };
 
-static int append(const char *bytes, size_t size, void *ctx)
+static int append_text(const char *bytes, size_t size, void *ctx)
 {
     enum { FIRST = 256 };
     struct text *text = ctx;
@@ -56,7 +57,7 @@ static int append(const char *bytes, size_t size, void *ctx)
 char *orl_json_text(const json_t *value, size_t flags)
 {
     struct text text = {NULL, 0, 0, false};
-    if (value && json_dump_callback(value, append, &text, flags) == 0 && !text.failed)
+    if (value && json_dump_callback(value, append_text, &text, flags) == 0 && !text.failed)
         return text.bytes;
     free(text.bytes);
     return NULL;

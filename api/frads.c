@@ -14,7 +14,7 @@ struct reading {
     const char *name;
     json_t *sections;                            /* owned: values by section, then key */
     json_t *files, *views, *left_out, *commands; /* owned */
-    char *value, *spare;                         /* of VALUE_SIZE each */
+    char *value, *spare;                         /* buffers of VALUE_SIZE bytes each */
     struct orl_error *err;
 };
 
@@ -32,11 +32,11 @@ static int no_memory(const struct reading *r)
     return orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* ---- Sections ---------------------------------------------------------------------------------
- */
+/* ---- Sections -------------------------------------------------------------------------------- */
 
-/* Where a value stands, for errors: {"text", "line"}. */
-static int put(struct reading *r, const char *section, const char *key, const char *text, int line)
+/* Stores a value with its line number for errors: {"text", "line"}. */
+static int store_value(struct reading *r, const char *section, const char *key, const char *text,
+                       int line)
 {
     json_t *const values = json_object_get(r->sections, section);
     json_t *const value = json_pack("{s:s, s:i}", "text", text, "line", line);
@@ -45,7 +45,7 @@ static int put(struct reading *r, const char *section, const char *key, const ch
     return json_object_set_new(values, key, value) ? no_memory(r) : 0;
 }
 
-static void trim(char *text)
+static void trim_text(char *text)
 {
     const size_t front = strspn(text, " \t\r");
     size_t length = strlen(text + front);
@@ -54,13 +54,13 @@ static void trim(char *text)
         text[--length] = '\0';
 }
 
-static void lower(char *text)
+static void lower_case(char *text)
 {
     for (; *text; text++)
         *text = (char)tolower((unsigned char)*text);
 }
 
-/* Copies a line into ret_line, of VALUE_SIZE; false: it is too long. */
+/* Copies a line into ret_line, a buffer of VALUE_SIZE bytes. Returns false if it is too long. */
 static bool copy_line(struct orl_slice line, char *ret_line)
 {
     if (line.length >= VALUE_SIZE)
@@ -93,11 +93,11 @@ static int begin_section(struct reading *r, struct entry *at, char *line, int nu
                : 0;
 }
 
-/* "key = value", or what goes on with the one before. */
+/* Reads "key = value", or a continuation of the entry before. */
 static int read_entry(struct reading *r, struct entry *at, char *line, int number)
 {
     const bool goes_on = at->key[0] && (line[0] == ' ' || line[0] == '\t');
-    trim(line);
+    trim_text(line);
     if (line[0] == '\0' || line[0] == '#' || line[0] == ';')
         return 0;
     if (goes_on) {
@@ -107,7 +107,7 @@ static int read_entry(struct reading *r, struct entry *at, char *line, int numbe
                         "Name fewer files");
         r->value[before] = ' ';
         memcpy(r->value + before + 1, line, more + 1);
-        return put(r, at->section, at->key, r->value, at->line);
+        return store_value(r, at->section, at->key, r->value, at->line);
     }
     if (line[0] == '[')
         return begin_section(r, at, line, number);
@@ -117,12 +117,12 @@ static int read_entry(struct reading *r, struct entry *at, char *line, int numbe
                     "Lines are [Section], or key = value");
     *sign = '\0';
     snprintf(at->key, sizeof at->key, "%s", line);
-    trim(at->key);
-    lower(at->key);
+    trim_text(at->key);
+    lower_case(at->key);
     at->line = number;
     snprintf(r->value, VALUE_SIZE, "%s", sign + 1);
-    trim(r->value);
-    return put(r, at->section, at->key, r->value, number);
+    trim_text(r->value);
+    return store_value(r, at->section, at->key, r->value, number);
 }
 
 static int read_sections(struct reading *r, const char *text, size_t size)
@@ -139,8 +139,7 @@ static int read_sections(struct reading *r, const char *text, size_t size)
     return rc;
 }
 
-/* ---- Values -----------------------------------------------------------------------------------
- */
+/* ---- Values ---------------------------------------------------------------------------------- */
 
 static const json_t *value_of(const struct reading *r, const char *section, const char *key)
 {
@@ -152,8 +151,9 @@ static int line_of(const json_t *value)
     return (int)json_integer_value(json_object_get(value, "line"));
 }
 
-/* Appends the value to ret of VALUE_SIZE, others in place of their names. */
-static int expand(struct reading *r, const char *section, const json_t *value, int depth, char *ret)
+/* Appends the value to ret (VALUE_SIZE bytes), with references replaced by the values they name. */
+static int expand_value(struct reading *r, const char *section, const json_t *value, int depth,
+                        char *ret)
 {
     const char *text = json_string_value(json_object_get(value, "text"));
     const int line = line_of(value);
@@ -178,13 +178,13 @@ static int expand(struct reading *r, const char *section, const json_t *value, i
         char *const colon = strchr(names, ':'), *const key = colon ? colon + 1 : names;
         if (colon)
             *colon = '\0';
-        lower(key);
+        lower_case(key);
         const char *const in = colon ? names : section;
         const json_t *const other = value_of(r, in, key);
         if (!other)
             return fail(r, ORL_ERR_SYNTAX, line, "a value names one that there is not", key,
                         "Write ${key} or ${Section:key}");
-        const int rc = expand(r, in, other, depth + 1, ret);
+        const int rc = expand_value(r, in, other, depth + 1, ret);
         if (rc)
             return rc;
         text += length + 3;
@@ -192,7 +192,7 @@ static int expand(struct reading *r, const char *section, const json_t *value, i
     return 0;
 }
 
-/* The words of a value, as an array that is *ret_words; none where there is no such value. */
+/* Sets *ret_words to an array of the value's words, empty if there is no such value. */
 static int words_of(struct reading *r, const char *section, const char *key, json_t **ret_words)
 {
     static const char space[] = " \t\r\n";
@@ -202,7 +202,7 @@ static int words_of(struct reading *r, const char *section, const char *key, jso
     *ret_words = json_array();
     r->value[0] = '\0';
     if (value)
-        rc = expand(r, section, value, 0, r->value);
+        rc = expand_value(r, section, value, 0, r->value);
     while (rc == 0 && *(at += strspn(at, space))) {
         char *const end = at + strcspn(at, space);
         if (json_array_append_new(*ret_words, json_stringn(at, (size_t)(end - at))))
@@ -212,8 +212,7 @@ static int words_of(struct reading *r, const char *section, const char *key, jso
     return rc;
 }
 
-/* ---- What it is to a project ------------------------------------------------------------------
- */
+/* ---- Conversion to a project ----------------------------------------------------------------- */
 
 static int leave_out(struct reading *r, const char *section, const char *key, const char *why)
 {
@@ -240,7 +239,7 @@ static int add_files(struct reading *r, const char *key)
     return rc;
 }
 
-/* The window's surfaces of that BSDF, as a scene file of two lines. */
+/* Writes the window's surfaces with that BSDF as a scene file of two lines. */
 static int add_panel(struct reading *r, const char *window, const char *xml, size_t number)
 {
     char name[64];
@@ -290,7 +289,7 @@ static int side_of(const json_t *word)
     return side >= 1 && side <= MOST_SIDE ? (int)side : SIDE;
 }
 
-/* "-vf FILE -x N -y N", or options of a view. */
+/* Adds a view from "-vf FILE -x N -y N" or from view options. */
 static int add_view(struct reading *r, const char *key)
 {
     json_t *words, *word;

@@ -1,17 +1,18 @@
 /*
- * A configuration of frads (.cfg) as a project: {"files": [materials, windows, then scene, in their
- * order], "grids": [], "views": [{"name", "view" or "file", "width", "height"}], "states": {},
- * "skies": [], "left_out": [{"file", "why"}], "commands": [{"name", "text"}]}, as rif.h has it.
+ * Reads a frads configuration (.cfg) as a project: {"files": [materials, windows, then scene, in
+ * file order], "grids": [], "views": [{"name", "view" or "file", "width", "height"}], "states":
+ * {}, "skies": [], "left_out": [{"file", "why"}], "commands": [{"name", "text"}]}, as in rif.h.
  *
- * The file is as Python's configparser writes it: [Sections] of "key = value" (or ':'), lines that
- * go on where they are indented, comments from '#' or ';' at a line's start, and ${key} or
- * ${Section:key} for another value. Of [Model] "material", "windows", "scene" and "ncps" name scene
- * files; where "window_xmls" are given, as many as windows or one for all, windows are of those
- * BSDFs, up along z, by commands. Of [RaySender] "view..." are views, sized by -x and -y. What
- * frads itself lays over surfaces ("grid_surface"), weather ("epw_file", "epw_path", "wea_path")
- * and geometry of the matrices' own ("window_cfs") are left out, and listed.
+ * The format is that of Python's configparser: [Sections] of "key = value" (or ':'). Indented
+ * lines continue a value, '#' or ';' at a line's start begins a comment, and ${key} or
+ * ${Section:key} stands for another value. In [Model], "material", "windows", "scene" and "ncps"
+ * name scene files. "window_xmls", one per window or one for all, gives windows these BSDFs, with
+ * up along z, by commands. In [RaySender], "view..." are views, sized by -x and -y. Sensor grids
+ * made from surfaces ("grid_surface"), weather ("epw_file", "epw_path", "wea_path") and geometry
+ * of the matrices ("window_cfs") are left out and listed.
  *
- * Source: frads' documentation, "mrad". Bounds: 64 KiB a value, interpolated eight deep.
+ * Source: frads' documentation, "mrad". Bounds: 64 KiB per value, references nested at most eight
+ * deep.
  * Errors: ORL_ERR_SYNTAX, _LIMIT, with file and line; ORL_ERR_NOMEM.
  */
 #ifndef ORL_API_FRADS_H
@@ -22,7 +23,7 @@
 
 #include <oriel/error.h>
 
-/* *ret_project is a new reference. */
+/* Reads text as a project; *ret_project is a new reference. */
 int orl_frads_read(const char *name, const char *text, size_t size, json_t **ret_project,
                    struct orl_error *err);
 

@@ -4,7 +4,7 @@
 
 #include "encode.h"
 
-/* ---- What is asked for ----------------------------------------------------------------------- */
+/* ---- Request --------------------------------------------------------------------------------- */
 
 static int decode_metric(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
@@ -93,7 +93,7 @@ int orl_glare_settings_from_json(const json_t *value, const char *path, void *re
     return rc;
 }
 
-/* ---- What was found -------------------------------------------------------------------------- */
+/* ---- Result ---------------------------------------------------------------------------------- */
 
 static json_t *pair_to_json(double a, double b)
 {

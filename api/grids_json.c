@@ -10,10 +10,10 @@
 
 enum { NAME_MAX_BYTES = 200 };
 
-/* A grid as it is written. */
+/* A grid while it is decoded. */
 struct draft {
     char *name;
-    struct orl_job part; /* its sensors alone */
+    struct orl_job part; /* holds only the grid's sensors */
 };
 
 static int decode_sensors(const json_t *value, const char *path, void *into, struct orl_error *err)
@@ -35,7 +35,7 @@ static int decode_grid(const json_t *value, const char *path, void *into, struct
     return orl_json_members(value, path, members, err);
 }
 
-/* Takes names and files over; sensors are copied behind those that are there. */
+/* Moves names and files into job, and appends copies of the sensors to the job's. */
 static int take_drafts(struct draft *drafts, size_t n, struct orl_job *job, struct orl_error *err)
 {
     size_t sensors = job->n_sensors;

@@ -2,10 +2,10 @@
  * A job's sensors in grids:
  *
  *     "grids": [{"name": "desks", "sensors": {"file": "grid/desks.pts"} or [[x, y, z, dx, dy, dz],
- * ...]}]
+ *               ...]}]
  *
- * in place of "sensors", and what came of them in the result: "grids": [{"name", "first", "count",
- * "res", "npy"}], files by name, first among "sensors".
+ * in place of "sensors". The result has "grids": [{"name", "first", "count", "res", "npy"}]: first
+ * is an index in "sensors", res and npy are file names.
  */
 #ifndef ORL_API_GRIDS_JSON_H
 #define ORL_API_GRIDS_JSON_H
@@ -14,10 +14,10 @@
 
 #include <oriel/run.h>
 
-/* An orl_json_decoder into struct orl_job; what was read before an error stays there. */
+/* Decoder (members.h) into a struct orl_job; sensors and grids read before an error stay there. */
 int orl_grids_from_json(const json_t *value, const char *path, void *into, struct orl_error *err);
 
-/* A new reference; NULL: there are none, or no memory. */
+/* Returns a new reference, or NULL if there are no grids or no memory. */
 json_t *orl_grids_to_json(const struct orl_result *result);
 
 #endif

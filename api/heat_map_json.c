@@ -7,7 +7,7 @@
 
 #include "picture_json.h"
 
-/* ---- What is asked for ----------------------------------------------------------------------- */
+/* ---- Request --------------------------------------------------------------------------------- */
 
 static int decode_threshold(const json_t *value, const char *path, void *into,
                             struct orl_error *err)
@@ -26,7 +26,7 @@ static int decode_thresholds(const json_t *value, const char *path, void *reques
     return orl_json_each(value, path, ORL_HEAT_MAP_THRESHOLDS, decode_threshold, request, err);
 }
 
-/* The scene's unit of length. */
+/* Decodes the scene's unit of length. */
 static int decode_unit(const json_t *value, const char *path, void *ret_unit, struct orl_error *err)
 {
     char label[ORL_PICTURE_LABEL_MAX];
@@ -56,7 +56,7 @@ int orl_heat_map_from_json(const json_t *value, const char *path, void *into, st
     return orl_json_members(value, path, members, err);
 }
 
-/* ---- What came of it ------------------------------------------------------------------------- */
+/* ---- Result ---------------------------------------------------------------------------------- */
 
 json_t *orl_sensor_files_to_json(const struct orl_sensor_files *files)
 {

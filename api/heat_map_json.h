@@ -1,10 +1,10 @@
 /*
- * Maps and tables of sensors. A job's
+ * Maps and tables of sensors. A job has
  *
  *     "heat_map": {"scale", "decades", "divisions", "palette": as in picture_json.h,
  *                  "thresholds": [300], "length_unit": "m"}
  *
- * and a result's {"csv", "res", "maps": [{"png", "svg", "dat" of a full grid, "sensors"}]}.
+ * and a result has {"csv", "res", "maps": [{"png", "svg", "dat" (for a full grid), "sensors"}]}.
  */
 #ifndef ORL_API_HEAT_MAP_JSON_H
 #define ORL_API_HEAT_MAP_JSON_H
@@ -13,10 +13,10 @@
 
 #include "members.h"
 
-/* Into a struct orl_heat_map_request. */
+/* Decoder (members.h) into a struct orl_heat_map_request. */
 orl_json_decoder orl_heat_map_from_json;
 
-/* A new reference; NULL: there are none, or no memory. */
+/* Returns a new reference, or NULL if there are no files or no memory. */
 json_t *orl_sensor_files_to_json(const struct orl_sensor_files *files);
 
 #endif

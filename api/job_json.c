@@ -19,7 +19,7 @@
 
 enum { FILE_NAME_MAX_BYTES = 1024 };
 
-/* A job being decoded. */
+/* A job while it is decoded. */
 struct draft {
     enum orl_job_origin origin;
     struct orl_job job;
@@ -113,7 +113,7 @@ static int decode_technique(const json_t *value, const char *path, void *techniq
     return orl_technique_from_json(value, path, ORL_TECHNIQUE_AUTO, technique, err);
 }
 
-/* An error or a deadline; "at" beside either. */
+/* Decodes an error or a deadline, either with an optional "at". */
 static int decode_goal(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_goal *goal = into;
@@ -138,7 +138,7 @@ static int decode_goal(const json_t *value, const char *path, void *into, struct
     return ORL_ERR_INVALID;
 }
 
-/* What a goal chooses by itself. */
+/* Refuses settings that a goal chooses by itself. */
 static int refuse_settings(const json_t *doc, struct orl_error *err)
 {
     static const char *const chosen[] = {"photons", "gather_samples", "pixel_samples"};
@@ -168,7 +168,7 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
                                         .most = ORL_LIMIT_VIEWS,
                                         .each = orl_view_from_json};
     const struct orl_json_member members[] = {
-        {.name = "kind"}, /* is known before */
+        {.name = "kind"}, /* read before */
         {"scene", .decode = decode_scene, .into = draft, .required = true},
         {"technique", .decode = decode_technique, .into = &job->technique},
         {"effects", .decode = orl_wishes_from_json, .into = job->wishes},
@@ -182,7 +182,7 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
         {"grids", .decode = orl_grids_from_json, .into = job},
         {"views", .list = &views},
         {"accuracy", .decode = decode_goal, .into = &job->goal},
-        {.name = "priority"}, /* the daemon's: task_json.h */
+        {.name = "priority"}, /* for the daemon: task_json.h */
         {.name = "name"},
         {.name = "tags"},
         {"dark", .word = &dark, .words = on_dark},
@@ -194,7 +194,7 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
     return rc;
 }
 
-static int decode(const json_t *doc, struct draft *draft, struct orl_error *err)
+static int decode_document(const json_t *doc, struct draft *draft, struct orl_error *err)
 {
     const json_t *kind = json_object_get(doc, "kind");
     if (kind && !json_is_string(kind))
@@ -219,7 +219,7 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
 {
     struct draft draft = {.origin = origin};
     orl_job_init(&draft.job);
-    const int rc = decode(doc, &draft, err);
+    const int rc = decode_document(doc, &draft, err);
     if (rc) {
         orl_job_done(&draft.job);
         free(draft.scene_id);

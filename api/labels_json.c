@@ -16,9 +16,9 @@ void orl_labels_done(struct orl_labels *labels)
     *labels = (struct orl_labels){0};
 }
 
-/* Characters, or more than most: with a control character in it (those of C1 too, which terminals
- * heed), or one of the others. UTF-8 is jansson's to see to. */
-static size_t count(const char *text, const char *others, size_t most)
+/* Returns the number of characters, or most + 1 if text has a control character (including C1,
+ * which terminals interpret) or one of others. jansson has already checked the UTF-8. */
+static size_t count_characters(const char *text, const char *others, size_t most)
 {
     size_t characters = 0;
     for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
@@ -32,7 +32,7 @@ static size_t count(const char *text, const char *others, size_t most)
 
 static bool is_label(const char *text, const char *others, size_t most)
 {
-    const size_t characters = count(text, others, most);
+    const size_t characters = count_characters(text, others, most);
     return characters >= 1 && characters <= most;
 }
 
@@ -55,7 +55,7 @@ static int read_name(const json_t *value, char **ret_name, struct orl_error *err
         return 0;
     if (!name)
         return orl_json_wrong_type(value, "name", "a string", err);
-    /* A NUL inside would end it early. */
+    /* strdup would cut the name at a NUL inside. */
     if (strlen(name) != json_string_length(value) || !is_label(name, "", ORL_LABEL_NAME))
         return orl_json_fail(err, ORL_ERR_INVALID, "name",
                              "a name has 1 to %d characters, none of them control characters",

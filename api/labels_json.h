@@ -1,7 +1,7 @@
 /*
- * What a client calls its job by, of any kind: "name", 1 to 100 characters, and "tags", up to 16
- * different ones of 1 to 64. They say nothing of what is computed. No control characters; a tag has
- * no quotation mark, backslash or comma either, so that it stands in lists as it is.
+ * Labels that a client gives a job of any kind: "name", 1 to 100 characters, and "tags", up to 16
+ * different ones of 1 to 64 characters. They do not affect the computation. Neither has control
+ * characters. A tag has no quotation mark, backslash or comma, so that lists need no escapes.
  *
  * Rules and errors as in decode.h.
  */
@@ -22,12 +22,12 @@ struct orl_labels {
 
 void orl_labels_done(struct orl_labels *labels); /* NULL is fine */
 
-/* From the document of a job, the members "name" and "tags" of it. */
+/* Decodes "name" and "tags" of a job's document. */
 int orl_labels_from_json(const json_t *doc, struct orl_labels *ret_labels, struct orl_error *err);
 
-/* Is it a tag? Characters are those of UTF-8. */
+/* Returns true if text is a valid tag. Length is counted in UTF-8 characters. */
 bool orl_label_is_tag(const char *text);
-/* Is it one of those (of orl_labels; NULL: none)? */
+/* Returns true if tags (of struct orl_labels; NULL: none) contains tag. */
 bool orl_labels_have(const char *tags, const char *tag);
 
 #endif

@@ -22,7 +22,7 @@ static size_t folder_length(const char *name)
     return slash ? (size_t)(slash - name) + 1 : 0;
 }
 
-/* Of so many names the one that is a folder's and a name's; count: none. */
+/* Returns the index of the name made of folder and name, or count if there is none. */
 static size_t find_name(const char *const *names, size_t count, const char *folder, size_t length,
                         const char *name)
 {
@@ -33,7 +33,8 @@ static size_t find_name(const char *const *names, size_t count, const char *fold
     return i;
 }
 
-/* What a job document lists; 0: it is none, or does not have all of them here, once. */
+/* Resolves the scene files that a job document lists. Returns 0 if doc is no such document, or if
+ * a file is missing or listed twice. */
 static size_t read_document(const json_t *doc, const char *const *names, size_t count,
                             const char *folder, size_t length, size_t *ret_chosen)
 {
@@ -52,7 +53,8 @@ static size_t read_document(const json_t *doc, const char *const *names, size_t 
     return listed;
 }
 
-/* By the documents beside that file, the top's. *ret_count stays 0 where there is none. */
+/* Chooses the files by the job documents in the top folder, where the file top lies. *ret_count
+ * stays 0 if there is none. */
 static int choose_by_documents(const char *const *names, size_t count, const char *top,
                                const struct orl_files *files, size_t *ret_chosen, size_t *ret_count,
                                struct orl_error *err)

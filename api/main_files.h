@@ -1,15 +1,15 @@
 /*
- * Which files of a folder make its scene, when nobody says so, and in which order they are read:
+ * Guesses a folder's main scene files and the order in which to read them:
  *
- * 1. where a job document (.json, of kind render or else the first by name) lies beside the
- * Radiance files at the top, those that its "scene" lists, if all of them are there;
- * 2. else the Radiance files (.rad) at the top that no command of another names
- *    (orl_scene_guess_main), in an order that defines modifiers before they are used, and by name
- *    where that leaves it open; and the files of materials (.mat) beside them that define what
- *    else nobody does (main_order.h).
+ * 1. if a job document (.json, of kind render or else the first by name) lies beside the Radiance
+ *    files at the top, the files that its "scene" lists, provided that all exist;
+ * 2. else the Radiance files (.rad) at the top that no other file's commands name
+ *    (orl_scene_guess_main), in an order that defines modifiers before they are used, and otherwise
+ *    sorted by name; also material files (.mat) beside them that define names used but not defined
+ *    in them (main_order.h).
  *
- * The top is the one folder that holds .rad files and lies in the fewest others; where several lie
- * equally deep none is chosen, and *ret_count is 0.
+ * The top is the least deep folder with .rad files. If several are equally deep, none is chosen
+ * and *ret_count is 0.
  */
 #ifndef ORL_API_MAIN_FILES_H
 #define ORL_API_MAIN_FILES_H
@@ -18,11 +18,12 @@
 
 #include <oriel/files.h>
 
-/* names: sorted. ret_chosen: room for count; indices of the main files in order. ORL_ERR_LIMIT, or
- * what files->open says; ORL_ERR_NOMEM. */
+/* Chooses the main files. names: sorted. ret_chosen: room for count; gets indices of the main
+ * files in reading order. Errors: ORL_ERR_LIMIT, ORL_ERR_NOMEM, and those of files->open. */
 int orl_main_files_choose(const char *const *names, size_t count, const struct orl_files *files,
                           size_t *ret_chosen, size_t *ret_count, struct orl_error *err);
-/* The same as places: of each file its own among the main ones, from 1; else 0. */
+/* Chooses main files likewise. ret_places[i]: rank of file i among the main files, from 1; 0 for
+ * other files. */
 int orl_main_files_places(const char *const *names, size_t count, const struct orl_files *files,
                           unsigned *ret_places, struct orl_error *err);
 

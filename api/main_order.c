@@ -11,7 +11,7 @@ enum { MOST_DEFINERS = 16, DEEPEST = 8 };
 struct word {
     const char *at;
     size_t size;
-    size_t file; /* the main file, or file of materials, that it counts for */
+    size_t file; /* index of the main or material file in which it was found */
 };
 
 struct words {
@@ -19,15 +19,15 @@ struct words {
     size_t count, room;
 };
 
-/* What is known so far; words lie in the texts, which stay open. */
+/* State of the scan. Words point into the texts, which stay open. */
 struct order {
     const char *const *names;
     size_t count;
     const struct orl_files *files;
-    struct orl_file *texts; /* of those opened */
+    struct orl_file *texts; /* texts of opened files */
     bool *opened, *seen;
     struct words defined, used;
-    size_t file; /* the one under way */
+    size_t file; /* index of the file being scanned */
     bool out_of_memory;
 };
 
@@ -43,7 +43,7 @@ static bool is_one_of(const struct word *word, const char *const *texts)
     return *texts != NULL;
 }
 
-static void add(struct order *order, struct words *words, const struct word *word)
+static void add_word(struct order *order, struct words *words, const struct word *word)
 {
     if (is_word(word, "void"))
         return;
@@ -60,11 +60,12 @@ static void add(struct order *order, struct words *words, const struct word *wor
     words->items[words->count++] = (struct word){word->at, word->size, order->file};
 }
 
-/* ---- A text ---------------------------------------------------------------------------------- */
+/* ---- Scanning a file ------------------------------------------------------------------------- */
 
 static void look_at_file(struct order *order, size_t index, unsigned depth);
 
-/* By its last part: which folder it is in does not matter for the order. */
+/* Scans the files whose name's last part is the word's. Folders are ignored: they do not matter
+ * for the order. */
 static void look_at_named(struct order *order, const struct word *word, unsigned depth)
 {
     size_t begin = word->size;
@@ -79,7 +80,7 @@ static void look_at_named(struct order *order, const struct word *word, unsigned
     }
 }
 
-/* Behind its first word, which has the mark in front; lines go on behind a backslash. */
+/* Scans a command after its first word, which starts with '!'. A backslash continues a line. */
 static void look_at_command(struct order *order, struct orl_scanner *scanner,
                             struct orl_slice first, unsigned depth)
 {
@@ -94,19 +95,19 @@ static void look_at_command(struct order *order, struct orl_scanner *scanner,
         const struct word word = {next.text, next.length, 0};
         const bool file = word.size > 4 && strncasecmp(word.at + word.size - 4, ".rad", 4) == 0;
         if (i == 0 && is_one_of(&word, skies))
-            add(order, &order->defined, &sky);
+            add_word(order, &order->defined, &sky);
         else if (file)
             look_at_named(order, &word, depth);
         else if (is_word(&before, "-m") ||
                  (i == 1 && before.size > 3 && memcmp(before.at, "gen", 3) == 0))
-            add(order, &order->used, &word);
+            add_word(order, &order->used, &word);
         before = word;
         more = orl_scanner_word_of_line(scanner, &next);
     }
     scanner->options = options;
 }
 
-/* The next word of a primitive, behind comments and, where one may begin, commands. */
+/* Returns the next word of a primitive, and skips comments and, where one may begin, commands. */
 static bool next_of_scene(struct order *order, struct orl_scanner *scanner, bool first,
                           unsigned depth, struct word *ret_word)
 {
@@ -122,7 +123,7 @@ static bool next_of_scene(struct order *order, struct orl_scanner *scanner, bool
     return false;
 }
 
-/* The three lists of arguments; of some types the first word names a modifier. */
+/* Skips the three argument lists. For some types the first argument names a modifier. */
 static void skip_arguments(struct order *order, struct orl_scanner *scanner, bool names_modifier)
 {
     struct word word;
@@ -133,7 +134,7 @@ static void skip_arguments(struct order *order, struct orl_scanner *scanner, boo
         for (bool named = names_modifier && list == 0;
              left > 0 && next_of_scene(order, scanner, false, 0, &word); left--, named = false)
             if (named)
-                add(order, &order->used, &word);
+                add_word(order, &order->used, &word);
     }
 }
 
@@ -147,13 +148,13 @@ static void look_at_text(struct order *order, struct orl_scanner *scanner, unsig
     while (next_of_scene(order, scanner, true, depth, &modifier) &&
            next_of_scene(order, scanner, false, depth, &type) &&
            next_of_scene(order, scanner, false, depth, &name)) {
-        add(order, &order->used, &modifier);
+        add_word(order, &order->used, &modifier);
         if (!is_one_of(&type, surfaces))
-            add(order, &order->defined, &name);
+            add_word(order, &order->defined, &name);
         if (!is_word(&type, "alias"))
             skip_arguments(order, scanner, is_one_of(&type, others));
         else if (next_of_scene(order, scanner, false, depth, &name))
-            add(order, &order->used, &name);
+            add_word(order, &order->used, &name);
     }
 }
 
@@ -162,7 +163,7 @@ static void look_at_file(struct order *order, size_t index, unsigned depth)
     order->seen[index] = true;
     if (!order->opened[index] &&
         order->files->open(order->files->ctx, order->names[index], &order->texts[index], NULL) < 0)
-        return; /* which is told when the scene is read */
+        return; /* reading the scene reports the error */
     order->opened[index] = true;
     const struct orl_file *file = &order->texts[index];
     struct orl_scanner scanner;
@@ -171,7 +172,7 @@ static void look_at_file(struct order *order, size_t index, unsigned depth)
         look_at_text(order, &scanner, depth);
 }
 
-/* ---- Who needs whom -------------------------------------------------------------------------- */
+/* ---- Dependencies ---------------------------------------------------------------------------- */
 
 static int compare_names(const struct word *a, const struct word *b)
 {
@@ -179,7 +180,7 @@ static int compare_names(const struct word *a, const struct word *b)
     return order != 0 ? order : (a->size > b->size) - (a->size < b->size);
 }
 
-static int compare(const void *a, const void *b)
+static int compare_words(const void *a, const void *b)
 {
     const struct word *x = a, *y = b;
     const int order = compare_names(x, y);
@@ -190,14 +191,15 @@ static void sort_once(struct words *words)
 {
     size_t kept = 0;
     if (words->count > 0)
-        qsort(words->items, words->count, sizeof *words->items, compare);
+        qsort(words->items, words->count, sizeof *words->items, compare_words);
     for (size_t i = 0; i < words->count; i++)
-        if (kept == 0 || compare(&words->items[kept - 1], &words->items[i]) != 0)
+        if (kept == 0 || compare_words(&words->items[kept - 1], &words->items[i]) != 0)
             words->items[kept++] = words->items[i];
     words->count = kept;
 }
 
-/* Those that define the name, up to a bound, in the files' order: from *ret_first on so many. */
+/* Finds at most MOST_DEFINERS definitions of the name, in file order: returns their number, and
+ * the first index in *ret_first. */
 static size_t find_definers(const struct words *defined, const struct word *name, size_t *ret_first)
 {
     size_t low = 0, high = defined->count, n = 0;
@@ -215,7 +217,7 @@ static size_t find_definers(const struct words *defined, const struct word *name
     return n;
 }
 
-/* needs[i * count + j]: main file i uses what j defines, and it does not. */
+/* Sets needs[i * count + j] if file i uses a name that file j defines and i does not. */
 static void find_needs(const struct order *order, bool *needs)
 {
     const struct words *used = &order->used, *defined = &order->defined;
@@ -231,8 +233,8 @@ static void find_needs(const struct order *order, bool *needs)
     }
 }
 
-/* Makes main files of those that define what main files use and none of them defines: of each name
- * the first. Whether there were any. */
+/* Marks material files as main: for each name used but not defined in main files, the first file
+ * that defines it. Returns true if any was marked. */
 static bool take_materials(const struct order *order, bool *is_main)
 {
     const struct words *used = &order->used, *defined = &order->defined;
@@ -250,7 +252,7 @@ static bool take_materials(const struct order *order, bool *is_main)
     return taken;
 }
 
-static bool waits(const bool *needs, const bool *left, size_t count, size_t index)
+static bool waits_for_other(const bool *needs, const bool *left, size_t count, size_t index)
 {
     for (size_t j = 0; j < count; j++)
         if (left[j] && needs[index * count + j])
@@ -258,8 +260,8 @@ static bool waits(const bool *needs, const bool *left, size_t count, size_t inde
     return false;
 }
 
-/* Again and again the first that waits for none; where all wait, the first. left: the main files.
- */
+/* Repeatedly picks the first file that waits for no other, or the first of all if every one waits.
+ * left: the main files; cleared. */
 static size_t put_in_order(const bool *needs, bool *left, size_t count, size_t *ret_order)
 {
     size_t placed = 0;
@@ -268,7 +270,7 @@ static size_t put_in_order(const bool *needs, bool *left, size_t count, size_t *
         for (size_t i = 0; i < count && next == count; i++) {
             if (left[i] && first == count)
                 first = i;
-            if (left[i] && !waits(needs, left, count, i))
+            if (left[i] && !waits_for_other(needs, left, count, i))
                 next = i;
         }
         if (first == count)
@@ -279,7 +281,7 @@ static size_t put_in_order(const bool *needs, bool *left, size_t count, size_t *
     }
 }
 
-/* Of the names that end so those that lie beside the main files. */
+/* Returns true for a material file (.mat) in the main files' folder. */
 static bool lies_beside(const char *const *names, size_t count, const bool *is_main, size_t index)
 {
     const char *name = names[index], *slash = strrchr(name, '/');

@@ -1,12 +1,12 @@
 /*
- * The order in which a scene's main files are to be read: a modifier is defined before it is used.
+ * Finds the reading order of a scene's main files: a modifier is defined before it is used.
  *
- * Each file is looked through for the names that it defines and those it uses, by itself and by the
- * files that its commands name, however deep; it is not parsed: what is wrong with it is found when
- * the scene is. A name that several files define may come from any of them, so all come before who
- * uses it, up to 16. Where files need each other, and otherwise, names decide.
+ * Each file is scanned for names that it defines and uses. The scan includes files that its
+ * commands name, up to 8 deep. Files are not fully parsed. Files that cannot be opened are
+ * skipped. Reading the scene reports all errors. If several files define a name, all of them (at
+ * most 16) come before its users. File names decide cycles and ties.
  *
- * Errors: those of files->open; ORL_ERR_NOMEM.
+ * Errors: ORL_ERR_NOMEM.
  */
 #ifndef ORL_API_MAIN_ORDER_H
 #define ORL_API_MAIN_ORDER_H
@@ -16,7 +16,8 @@
 
 #include <oriel/files.h>
 
-/* names: sorted. is_main: in and out. ret_order: room for count; their indices. */
+/* Finds the order. names: sorted. is_main: in and out; needed material files are added.
+ * ret_order: room for count; gets the main files' indices in reading order. */
 int orl_main_order(const char *const *names, size_t count, bool *is_main,
                    const struct orl_files *files, size_t *ret_order, size_t *ret_count,
                    struct orl_error *err);

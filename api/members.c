@@ -95,7 +95,7 @@ int orl_json_members(const json_t *value, const char *path, const struct orl_jso
         return orl_json_wrong_type(value, *path ? path : "document", "an object", err);
     const char *name;
     json_t *member;
-    /* json_object_foreach wants a non-const object but changes nothing. */
+    /* json_object_foreach needs a non-const object but does not change it. */
     json_object_foreach((json_t *)(uintptr_t)value, name, member)
     {
         if (!is_known(name, members))
@@ -111,7 +111,7 @@ int orl_json_members(const json_t *value, const char *path, const struct orl_jso
     return rc;
 }
 
-/* One element of an array. */
+/* Decodes one element of an array. */
 static int decode_element(const json_t *value, const char *path, size_t index,
                           orl_json_decoder *decode, void *into, struct orl_error *err)
 {

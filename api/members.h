@@ -10,10 +10,11 @@
  *         {0}};
  *     rc = orl_json_members(value, path, members, err);
  *
- * A row names a member and where its value goes, which says of what kind it is; a row without such
- * a place is of a member that is read elsewhere. No other members than the table's may be there.
- * Rows are decoded in their order. What is absent leaves its place alone, or is an error as a value
- * of a wrong type is. After a failure places may be filled in part: what they own is the caller's.
+ * A row names a member and the destination of its value, whose field gives the type. A row without
+ * a destination allows a member that is read elsewhere. Other members are errors. Rows are decoded
+ * in order. An absent member leaves its destination unchanged, or is an error if required. A value
+ * of a wrong type is an error. After a failure destinations may be partly filled in; the caller
+ * owns them.
  *
  * Errors as in decode.h.
  */
@@ -22,50 +23,50 @@
 
 #include "decode.h"
 
-/* Decodes a value (NULL: absent) into what the row or list is about. */
+/* Decodes a value (NULL: absent) into the destination of its row or list. */
 typedef int orl_json_decoder(const json_t *value, const char *path, void *into,
                              struct orl_error *err);
 
-/* An array of elements of one kind, each decoded by itself with the path "<path>[<index>]". */
+/* An array of elements of one kind; the path of each is "<path>[<index>]". */
 struct orl_json_list {
-    void *items;   /* the address of a pointer to them: zeroed, owned, never NULL on success */
-    size_t *count; /* of those begun: a half-filled one is to be freed, too */
-    size_t size;   /* of one */
+    void *items;   /* address of a pointer to the elements: zeroed, owned, never NULL on success */
+    size_t *count; /* elements begun; the caller also frees a half-filled last one */
+    size_t size;   /* bytes per element */
     size_t most;
     orl_json_decoder *each;
-    const char *empty; /* the error of a list of none; NULL: it is none */
+    const char *empty; /* error message for an empty list; NULL: empty lists are allowed */
 };
 
 struct orl_json_member {
     const char *name; /* NULL ends the table */
     bool required;
     double *real;
-    double least, most; /* of a number; equal: any. Past them is an error, and so is ... */
-    bool above, below;  /* ... the least, or the most, itself */
-    const char *bounds; /* the words of that error; NULL: "it is from <least> to <most>" */
+    double least, most; /* bounds of a number, inclusive; no bounds if both are equal */
+    bool above, below;  /* true to exclude the least, or the most, itself */
+    const char *bounds; /* message for values out of bounds; NULL: "it is from <least> to <most>" */
     uint64_t *whole;
     uint32_t *whole_32;
     int *whole_int;
-    uint64_t from, to; /* of a whole number */
+    uint64_t from, to; /* inclusive bounds of a whole number */
     bool *flag;
     char **text; /* owned; not empty */
     size_t longest;
-    void *word; /* of an enumeration: the place among words, which end with NULL */
+    void *word; /* an enum; set to the index in words, which end with NULL */
     const char *const *words;
-    const struct orl_json_member *members; /* of an object */
+    const struct orl_json_member *members; /* members of an object */
     const struct orl_json_list *list;
-    orl_json_decoder *decode; /* whatever else; called for one that is absent where required */
+    orl_json_decoder *decode; /* other types; called with NULL if absent and required */
     void *into;
 };
 
 int orl_json_members(const json_t *value, const char *path, const struct orl_json_member *members,
                      struct orl_error *err);
-/* A value by what a row says of its kind; the name is not looked at. */
+/* Decodes a value into the row's destination; the row's name is ignored. */
 int orl_json_value(const json_t *value, const char *path, const struct orl_json_member *member,
                    struct orl_error *err);
 int orl_json_list(const json_t *value, const char *path, const struct orl_json_list *list,
                   struct orl_error *err);
-/* At most so many elements, all into the same. */
+/* Decodes at most `most` elements, all into the same destination. */
 int orl_json_each(const json_t *value, const char *path, size_t most, orl_json_decoder *each,
                   void *into, struct orl_error *err);
 

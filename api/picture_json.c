@@ -36,7 +36,7 @@ int orl_formats_from_json(const json_t *value, const char *path, void *ret_forma
 
 /* ---- Displays -------------------------------------------------------------------------------- */
 
-/* What belongs to the eye alone. */
+/* Fails if options of the human observer are given without that tone mapper. */
 static int check_human(const char *path, const struct orl_display *display, struct orl_error *err)
 {
     char at[ORL_JSON_PATH_MAX];
@@ -126,7 +126,7 @@ static int decode_point(const json_t *value, const char *path, void *into, struc
     return rc;
 }
 
-/* They lie in the picture, whose size is known by now. */
+/* Decodes points, which must lie in the picture; its size is already decoded. */
 static int decode_points(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_view_request *view = into;

@@ -1,5 +1,5 @@
 /*
- * Pictures of a view: what a job document asks for, and how results tell of them.
+ * Pictures of a view, in a job document and in results.
  *
  *     "formats": ["hdr", "png", "png16", "exr", "exr_float"]
  *     "display": {"tone": "human", "veil": true, "acuity": true, "color_loss": true}
@@ -16,25 +16,25 @@
 
 #include "members.h"
 
-orl_json_decoder orl_formats_from_json; /* into a uint32_t, as bits */
-orl_json_decoder orl_display_from_json; /* into a struct orl_display of zeros */
-/* Into a struct orl_view_request that has its size; the points are owned by it, also when this
- * fails. */
+orl_json_decoder orl_formats_from_json; /* decoder; sets bits of a uint32_t */
+orl_json_decoder orl_display_from_json; /* decoder into a struct orl_display of zeros */
+/* Decoder into a struct orl_view_request that has its size. The request owns the points, also
+ * after a failure. */
 orl_json_decoder orl_false_color_from_json;
 
-/* What heat maps have of it, too: a number, or "auto", which leaves the double alone. */
+/* Decoder into a double: a number, or "auto", which leaves it unchanged. Heat maps use it too. */
 orl_json_decoder orl_scale_from_json;
-orl_json_decoder orl_palette_from_json; /* into an enum orl_palette */
-/* A word that is drawn, of what fonts have: into char[ORL_PICTURE_LABEL_MAX]. */
+orl_json_decoder orl_palette_from_json; /* decoder into an enum orl_palette */
+/* Decoder into a char[ORL_PICTURE_LABEL_MAX]: a label of characters that the drawing font has. */
 orl_json_decoder orl_label_from_json;
 
-/* Adds the names of the files to a result's view, and what false colours have found:
+/* Adds to a result's view the file names and the scale and points of its false-colour picture:
  *     "hdr": "a.hdr", ..., "scale": 2000, "points": [{"name": "desk", "value": 310}]
- * Nonzero: out of memory. */
+ * Returns nonzero when out of memory. */
 int orl_pictures_to_json(const struct orl_view_result *view, json_t *json);
 
-/* The same read back, into a view that has none of it; its strings are owned. False: out of memory,
- * with what is there to be freed. */
+/* Reads these members back into a view that has none of them; its strings are owned. Returns false
+ * when out of memory; the caller frees what the view has by then. */
 bool orl_pictures_read_back(const json_t *json, struct orl_view_result *view);
 
 #endif

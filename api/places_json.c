@@ -23,8 +23,8 @@ static int read_vector(const json_t *value, const char *path, struct orl_vec3 *r
     return 0;
 }
 
-/* The error of a check is one of the member at path. */
-static int checked(int code, const char *path, struct orl_error *err)
+/* Sets path as the place of a check's error; returns code. */
+static int with_path(int code, const char *path, struct orl_error *err)
 {
     if (code < 0)
         orl_error_at(err, NULL, 0, path);
@@ -36,7 +36,7 @@ int orl_point_from_json(const json_t *value, const char *path, void *into, struc
     struct orl_vec3 point = {0, 0, 0};
     int rc = read_vector(value, path, &point, err);
     if (rc == 0)
-        rc = checked(orl_check_point(point, path, err), path, err);
+        rc = with_path(orl_check_point(point, path, err), path, err);
     if (rc == 0)
         *(struct orl_vec3 *)into = point;
     return rc;
@@ -48,7 +48,7 @@ int orl_direction_from_json(const json_t *value, const char *path, void *into,
     struct orl_vec3 direction = {0, 0, 0};
     int rc = read_vector(value, path, &direction, err);
     if (rc == 0)
-        rc = checked(orl_check_direction(direction, path, err), path, err);
+        rc = with_path(orl_check_direction(direction, path, err), path, err);
     if (rc == 0)
         *(struct orl_vec3 *)into = direction;
     return rc;

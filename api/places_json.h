@@ -10,15 +10,15 @@
 
 #include <oriel/place.h>
 
-/* Decoders of members.h: an array of three numbers, checked by oriel/coordinates.h; into: a struct
- * orl_vec3. */
+/* Decoders (members.h) into a struct orl_vec3: an array of three numbers, checked by
+ * oriel/coordinates.h. */
 int orl_point_from_json(const json_t *value, const char *path, void *into, struct orl_error *err);
 int orl_direction_from_json(const json_t *value, const char *path, void *into,
                             struct orl_error *err);
-/* A decoder of members.h's lists; into: a struct orl_named_place. */
+/* Decoder for members.h's lists into a struct orl_named_place. */
 int orl_place_from_json(const json_t *value, const char *path, void *into, struct orl_error *err);
 
-/* Names for those without one. ORL_ERR_NOMEM. */
+/* Names the places that have no name. Returns 0 or ORL_ERR_NOMEM. */
 int orl_places_name(struct orl_named_place *places, size_t n, struct orl_error *err);
 
 #endif

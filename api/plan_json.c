@@ -25,7 +25,7 @@ int orl_technique_from_json(const json_t *value, const char *path, enum orl_tech
     return rc;
 }
 
-/* An effect that is named by itself goes before its group, wherever it stands. */
+/* An effect named by itself overrides its group, in any order. */
 int orl_wishes_from_json(const json_t *effects, const char *path, void *into, struct orl_error *err)
 {
     enum orl_wish *wishes = into, group = ORL_WISH_COUNT, own[ORL_EFFECT_COUNT];
@@ -48,7 +48,7 @@ int orl_wishes_from_json(const json_t *effects, const char *path, void *into, st
     return rc;
 }
 
-/* NULL where there is no bound. */
+/* Returns NULL if there is no bound. */
 static const char *unit_name(enum orl_bound_unit unit)
 {
     return unit == ORL_BOUND_LX ? "lx" : unit == ORL_BOUND_RELATIVE ? "relative" : NULL;
@@ -80,7 +80,7 @@ static json_t *decisions_to_json(const struct orl_plan *plan)
     return effects;
 }
 
-/* What a pilot of photons says they will take. */
+/* Encodes what a pilot of photons predicts for the photon maps. */
 static json_t *foresight_to_json(const struct orl_foresight *f)
 {
     return json_pack(
@@ -101,7 +101,7 @@ static json_t *strategies_to_json(unsigned strategies)
     return names;
 }
 
-/* The classes of paths that the scene has, and how each is found. */
+/* Encodes the classes of paths in the scene, and the strategies that sample each. */
 static json_t *paths_to_json(const struct orl_plan *plan)
 {
     json_t *list = json_array();

@@ -6,7 +6,7 @@
 
 #include "encode.h"
 
-/* The one table from errors to HTTP. */
+/* Maps errors to HTTP statuses; the only such table. */
 static const struct {
     int code, status;
     const char *title;
@@ -33,7 +33,7 @@ static size_t find_problem(int code)
     for (size_t i = 0; i < last; i++)
         if (problems[i].code == code)
             return i;
-    return last; /* a code the table does not know is an internal error */
+    return last; /* an unknown code is an internal error */
 }
 
 int orl_problem_status(int code)

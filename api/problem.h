@@ -2,11 +2,11 @@
  * Errors as RFC 9457 problem documents (application/problem+json).
  *
  *     {"type": "urn:oriel:error:syntax", "title": "The text does not parse", "status": 400,
- *      "detail": "...", "file": "room.rad", "line": 12, "primitive": "polygon floor", "hint":
- * "..."}
+ *      "detail": "...", "file": "room.rad", "line": 12, "primitive": "polygon floor",
+ *      "hint": "..."}
  *
- * The last four appear only when known. One table, in problem.c, maps orl_err to an HTTP status.
- * Returned objects are new references, the caller's; NULL when out of memory.
+ * The last four appear only if known. One table, in problem.c, maps orl_err to an HTTP status.
+ * Functions return new references, owned by the caller, or NULL when out of memory.
  */
 #ifndef ORL_API_PROBLEM_H
 #define ORL_API_PROBLEM_H
@@ -15,20 +15,20 @@
 
 #include <oriel/error.h>
 
-/* ret_status, which may be NULL, is the HTTP status that goes with it. */
+/* Returns the problem document for err. ret_status, which may be NULL, gets its HTTP status. */
 json_t *orl_problem_from_error(const struct orl_error *err, int *ret_status);
 
 /*
- * A problem of HTTP itself, outside orl_err: type is the last part of the urn ("not-found"),
- * detail printf-style.
+ * Returns a problem of HTTP itself, outside orl_err. type is the last part of the URN
+ * ("not-found"); detail is printf-style.
  */
 json_t *orl_problem_new(int status, const char *type, const char *title, const char *detail, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* The HTTP status for an orl_err. */
+/* Returns the HTTP status for an orl_err. */
 int orl_problem_status(int code);
 
-/* A problem document read back, for clients; missing members are left empty. */
+/* Reads a problem document back, for clients; missing members leave fields empty. */
 void orl_problem_to_error(const json_t *problem, struct orl_error *ret_err);
 
 #endif

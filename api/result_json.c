@@ -13,8 +13,8 @@
 #include "plan_json.h"
 
 /*
- * jansson's "o" in json_pack steals the reference and fails when it is NULL, so that one check at
- * the end of each function covers all of its parts.
+ * In json_pack, jansson's "o" steals the reference and fails if it is NULL. So one check at the
+ * end of each function covers all its parts.
  */
 json_t *orl_map_info_to_json(const struct orl_map_info *info)
 {
@@ -41,8 +41,8 @@ static json_t *timings_to_json(const struct orl_result *result)
     return timings;
 }
 
-/* Appends item (stolen) to array; -1 when either is NULL or memory is short. */
-static int append(json_t *array, json_t *item)
+/* Appends item (stolen) to array. Returns -1 if either is NULL or memory is short. */
+static int append_item(json_t *array, json_t *item)
 {
     return item ? json_array_append_new(array, item) : -1;
 }
@@ -51,14 +51,14 @@ static json_t *maps_to_json(const struct orl_result *result)
 {
     json_t *maps = json_array();
     for (size_t i = 0; i < result->n_maps; i++)
-        if (append(maps, orl_map_info_to_json(&result->maps[i]))) {
+        if (append_item(maps, orl_map_info_to_json(&result->maps[i]))) {
             json_decref(maps);
             return NULL;
         }
     return maps;
 }
 
-/* NULL where it is not known. */
+/* Returns NULL if the value is unknown. */
 static json_t *number_of(const double *values, size_t index)
 {
     return values ? orl_json_from_real(values[index]) : NULL;
@@ -72,7 +72,7 @@ static json_t *interval_of(const struct orl_result *result, size_t index)
     return json_pack("[o, o]", orl_json_from_real(interval[0]), orl_json_from_real(interval[1]));
 }
 
-/* Why the value is unreliable; NULL: it is reliable. */
+/* Returns the reasons why the value is unreliable, or NULL if it is reliable. */
 static json_t *doubts_of(const struct orl_result *result, size_t index)
 {
     const unsigned doubts = result->doubts ? result->doubts[index] : 0;
@@ -87,14 +87,14 @@ static json_t *sensors_to_json(const struct orl_result *result)
 {
     json_t *sensors = json_array();
     for (size_t i = 0; i < result->n_sensors; i++) {
-        /* JSON has no NaN: one broken sensor shows as null instead of losing all the others. */
+        /* JSON has no NaN: a broken sensor becomes null, and all others are still reported. */
         json_t *lux = orl_json_from_real(result->illuminance_lx[i]);
         json_t *se = number_of(result->standard_error_lx, i);
         json_t *bias = number_of(result->bias_estimate_lx, i);
-        if (append(sensors,
-                   json_pack("{s:o, s:o*, s:o*, s:o*, s:o*}", "illuminance_lx", lux,
-                             "standard_error_lx", se, "bias_estimate_lx", bias, "interval_95_lx",
-                             interval_of(result, i), "unreliable", doubts_of(result, i)))) {
+        if (append_item(sensors, json_pack("{s:o, s:o*, s:o*, s:o*, s:o*}", "illuminance_lx", lux,
+                                           "standard_error_lx", se, "bias_estimate_lx", bias,
+                                           "interval_95_lx", interval_of(result, i), "unreliable",
+                                           doubts_of(result, i)))) {
             json_decref(sensors);
             return NULL;
         }
@@ -120,7 +120,7 @@ static json_t *views_to_json(const struct orl_result *result)
 {
     json_t *views = json_array();
     for (size_t i = 0; i < result->n_views; i++) {
-        if (append(views, view_to_json(&result->views[i]))) {
+        if (append_item(views, view_to_json(&result->views[i]))) {
             json_decref(views);
             return NULL;
         }
@@ -165,7 +165,7 @@ static json_t *warnings_to_json(const struct orl_result *result)
 {
     json_t *warnings = json_array();
     for (size_t i = 0; i < result->n_warnings; i++)
-        if (append(warnings, orl_json_from_text(result->warnings[i]))) {
+        if (append_item(warnings, orl_json_from_text(result->warnings[i]))) {
             json_decref(warnings);
             return NULL;
         }
@@ -176,8 +176,8 @@ static json_t *course_to_json(const struct orl_outcome *outcome)
 {
     json_t *course = json_array();
     for (uint32_t i = 0; i < outcome->n_course; i++)
-        if (append(course, json_pack("{s:f, s:f}", "seconds", outcome->course[i].seconds, "error",
-                                     outcome->course[i].error))) {
+        if (append_item(course, json_pack("{s:f, s:f}", "seconds", outcome->course[i].seconds,
+                                          "error", outcome->course[i].error))) {
             json_decref(course);
             return NULL;
         }
@@ -201,7 +201,7 @@ json_t *orl_outcome_to_json(const struct orl_outcome *outcome)
                      course_to_json(outcome));
 }
 
-/* A run that came to nothing predicts nothing. */
+/* Encodes the cost. Predictions are null if the run gave no result. */
 static json_t *cost_to_json(const struct orl_result *result)
 {
     const struct orl_cost *cost = &result->cost;

@@ -1,5 +1,5 @@
 /*
- * Results and photon maps -> JSON, as result.json and the job document hold them:
+ * Results and photon maps -> JSON, as in result.json and the job document:
  *
  *     {"state", "threads", "seed", "plan": {...} or null (plan_json.h),
  *      "timings_s": {"load", "bvh", "plan", "photons", "maps", "render", "total"},
@@ -8,13 +8,13 @@
  *                   "interval_95_lx": [low, high], "unreliable": [...]}],
  *      "views": [{"name", "hdr", "png", "error_hdr" and "error_png" where errors are known,
  *                 "seconds"}], "health": {...}, "warnings": ["..."],
- *      "dark" of a job with a sky: whether that gives no light,
+ *      "dark" (for a job with a sky): true if the sky gives no light,
  *      "accuracy": {"asked", "met", "achieved", "rounds", "why",
- *                   "course": [{"seconds", "error"}]} of a job with a goal,
+ *                   "course": [{"seconds", "error"}]} for a job with a goal,
  *      "cost": {"seconds": as timings_s, "rays", "photons",
  *               "next": {"error", "halve_s", "one_percent_s", "model"}}}
  *
- * Returned objects are new references, the caller's; NULL when out of memory.
+ * Functions return new references, owned by the caller, or NULL when out of memory.
  */
 #ifndef ORL_API_RESULT_JSON_H
 #define ORL_API_RESULT_JSON_H
@@ -23,17 +23,18 @@
 
 #include <oriel/run.h>
 
-/* state: "succeeded", "failed", ... A result that orl_run did not fill in may be all zeros. */
+/* Encodes a result. state: "succeeded", "failed", ... result may be all zeros if orl_run did not
+ * fill it in. */
 json_t *orl_result_to_json(const struct orl_result *result, const char *state);
 
-/* A result of orl_plan_job: {"plan": {...}, "warnings": ["..."], "curve": {"technique", "threads",
- * "points": [{"seconds", "error"}], "model"} or, of NULL, null}. */
+/* Encodes a result of orl_plan_job: {"plan": {...}, "warnings": ["..."], "curve": {"technique",
+ * "threads", "points": [{"seconds", "error"}], "model"}}. "curve" is null if curve is NULL. */
 json_t *orl_planned_to_json(const struct orl_result *result, const struct orl_curve *curve);
 
-/* How a job with a goal ended, or stands; NULL without one. */
+/* Encodes the final or current outcome of a job with a goal; NULL without a goal. */
 json_t *orl_outcome_to_json(const struct orl_outcome *outcome);
 
-/* One map: kind, key, emitted, stored, reused, bytes, seconds, cached. */
+/* Encodes one map: kind, key, emitted, stored, reused, bytes, seconds, cached. */
 json_t *orl_map_info_to_json(const struct orl_map_info *info);
 
 #endif

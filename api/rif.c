@@ -14,12 +14,12 @@ enum { LINE_SIZE = 8192, LEAST_LETTERS = 3, SIDE = 512, MOST_SIDE = 16384 };
 
 struct reading {
     struct orl_scanner scanner;
-    int line;                    /* where the assignment at hand begins */
-    json_t *lists[4];            /* owned: materials, illum, scene; the last is of views */
+    int line;                    /* line where the current assignment begins */
+    json_t *lists[4];            /* owned: materials, illum, scene, and views */
     json_t *left_out, *commands; /* owned */
     int width, height;
-    double aspect;     /* of views' pixels; 0: what the size makes of it */
-    bool backs_unseen; /* of views: rpict's -bv- */
+    double aspect;     /* pixel aspect of views; 0: from the picture size */
+    bool backs_unseen; /* true if views have rpict's -bv- */
     struct orl_error *err;
 };
 enum { MATERIALS, ILLUM, SCENE, VIEWS };
@@ -52,7 +52,7 @@ static int leave_out(struct reading *r, struct orl_slice what, const char *why)
                : 0;
 }
 
-/* A command becomes a scene file of one line, whose name no file of the folder has. */
+/* Adds a command as a scene file of one line. No file of the folder has its name. */
 static int add_command(struct reading *r, json_t *list, struct orl_slice command)
 {
     char name[64];
@@ -82,7 +82,7 @@ static int add_file(struct reading *r, json_t *list, struct orl_slice file)
                : 0;
 }
 
-/* Words, some in quotes. */
+/* Adds file names, some in quotes. */
 static int add_files(struct reading *r, json_t *list, struct orl_slice value)
 {
     struct orl_slice word = {NULL, 0};
@@ -102,7 +102,7 @@ static int leave_objects(struct reading *r, struct orl_slice value)
     return rc;
 }
 
-/* What jobs call views by. */
+/* Makes a valid view name from a word. */
 static void clean_name(struct orl_slice word, size_t number, char ret_name[64])
 {
     size_t i = 0;
@@ -120,7 +120,7 @@ static bool begins_option(struct orl_slice value)
     return value.length > 0 && *value.text == '-';
 }
 
-/* "[NAME] [OPTION ...]" */
+/* Adds a view from "[NAME] [OPTION ...]". */
 static int add_view(struct reading *r, struct orl_slice value)
 {
     struct orl_slice word = {NULL, 0}, rest;
@@ -156,7 +156,7 @@ static int fail_size(const struct reading *r, struct orl_slice value)
                 "One or two numbers from 1 to 16384 are wanted, or a third: pixels' aspect");
 }
 
-/* "WIDTH [HEIGHT [ASPECT]]" */
+/* Sets the size from "WIDTH [HEIGHT [ASPECT]]". */
 static int set_size(struct reading *r, struct orl_slice value)
 {
     double sizes[3] = {0, 0, 1};
@@ -181,7 +181,7 @@ static int set_size(struct reading *r, struct orl_slice value)
     return 0;
 }
 
-/* Options of rpict: what this program heeds of them. */
+/* Reads the rpict options that matter here: -bv- and -bv+. */
 static int heed_options(struct reading *r, struct orl_slice value)
 {
     struct orl_slice word;
@@ -222,8 +222,8 @@ static int read_assignment(struct reading *r, struct orl_slice line)
                                                                  : 0;
 }
 
-/* The next line with those that a backslash joins to it, without remarks, which go on over all of
- * them. 1, 0 at the end, or an error. */
+/* Reads the next line, joined with the lines that a backslash continues and without comments. A
+ * comment extends over the joined lines. Returns 1, 0 at the end, or an error. */
 static int take_line(struct reading *r, char *buffer, struct orl_slice *ret_line)
 {
     struct orl_slice line;

@@ -1,17 +1,19 @@
 /*
- * A file of Radiance's rad (.rif) as a project: {"files": [materials, illum, then scene, in their
- * order], "grids": [], "views": [{"name", "view" or "file", "width", "height", "pixel_aspect"}],
- * "states": {}, "skies": [], "left_out": [{"file", "why"}], "commands": [{"name", "text"}]}, as
- * honeybee/project.h has it. Commands in quotes are scene files to be written by those names.
+ * Reads a file of Radiance's rad (.rif) as a project: {"files": [materials, illum, then scene, in
+ * file order], "grids": [], "views": [{"name", "view" or "file", "width", "height",
+ * "pixel_aspect"}], "states": {}, "skies": [], "left_out": [{"file", "why"}], "commands":
+ * [{"name", "text"}]}, as in honeybee/project.h. Commands in quotes become scene files: "commands"
+ * has their names and texts, for the caller to write.
  *
- * Lines are "NAME= value"; '#' begins a comment, a backslash at the end goes on. Names may be cut
- * short to three letters, in either case. Of "objects" rad itself reads nothing: the scene's files
- * name them. "view" is a name and options, or "-vf FILE"; views that rad works out from its ZONE
- * are left out. "RESOLUTION" gives the width and height that pictures are to fit, or both by one
- * number; a third, if it is not 1, is the pixels' aspect, 0 for exactly that size. Variables of
- * rad's own programs (octrees, quality, pictures) mean nothing here.
+ * Lines are "NAME= value"; '#' begins a comment, and a backslash at the end continues the line.
+ * Names may be abbreviated to three letters, in either case. "objects" is listed as left out: rad
+ * does not read it either, because the scene's files name these objects. "view" is a name and
+ * options, or "-vf FILE"; views that rad computes from its ZONE are left out. "RESOLUTION" gives
+ * the largest width and height of pictures, or one number for both. A third number other than 1 is
+ * the pixel aspect, 0 for exactly that size. Variables for rad's own programs (octrees, quality,
+ * pictures) are ignored.
  *
- * Refused: octrees as a scene. Source: rad(1).
+ * An octree as a scene is refused. Source: rad(1).
  * Errors: ORL_ERR_SYNTAX, _UNSUPPORTED, with file and line; ORL_ERR_NOMEM.
  */
 #ifndef ORL_API_RIF_H
@@ -22,7 +24,7 @@
 
 #include <oriel/error.h>
 
-/* *ret_project is a new reference. */
+/* Reads text as a project; *ret_project is a new reference. */
 int orl_rif_read(const char *name, const char *text, size_t size, json_t **ret_project,
                  struct orl_error *err);
 

@@ -2,7 +2,8 @@
 
 #include "encode.h"
 
-/* Bounds of an empty or infinite scene are not finite, which JSON cannot say: null, then. */
+/* Bounds of an empty or infinite scene are not finite, which JSON cannot express; they become
+ * null. */
 static json_t *point_to_json(const double point[3])
 {
     json_t *array = json_array();

@@ -1,7 +1,7 @@
 /*
- * What an uploaded scene holds -> JSON: {"surfaces", "materials", "sources", "triangles", "bsdfs",
+ * Summary of an uploaded scene -> JSON: {"surfaces", "materials", "sources", "triangles", "bsdfs",
  * "bounds": {"min": [x, y, z], "max": [x, y, z]}, "digest", "referenced": ["lcp.xml", ...]}.
- * A new reference, the caller's; NULL when out of memory.
+ * Functions return a new reference, owned by the caller, or NULL when out of memory.
  */
 #ifndef ORL_API_SCENE_JSON_H
 #define ORL_API_SCENE_JSON_H
@@ -12,7 +12,7 @@
 
 json_t *orl_scene_summary_to_json(const struct orl_scene_summary *summary);
 
-/* {"height", "bounds", "lines": [[x, y, x, y], ...], "more"}; likewise. */
+/* Encodes a floor plan: {"height", "bounds", "lines": [[x, y, x, y], ...], "more"}. */
 json_t *orl_floor_plan_to_json(const struct orl_floor_plan *plan);
 
 #endif

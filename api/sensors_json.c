@@ -35,7 +35,7 @@ static int decode_sensor(const json_t *row, const char *path, void *into, struct
     return rc;
 }
 
-/* A file of them, or they themselves. */
+/* Decodes the name of a sensor file, or a list of sensors. */
 int orl_job_sensors_from_json(const json_t *sensors, const char *path, struct orl_job *job,
                               struct orl_error *err)
 {

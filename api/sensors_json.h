@@ -1,6 +1,6 @@
 /*
- * Sensors of a document, {"file": NAME} or [[x, y, z, dx, dy, dz], ...], into a job, whose other
- * parts are left alone. What was read before an error stays in job.
+ * Decodes a document's sensors, {"file": NAME} or [[x, y, z, dx, dy, dz], ...], into a job and
+ * leaves its other members unchanged. Sensors read before an error stay in job.
  */
 #ifndef ORL_API_SENSORS_JSON_H
 #define ORL_API_SENSORS_JSON_H

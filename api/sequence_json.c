@@ -7,7 +7,7 @@
 
 #include "chart/glare_chart.h"
 
-/* ---- What is asked for ----------------------------------------------------------------------- */
+/* ---- Request --------------------------------------------------------------------------------- */
 
 int orl_sequence_from_json(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
@@ -21,20 +21,20 @@ int orl_sequence_from_json(const json_t *value, const char *path, void *into, st
     return orl_json_members(value, path, members, err);
 }
 
-/* ---- What is known of a view under each sky -------------------------------------------------- */
+/* ---- Results of a view under each sky -------------------------------------------------------- */
 
 enum { PATH = 4096 };
 
-/* A view's part of the job's results. */
+/* Results of one view under all skies. */
 struct strip {
     const struct orl_job *job;
     const struct orl_view_request *view;
     const char *folder;
     size_t count;
     struct {
-        const json_t *view, *sky; /* results, borrowed */
-        char path[PATH];          /* of the frame */
-    } * parts;                    /* by sky; owned, as the two below */
+        const json_t *view, *sky; /* results of the view and the sky, borrowed */
+        char path[PATH];          /* path of the frame's picture */
+    } * parts;                    /* one per sky; owned, like the two arrays below */
     struct orl_sequence_frame *frames;
     struct orl_glare_hour *hours;
     bool has_dgp;
@@ -70,8 +70,8 @@ static int path_of(const struct strip *strip, const char *what, char ret_path[PA
                : orl_error_set(err, ORL_ERR_LIMIT, "the path of the results is too long");
 }
 
-/* "22 Mar 11:30", "11:30" of it where the day is the same in all; or the sky's name. */
-static void tell_time(const struct orl_named_sky *sky, bool with_day, char *ret_text, size_t size)
+/* Writes "22 Mar 11:30", "11:30" without the day, or the sky's name. */
+static void format_time(const struct orl_named_sky *sky, bool with_day, char *ret_text, size_t size)
 {
     static const char *const months[] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun",
                                          "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
@@ -124,15 +124,15 @@ static void read_hour(const struct strip *strip, size_t i, bool one_day)
         .high = real_or_nan(json_array_get(interval, 1)),
         .class_of = class_named(json_string_value(json_object_get(glare, "class"))),
         .dark = json_is_true(json_object_get(strip->parts[i].sky, "dark"))};
-    tell_time(sky, !one_day, hour->label, sizeof hour->label);
+    format_time(sky, !one_day, hour->label, sizeof hour->label);
 }
 
-/* What stands below a picture: when, and how much it dazzles. */
+/* Writes the captions below a picture: the time, and its glare. */
 static void write_lines(const struct strip *strip, size_t i)
 {
     const struct orl_glare_hour *h = &strip->hours[i];
     char(*lines)[ORL_SEQUENCE_TEXT] = strip->frames[i].lines;
-    tell_time(&strip->job->skies[i], true, lines[0], sizeof lines[0]);
+    format_time(&strip->job->skies[i], true, lines[0], sizeof lines[0]);
     const double margin = ceil(1000 * (h->high - h->low) / 2 - 1e-6) / 1000;
     if (h->dark)
         snprintf(lines[1], sizeof lines[1], "no light from the sky");
@@ -181,7 +181,7 @@ static int strip_init(struct strip *strip, const struct orl_job *job, size_t vie
     return rc;
 }
 
-/* ---- What is made of it ---------------------------------------------------------------------- */
+/* ---- Output ---------------------------------------------------------------------------------- */
 
 static int draw_pictures(const struct strip *strip, const atomic_bool *cancel,
                          struct orl_error *err)
@@ -209,8 +209,8 @@ static int draw_chart(const struct strip *strip, enum orl_canvas_kind kind, cons
 {
     char title[192], day[40] = "", path[PATH];
     if (is_one_day(strip->job)) {
-        tell_time(&strip->job->skies[0], true, day, sizeof day);
-        *strrchr(day, ' ') = '\0'; /* without the hour */
+        format_time(&strip->job->skies[0], true, day, sizeof day);
+        *strrchr(day, ' ') = '\0'; /* cuts the hour off */
     }
     snprintf(title, sizeof title, "Glare in '%.100s'%s%s", strip->view->name, day[0] ? ", " : "",
              day);
@@ -218,7 +218,7 @@ static int draw_chart(const struct strip *strip, enum orl_canvas_kind kind, cons
     return rc ? rc : orl_glare_chart_write(strip->hours, strip->count, title, kind, path, err);
 }
 
-/* Names of the files, without the folder. */
+/* Encodes the file names, without the folder. */
 static json_t *strip_to_json(const struct strip *strip)
 {
     const char *name = strip->view->name;

@@ -9,10 +9,10 @@
 
 #include "sky_json.h"
 
-/* Hours since the year began, by a calendar without leap days. */
+/* Days before each month, in a year without leap days. */
 static const int days_before[13] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334, 365};
 static const double day_h = 24;
-/* Steps add up to a multiple of hours with rounding errors, which are less than this. */
+/* Tolerance in hours for rounding errors of added steps. */
 static const double slack_h = 1e-6;
 
 static int name_sky(struct orl_named_sky *sky, size_t index, struct orl_error *err)
@@ -47,7 +47,7 @@ static int decode_list(const json_t *skies, const char *path, struct orl_job *jo
 
 /* ---- Sequences ------------------------------------------------------------------------------- */
 
-/* {"month", "day", "hour"} as hours since the year began. */
+/* Decodes {"month", "day", "hour"} as hours since the year began. */
 static int decode_moment(const json_t *value, const char *path, void *ret_h, struct orl_error *err)
 {
     char at[ORL_JSON_PATH_MAX];
@@ -55,7 +55,7 @@ static int decode_moment(const json_t *value, const char *path, void *ret_h, str
     double hour = 0;
     const struct orl_json_member members[] = {
         {"month", .whole = &month, .from = 1, .to = 12, .required = true},
-        {.name = "day"}, /* its bounds depend on the month */
+        {.name = "day"}, /* decoded below: its bounds depend on the month */
         {"hour", .real = &hour, .least = 0, .most = day_h, .below = true, .required = true,
          .bounds = "it lies between 0 and 24"},
         {0}};
@@ -68,7 +68,7 @@ static int decode_moment(const json_t *value, const char *path, void *ret_h, str
     return rc;
 }
 
-/* Which of the models is given: exactly one, an object without a time. */
+/* Finds the one sky model that is given, as an object without a time. */
 static int find_model(const json_t *doc, const char *path, const char **ret_model,
                       struct orl_error *err)
 {
@@ -135,7 +135,7 @@ static void set_moment(struct orl_sky_request *request, double time_h)
         month++;
     request->month = month;
     request->day = day - days_before[month - 1] + 1;
-    /* Nine digits: 0.3 is to be 0.3 after many steps of a tenth. */
+    /* Rounding to nine digits: 0.3 must stay 0.3 after many steps of a tenth. */
     request->hour = fmax(round((time_h - day * day_h) * 1e9) / 1e9, 0);
 }
 

@@ -1,17 +1,18 @@
 /*
- * Several skies of a job document (JSON) -> the job's list of them. Either each by itself, as
- * sky_json.h has it, with a name for its results:
+ * Several skies of a job document (JSON) -> the job's list of skies. The skies are given one by
+ * one, as in sky_json.h, with a name for the results:
  *
  *     [{"name": "noon", "weather": {...}}, {"cie": {...}}, ...]
  *
- * or a sequence of hours: a sky that goes by time, without month, day and hour, and from where to
- * where (included) in which steps, of hours, in a year of 365 days:
+ * or as a sequence of hours in a year of 365 days. It has a sky model that depends on time,
+ * without month, day and hour. It also has the first and the last moment (inclusive) and the step
+ * in hours:
  *
  *     {"weather": {"file": "place.epw"}, "from": {"month": 3, "day": 22, "hour": 0.5},
  *      "to": {"month": 3, "day": 22, "hour": 23.5}, "step_h": 1}
  *
- * Skies without a name are called after their time, "0322-1130" for month, day, hour and minute, or
- * "sky-0007" by their number.
+ * A sky without a name is named by its time, "0322-1130" for month, day, hour and minute, or else
+ * by its number, "sky-0007".
  */
 #ifndef ORL_API_SKIES_JSON_H
 #define ORL_API_SKIES_JSON_H
@@ -20,7 +21,7 @@
 
 #include "members.h"
 
-/* Into a struct orl_job. What is in the job is the job's to free, also after a failure. */
+/* Decoder into a struct orl_job. The caller frees what is in the job, also after a failure. */
 orl_json_decoder orl_skies_from_json;
 
 #endif

@@ -13,14 +13,14 @@ static bool has_any(const json_t *value, const char *const *names)
     return false;
 }
 
-/* Rows of a sky's table: its time, which is wanted whole ... */
+/* Rows for a sky's date and hour. All are required if `wanted` is true. */
 #define DATE(request, wanted)                                                                      \
     {"month", .whole_int = &(request)->month, .from = 1, .to = 12, .required = (wanted)},          \
         {"day", .whole_int = &(request)->day, .from = 1, .to = 31, .required = (wanted)},          \
     {                                                                                              \
         "hour", .real = &(request)->hour, .required = (wanted)                                     \
     }
-/* ... and with the site, or the sun's place, or neither: what a sky needs is the core's to say. */
+/* Rows for date, site and sun position. The core checks which of them a sky needs. */
 #define WHEN(request, wanted)                                                                      \
     DATE(request, wanted),                                                                         \
         {"latitude", .real = &(request)->latitude_deg, .required = (request)->time_given},         \
@@ -32,7 +32,7 @@ static bool has_any(const json_t *value, const char *const *names)
         "ground_reflectance", .real = &(request)->ground_reflectance                               \
     }
 
-/* Whether a time is wanted here: some of it is there, and it is not given elsewhere. */
+/* Returns true if the sky has its own time: some of it is given, and none is given elsewhere. */
 static bool find_when(const json_t *value, struct orl_sky_request *request)
 {
     static const char *const time[] = {"month",     "day",       "hour", "latitude",
@@ -44,15 +44,15 @@ static bool find_when(const json_t *value, struct orl_sky_request *request)
     return request->time_given && !known;
 }
 
-/* One way to say how bright a sky is: one member or two that go together. */
+/* An input for a sky's brightness: one member, or two that go together. */
 struct way {
     enum orl_sky_input input;
     const char *first, *second;
 };
 
 /*
- * Exactly one way must be complete, and no member of another given. The way that is meant is the
- * one whose first member is there.
+ * Decodes the brightness. Exactly one way must be complete, and members of other ways are errors.
+ * The way is identified by its first member.
  */
 static int decode_way(const json_t *value, const char *path, const struct way *ways, size_t count,
                       struct orl_sky_request *request, struct orl_error *err)
@@ -163,7 +163,7 @@ static int decode_weather(const json_t *value, const char *path, void *into, str
     return orl_json_members(value, path, members, err);
 }
 
-/* ret_name: where skies have names; or NULL. */
+/* ret_name: gets the sky's name; NULL where skies have none. */
 static int decode_sky(const json_t *value, const char *path, struct orl_sky_request *request,
                       char **ret_name, struct orl_error *err)
 {

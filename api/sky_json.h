@@ -7,11 +7,11 @@
  *     {"cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}}
  *     {"weather": {"file": "place.epw", "month": 3, "day": 22, "hour": 11.5}}
  *
- * and beside it "normalise": "flux" (the default) or "gendaylit", and "sun": "accurate" (the
- * default) or "radiance". Longitude is in degrees EAST of
- * Greenwich, the time zone in hours EAST. Instead of time and site, perez and cie take sun_altitude
- * and sun_azimuth (degrees from south towards west). The other ways to say how bright a sky is are
- * in openapi.yaml; what they mean, and the bounds, in oriel/sky.h and orl_job_validate.
+ * Optional members beside it are "normalise": "flux" (the default) or "gendaylit", and "sun":
+ * "accurate" (the default) or "radiance". Longitude is in degrees EAST of Greenwich, the time zone
+ * in hours EAST. Instead of time and site, perez and cie take sun_altitude and sun_azimuth
+ * (degrees from south towards west). openapi.yaml lists the other inputs for a sky's brightness.
+ * oriel/sky.h and orl_job_validate have their meaning and bounds.
  */
 #ifndef ORL_API_SKY_JSON_H
 #define ORL_API_SKY_JSON_H
@@ -20,10 +20,10 @@
 
 #include "members.h"
 
-/* Into a struct orl_sky_request, which holds defaults; where its time is given, the sky's own may
- * be left out. Strings in it are its owner's to free, also after a failure. */
+/* Decoder into a struct orl_sky_request, which holds defaults. If its time is already given, the
+ * sky needs none. The request's owner frees its strings, also after a failure. */
 orl_json_decoder orl_sky_from_json;
-/* One of several, with a "name" or without: into a struct orl_named_sky of zeros. */
+/* Decoder of one of several skies into a struct orl_named_sky of zeros; "name" is optional. */
 orl_json_decoder orl_named_sky_from_json;
 
 #endif

@@ -13,7 +13,7 @@
 enum { TITLE_MAX = 90, NOTE_MAX = 2000, NAME_MAX_BYTES = 60, REPEATS_MAX = 1000 };
 enum { SENSOR_RAYS_MAX = 1 << 24, PIXEL_PATHS_MAX = 1 << 20 };
 
-/* What a study has in common with a job, as a job document of its own. */
+/* Returns a job document of the members that a study shares with a job. */
 static json_t *job_part(const json_t *doc)
 {
     static const char *const shared[] = {"scene", "sky", "effects", "seed", "sensors", "views"};
@@ -90,7 +90,7 @@ static int decode_given(const json_t *value, const char *path, void *into, struc
         .each = (decoder), .empty = "the list is empty"                                            \
     }
 
-/* views: they are measured, not sensors. */
+/* views: true if views are measured, not sensors. */
 static int decode_members(const json_t *doc, bool views, struct orl_study_request *r,
                           struct orl_error *err)
 {
@@ -108,7 +108,7 @@ static int decode_members(const json_t *doc, bool views, struct orl_study_reques
         {.name = "kind"},
         {"title", .text = &r->title, .longest = TITLE_MAX},
         {"note", .text = &r->note, .longest = NOTE_MAX},
-        {.name = "scene"}, /* and others: the job's */
+        {.name = "scene"}, /* this and the next five: decoded as the job's */
         {.name = "sky"},
         {.name = "effects"},
         {.name = "seed"},
@@ -128,7 +128,7 @@ static int decode_members(const json_t *doc, bool views, struct orl_study_reques
     return orl_json_members(doc, "", members, err);
 }
 
-/* Samples of what is not measured would be without effect. */
+/* Refuses samples for what is not measured: they would have no effect. */
 static int refuse_samples(const json_t *doc, bool views, struct orl_error *err)
 {
     const char *name = views ? "pixel_samples" : "gather_samples";
@@ -139,8 +139,9 @@ static int refuse_samples(const json_t *doc, bool views, struct orl_error *err)
                          views ? "views" : "sensors", name);
 }
 
-static int decode(const json_t *doc, enum orl_job_origin origin, struct orl_study_request *request,
-                  char **ret_scene_id, struct orl_error *err)
+static int decode_document(const json_t *doc, enum orl_job_origin origin,
+                           struct orl_study_request *request, char **ret_scene_id,
+                           struct orl_error *err)
 {
     const bool views = json_array_size(json_object_get(doc, "views")) > 0;
     const char *kind = json_string_value(json_object_get(doc, "kind"));
@@ -159,7 +160,7 @@ int orl_study_from_json(const json_t *doc, enum orl_job_origin origin,
     struct orl_study_request request;
     char *scene_id = NULL;
     orl_study_request_init(&request);
-    const int rc = decode(doc, origin, &request, &scene_id, err);
+    const int rc = decode_document(doc, origin, &request, &scene_id, err);
     if (rc) {
         orl_study_request_done(&request);
         free(scene_id);
@@ -173,7 +174,7 @@ int orl_study_from_json(const json_t *doc, enum orl_job_origin origin,
 
 /* ---- Results --------------------------------------------------------------------------------- */
 
-/* As in result_json.c: json_pack's "o" fails on NULL, so that one check covers all parts. */
+/* json_pack's "o" fails on NULL, so that one check covers all parts (as in result_json.c). */
 static json_t *seconds_to_json(const struct orl_study_point *p)
 {
     json_t *seconds = json_pack("{s:f, s:o}", "total", p->total_s, "total_error",
@@ -272,7 +273,7 @@ static json_t *part_to_json(const struct orl_study *study, enum part part)
                        : part == PART_FITS  ? fit_to_json(&study->fits[i])
                        : part == PART_GIVEN ? given_to_json(&study->given[i])
                                             : orl_json_from_text(study->warnings[i]);
-        /* Takes item, NULL included, which is an error. */
+        /* Takes item; NULL is an error. */
         if (json_array_append_new(array, item)) {
             json_decref(array);
             return NULL;

@@ -192,7 +192,7 @@ const struct orl_job *orl_task_job(const struct orl_task *task)
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* Where a task has the names of its main files, and their number. */
+/* Addresses of a task's main file names and their number. */
 struct scene_place {
     char ***files;
     size_t *count;
@@ -232,11 +232,12 @@ struct visiting {
     struct orl_error *err;
 };
 
-static int tell(const struct visiting *v, enum orl_file_role role, const char *name,
-                const char *entry, const char *format, ...) __attribute__((format(printf, 5, 6)));
-/* Nothing of a file without a name. */
-static int tell(const struct visiting *v, enum orl_file_role role, const char *name,
-                const char *entry, const char *format, ...)
+static int visit_file(const struct visiting *v, enum orl_file_role role, const char *name,
+                      const char *entry, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
+/* Visits a file; names that are NULL or empty are skipped. */
+static int visit_file(const struct visiting *v, enum orl_file_role role, const char *name,
+                      const char *entry, const char *format, ...)
 {
     char place[64];
     va_list args;
@@ -249,43 +250,45 @@ static int tell(const struct visiting *v, enum orl_file_role role, const char *n
     return v->visit(v->ctx, &file, v->err);
 }
 
-static int tell_weather(const struct visiting *v, const struct orl_sky_request *sky,
-                        const char *place)
+static int visit_weather(const struct visiting *v, const struct orl_sky_request *sky,
+                         const char *place)
 {
     char year[16];
     snprintf(year, sizeof year, "%d", sky->weather_year);
-    return tell(v, ORL_FILE_WEATHER, sky->weather_file, sky->weather_year ? year : NULL, "%s",
-                place);
+    return visit_file(v, ORL_FILE_WEATHER, sky->weather_file, sky->weather_year ? year : NULL, "%s",
+                      place);
 }
 
 static int visit_job(const struct visiting *v, const struct orl_job *job)
 {
-    int rc = tell(v, ORL_FILE_SENSORS, job->sensors_file, NULL, "sensors.file");
+    int rc = visit_file(v, ORL_FILE_SENSORS, job->sensors_file, NULL, "sensors.file");
     for (size_t i = 0; i < job->n_grids && rc == 0; i++)
-        rc = tell(v, ORL_FILE_SENSORS, job->grids[i].file, NULL, "grids[%zu].sensors.file", i);
+        rc =
+            visit_file(v, ORL_FILE_SENSORS, job->grids[i].file, NULL, "grids[%zu].sensors.file", i);
     if (rc == 0)
-        rc = tell_weather(v, &job->sky, "sky.weather.file");
+        rc = visit_weather(v, &job->sky, "sky.weather.file");
     for (size_t i = 0; i < job->n_skies && rc == 0; i++) {
         char place[64];
         snprintf(place, sizeof place, "skies[%zu].weather.file", i);
-        rc = tell_weather(v, &job->skies[i].request, place);
+        rc = visit_weather(v, &job->skies[i].request, place);
     }
     for (size_t i = 0; i < job->n_views && rc == 0; i++) {
         const struct orl_view_request *view = &job->views[i];
-        rc = tell(v, ORL_FILE_VIEW, view->file, view->entry, "views[%zu].file", i);
+        rc = visit_file(v, ORL_FILE_VIEW, view->file, view->entry, "views[%zu].file", i);
         if (rc == 0)
-            rc = tell(v, ORL_FILE_MASK, view->glare.mask, NULL, "views[%zu].glare.mask", i);
+            rc = visit_file(v, ORL_FILE_MASK, view->glare.mask, NULL, "views[%zu].glare.mask", i);
     }
     return rc;
 }
 
 static int visit_group(const struct visiting *v, const struct orl_window_group *group, size_t g)
 {
-    int rc = tell(v, ORL_FILE_SCHEDULE, group->schedule_file, NULL, "shades[%zu].schedule.file", g);
+    int rc = visit_file(v, ORL_FILE_SCHEDULE, group->schedule_file, NULL,
+                        "shades[%zu].schedule.file", g);
     for (size_t s = 0; s < group->n_states && rc == 0; s++)
         for (size_t i = 0; i < group->states[s].n_files && rc == 0; i++)
-            rc = tell(v, ORL_FILE_SCENE, group->states[s].files[i], NULL,
-                      "shades[%zu].states[%zu].files[%zu]", g, s, i);
+            rc = visit_file(v, ORL_FILE_SCENE, group->states[s].files[i], NULL,
+                            "shades[%zu].states[%zu].files[%zu]", g, s, i);
     return rc;
 }
 
@@ -300,7 +303,8 @@ static int visit_term(const struct visiting *v, const struct orl_matrix_term *te
                  {"sky", term->sky}};
     int rc = 0;
     for (size_t k = 0; k < sizeof files / sizeof *files && rc == 0; k++)
-        rc = tell(v, ORL_FILE_MATRIX, files[k].name, NULL, "matrices[%zu].%s", i, files[k].member);
+        rc = visit_file(v, ORL_FILE_MATRIX, files[k].name, NULL, "matrices[%zu].%s", i,
+                        files[k].member);
     return rc;
 }
 
@@ -308,14 +312,14 @@ static int visit_year(const struct visiting *v, const struct orl_annual_job *yea
 {
     char number[16];
     snprintf(number, sizeof number, "%d", year->request.weather_year);
-    int rc = tell(v, ORL_FILE_YEAR, year->request.weather_file,
-                  year->request.weather_year ? number : NULL, "weather");
+    int rc = visit_file(v, ORL_FILE_YEAR, year->request.weather_file,
+                        year->request.weather_year ? number : NULL, "weather");
     if (rc == 0)
-        rc = tell(v, ORL_FILE_OCCUPANCY, year->wishes.occupancy_file, NULL, "occupancy.file");
+        rc = visit_file(v, ORL_FILE_OCCUPANCY, year->wishes.occupancy_file, NULL, "occupancy.file");
     for (size_t g = 0; g < year->request.n_grids && rc == 0; g++)
-        rc = year->bare ? tell(v, ORL_FILE_SENSORS, year->grid_files[g], NULL, "sensors.file")
-                        : tell(v, ORL_FILE_SENSORS, year->grid_files[g], NULL,
-                               "grids[%zu].sensors.file", g);
+        rc = year->bare ? visit_file(v, ORL_FILE_SENSORS, year->grid_files[g], NULL, "sensors.file")
+                        : visit_file(v, ORL_FILE_SENSORS, year->grid_files[g], NULL,
+                                     "grids[%zu].sensors.file", g);
     for (size_t g = 0; g < year->request.n_groups && rc == 0; g++)
         rc = visit_group(v, &year->request.groups[g], g);
     for (size_t i = 0; i < year->request.n_terms && rc == 0; i++)

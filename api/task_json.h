@@ -1,10 +1,10 @@
 /*
- * A document of any kind (JSON) -> what it asks for: a render job (job_json.h), a study
- * (study_json.h), a year (annual_json.h) or a panel's BSDF (bsdf_make_json.h), told apart by its
- * "kind"; without one it is a render job.
+ * A document of any kind (JSON) -> struct orl_task. Its "kind" says which: a render job
+ * (job_json.h), which is the default, a study (study_json.h), a year (annual_json.h), a panel's
+ * BSDF (bsdf_make_json.h) or a BSDF fit (bsdf_fit_json.h).
  *
- * Of any kind, "priority": 0 to 9, larger goes first in the daemon's queue; 5 when left out; and
- * "name" and "tags" (labels_json.h).
+ * Every kind may have "priority", "name" and "tags" (labels_json.h). priority is 0 to 9, by
+ * default 5; larger goes first in the daemon's queue.
  *
  * Rules, ownership, threads and errors as in job_json.h.
  */
@@ -29,9 +29,9 @@ enum orl_task_kind {
     ORL_TASK_BSDF_FIT,
     ORL_TASK_KIND_COUNT
 };
-/* "render", "study", "annual", "bsdf_make", "bsdf_fit" */
+/* Returns "render", "study", "annual", "bsdf_make" or "bsdf_fit". */
 const char *orl_task_kind_name(enum orl_task_kind kind);
-/* ORL_TASK_KIND_COUNT when there is no such kind. */
+/* Returns ORL_TASK_KIND_COUNT if there is no such kind. */
 enum orl_task_kind orl_task_kind_from_name(const char *name);
 
 enum { ORL_PRIORITY_MAX = 9, ORL_PRIORITY_DEFAULT = 5 };
@@ -51,44 +51,44 @@ struct orl_task {
 /* NULL and all zeros are fine. */
 void orl_task_done(struct orl_task *task);
 
-/* Decodes doc and checks it as far as that goes without the scene. */
+/* Decodes doc and checks it as far as possible without the scene. */
 int orl_task_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_task *ret_task,
                        char **ret_scene_id, struct orl_error *err);
 
-/* The job itself, or the one that a study's runs are made from: scene, sky, sensors, views. NULL:
- * it is made of none. */
+/* Returns the render job, or the job from which a study's runs are made (scene, sky, sensors,
+ * views). NULL for other kinds. */
 const struct orl_job *orl_task_job(const struct orl_task *task);
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* The main files of its scene, borrowed; none of a document that names an id. */
+/* Returns the names of the scene's main files, borrowed; none for a document that names an id. */
 char *const *orl_task_scene(const struct orl_task *task, size_t *ret_count);
-/* Gives it such names where it has none; both are taken. */
+/* Sets the names of the scene's main files, for a task without any; takes files and its strings. */
 void orl_task_set_scene(struct orl_task *task, char **files, size_t count);
 
 enum orl_file_role {
     ORL_FILE_SENSORS,
-    ORL_FILE_WEATHER,   /* for some hours of it */
-    ORL_FILE_VIEW,      /* lines of views */
-    ORL_FILE_MASK,      /* a picture, of a view's glare */
-    ORL_FILE_YEAR,      /* weather, for all of it */
-    ORL_FILE_OCCUPANCY, /* of that year's hours */
-    ORL_FILE_SCENE,     /* scene text, of a state of its shades */
-    ORL_FILE_MATRIX,    /* of a year's light, or a BSDF in its place */
-    ORL_FILE_SCHEDULE,  /* of its shades */
+    ORL_FILE_WEATHER,   /* weather file, for some of its hours */
+    ORL_FILE_VIEW,      /* view file, with lines of view options */
+    ORL_FILE_MASK,      /* picture that masks a view for glare */
+    ORL_FILE_YEAR,      /* weather file, for the whole year */
+    ORL_FILE_OCCUPANCY, /* occupancy of that year's hours */
+    ORL_FILE_SCENE,     /* scene file of a shade state */
+    ORL_FILE_MATRIX,    /* matrix of a year's light, or a BSDF in its place */
+    ORL_FILE_SCHEDULE,  /* schedule of a shade */
     ORL_FILE_ROLES
 };
 
-/* A file that the document names beside its scene's. */
+/* A file that the document names, other than the scene's main files. */
 struct orl_task_file {
     enum orl_file_role role;
     const char *name;
-    const char *place; /* where it does: "sky.weather.file" */
-    const char *entry; /* of views: which of them is wanted; of weather: its year; or NULL */
+    const char *place; /* JSON path that names it: "sky.weather.file" */
+    const char *entry; /* for views: entry in the file; for weather: its year; or NULL */
 };
 
-/* Calls visit with each of them, valid during the call, the year before its occupancy; a negative
- * orl_err of it ends that. */
+/* Calls visit with each file, which is valid during the call. A year's weather comes before its
+ * occupancy. A negative orl_err of visit ends the calls and is returned. */
 int orl_task_files(const struct orl_task *task,
                    int (*visit)(void *ctx, const struct orl_task_file *file, struct orl_error *err),
                    void *ctx, struct orl_error *err);

@@ -11,7 +11,7 @@
 
 enum { VIEW_TEXT_MAX = 4096, VIEW_NAME_MAX = 128, VIEW_FILE_MAX = 1024, ENTRY_MAX = 63 };
 
-/* A number, from 1, or a name; as text either way. */
+/* Decodes a number from 1, or a name; the result is text either way. */
 static int decode_entry(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     char **entry = into, text[24];
@@ -26,7 +26,7 @@ static int decode_entry(const json_t *value, const char *path, void *into, struc
     return *entry ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* The options, or the file that has them, or some. */
+/* Fails if there is an entry without a file. */
 static int check_source(const char *path, const struct orl_view_request *view,
                         struct orl_error *err)
 {
@@ -37,8 +37,8 @@ static int check_source(const char *path, const struct orl_view_request *view,
     return 0;
 }
 
-/* The size that the options ask for, where they do. Those that are wrong are told of when the job
- * is looked at as a whole. */
+/* Reads the size from the view options, if they have one. Wrong options are reported by
+ * orl_job_validate. */
 static void find_size(const json_t *options, struct orl_view_request *view)
 {
     struct orl_error unsound;

@@ -39,7 +39,7 @@ static bool is_xml(const char *name)
     return length > 4 && strcmp(name + length - 4, ".xml") == 0;
 }
 
-/* Where a file is: below the folder, or else in the user's library. */
+/* Finds a file: below the folder, or else in the user's library. */
 static int find_path(const char *folder, const char *name, char *ret_path, size_t size,
                      struct orl_error *err)
 {
@@ -52,7 +52,7 @@ static int find_path(const char *folder, const char *name, char *ret_path, size_
     return rc;
 }
 
-/* Adds a file unless it is there already: one file may be referred to many times. */
+/* Adds a file unless it was added before: a file may be referred to many times. */
 static int add_part(struct orl_upload *bundle, const char *folder, const char *name, bool resource,
                     struct orl_error *err)
 {
@@ -81,7 +81,7 @@ static int add_part(struct orl_upload *bundle, const char *folder, const char *n
     return 0;
 }
 
-/* A scene and what it refers to; or measurements, which refer to nothing. */
+/* Checks a scene and finds its references, or checks measurements, which have none. */
 static int look_at(const char *const *main_files, size_t n_files, const struct orl_files *files,
                    struct orl_scene_summary *ret_summary, struct orl_error *err)
 {
@@ -159,7 +159,7 @@ static bool is_of_scene(const char *name)
            (length > 5 && strcasecmp(name + length - 5, ".json") == 0);
 }
 
-/* Files of a folder whose names end in .rad, .mat or .json, sorted. */
+/* Lists a folder's files that end in .rad, .mat or .json, sorted. */
 static int list_scene_files(const char *folder, char **names, size_t *count, struct orl_error *err)
 {
     DIR *entries = NULL;
@@ -199,7 +199,7 @@ int orl_bundle_main_files(const char *folder, char ***ret_names, size_t *ret_cou
     if (rc == 0 && !mains)
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < kept && mains && names; i++) {
-        mains[i] = names[chosen[i]]; /* taken over, once */
+        mains[i] = names[chosen[i]]; /* moved */
         names[chosen[i]] = NULL;
     }
     orl_bundle_names_free(names, count);
@@ -213,7 +213,7 @@ int orl_bundle_add(struct orl_upload *bundle, const char *folder, const char *na
 {
     const struct orl_files files = orl_files_from_folder(folder);
     struct orl_file file;
-    /* Opened once, so that a misspelt name is told before anything is sent. */
+    /* Opening it reports a misspelt name before anything is sent. */
     const int rc = files.open(files.ctx, name, &file, err);
 
     if (rc)

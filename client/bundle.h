@@ -1,11 +1,11 @@
 /*
- * What an upload of a scene must carry: the main files, in order, and every file they refer to
- * (BSDFs, !xform files). The core's own parser finds the references, so that nothing is forgotten
- * and a mistake in the scene is reported before a byte is sent. So are what a goniophotometer
- * wrote, and mistakes in that.
+ * Collects the files of a scene upload: the main files, in order, and every file they refer to
+ * (BSDFs, !xform files). The core's own parser finds the references, so that none is missed and
+ * errors in the scene are reported before anything is sent. Goniophotometer measurements are
+ * checked likewise.
  *
- * Names travel as the scene's texts spell them, because that is how the daemon will look them up;
- * names that leave the folder ("../", "/") cannot travel and are refused.
+ * Names are sent as the scene's files spell them, because the daemon looks them up by this
+ * spelling. Names outside the folder ("../", "/") are refused.
  */
 #ifndef ORL_CLIENT_BUNDLE_H
 #define ORL_CLIENT_BUNDLE_H
@@ -19,25 +19,26 @@ struct orl_upload {
     size_t n_parts, room;
 };
 
-/* Collects the files below folder. */
+/* Collects the main files, below folder, and the files they refer to. */
 int orl_bundle_collect(const char *folder, const char *const *main_files, size_t n_files,
                        struct orl_upload *ret_bundle, struct orl_error *err);
 
-/* The names of a folder's main files (orl_scene_guess_main), sorted; *ret_names and what is in it
- * are owned. */
+/* Guesses the names of a folder's main files (main_files.h), in reading order. *ret_names and
+ * its strings are owned by the caller. */
 int orl_bundle_main_files(const char *folder, char ***ret_names, size_t *ret_count,
                           struct orl_error *err);
 void orl_bundle_names_free(char **names, size_t count); /* NULL is fine */
 
-/* Adds a file that the scene does not mention but a job does: a weather file. */
+/* Adds a file that the job names but the scene does not, such as a weather file. */
 int orl_bundle_add(struct orl_upload *bundle, const char *folder, const char *name,
                    struct orl_error *err);
-/* Adds what these files refer to, read after each other, and not they themselves. */
+/* Adds the files that these files refer to when read in order, but not these files themselves. */
 int orl_bundle_add_referenced(struct orl_upload *bundle, const char *folder,
                               const char *const *names, size_t count, struct orl_error *err);
 void orl_bundle_done(struct orl_upload *bundle); /* NULL and half-filled are fine */
 
-/* Uploads it, unless the daemon has it; says on stderr which. *ret_id is owned (free()). */
+/* Uploads the bundle unless the daemon already has it, and reports which on stderr. *ret_id is
+ * owned (free()). */
 int orl_bundle_upload(const struct orl_upload *bundle, struct orl_http *http, char **ret_id,
                       struct orl_error *err);
 

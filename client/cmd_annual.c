@@ -1,6 +1,6 @@
 /*
- * oriel annual JOB.json|PROJECT -o DIR: a year of daylight at grids of sensors, in this process.
- * DIR gets result.json, also when it failed, tables, maps and pages.
+ * oriel annual JOB.json|PROJECT -o DIR: computes a year of daylight on grids of sensors, in
+ * this process. DIR gets tables, maps, pages and result.json, which is also written on failure.
  */
 #include "command.h"
 
@@ -15,23 +15,23 @@
 #include "sharing_line.h"
 #include "verdict_line.h"
 
-/* What the command line asks for beside the document. */
+/* Output and settings from the command line. */
 struct output {
     const char *folder, *cache;
     struct orl_annual_formats formats;
     uint32_t threads;
-    const struct orl_sharing_line *sharing; /* NULL: in one piece */
+    const struct orl_sharing_line *sharing; /* NULL: not in parts */
 };
 
-/* Whose result is told, and where it goes. */
+/* The job whose result is reported, and the output folder. */
 struct telling {
     const struct orl_annual_job *job;
     const char *folder;
 };
 
-/* ---- What came of it ------------------------------------------------------------------------- */
+/* ---- Results --------------------------------------------------------------------------------- */
 
-/* A line a point, as "medium     sunlight by EN 17037, living room: 3.4 h on 2/14". */
+/* Prints a line per point: "medium     sunlight by EN 17037, living room: 3.40 h on 2/14". */
 static void print_exposure(const struct orl_exposure_wish *wish,
                            const struct orl_annual_report *report)
 {
@@ -42,8 +42,8 @@ static void print_exposure(const struct orl_exposure_wish *wish,
     }
 }
 
-/* A line a point, and one a grid, as "minimum    view out by EN 17037, desk: 21.3 degrees, 12 m".
- */
+/* Prints a line per point and per grid: "minimum    view out by EN 17037, desk: 21.3 degrees,
+ * 12 m, sky". */
 static void print_views(const struct orl_view_out_wish *wish,
                         const struct orl_annual_report *report)
 {
@@ -63,8 +63,8 @@ static void print_views(const struct orl_view_out_wish *wish,
     }
 }
 
-/* A line a seat, as "medium     glare by EN 17037, desk: DGP above 0.380 [0.375, 0.384] in 5 % of
- * use". */
+/* Prints a line per seat: "medium     glare by EN 17037, desk: DGP above 0.380 [0.375, 0.384]
+ * in 5 % of use". */
 static void print_glare(const struct orl_seats_wish *wish, const struct orl_annual_report *report)
 {
     for (size_t i = 0; i < report->n_seats; i++) {
@@ -118,9 +118,10 @@ static int write_result(const char *output, const json_t *json, struct orl_error
     return rc ? rc : orl_write_json(path, json, err);
 }
 
-/* ctx: what is told. */
-static int tell(void *ctx, const struct orl_annual_result *result,
-                const struct orl_annual_report *report, json_t *document, struct orl_error *err)
+/* Writes result.json and prints the summary. ctx: a struct telling. */
+static int on_result(void *ctx, const struct orl_annual_result *result,
+                     const struct orl_annual_report *report, json_t *document,
+                     struct orl_error *err)
 {
     const struct telling *telling = ctx;
     const int rc = write_result(telling->folder, document, err);
@@ -132,7 +133,7 @@ static int tell(void *ctx, const struct orl_annual_result *result,
 
 /* ---- The run --------------------------------------------------------------------------------- */
 
-static void tell_failure(const char *output, const struct orl_error *err)
+static void write_failure(const char *output, const struct orl_error *err)
 {
     struct orl_error second = {0};
     json_t *json = json_pack("{s:s, s:s, s:o}", "kind", "annual", "state",
@@ -145,8 +146,8 @@ static void tell_failure(const char *output, const struct orl_error *err)
     orl_report_error(err);
 }
 
-static int decode(const struct orl_job_file *file, struct orl_annual_job *ret_job,
-                  struct orl_error *err)
+static int decode_annual(const struct orl_job_file *file, struct orl_annual_job *ret_job,
+                         struct orl_error *err)
 {
     const int rc = orl_annual_job_from_json(file->doc, ORL_JOB_LOCAL, ret_job, NULL, err);
 
@@ -155,7 +156,7 @@ static int decode(const struct orl_job_file *file, struct orl_annual_job *ret_jo
     return rc;
 }
 
-/* In parts, where the command line asks for that. */
+/* Runs the year, in parts if the command line asks for that. */
 static int run_year(struct orl_annual_job *job, const struct orl_job_file *file,
                     const struct output *output, const struct orl_local_tell *teller,
                     struct orl_error *err)
@@ -176,7 +177,7 @@ static int run_year(struct orl_annual_job *job, const struct orl_job_file *file,
     return rc;
 }
 
-/* A project has no weather of its own. */
+/* Opens the document or project. A project needs a weather file from the command line. */
 static int open_document(const char *path, const struct orl_project_line *project,
                          struct orl_job_file *ret_file, struct orl_error *err)
 {
@@ -196,24 +197,24 @@ static int run_document(const char *document, const struct orl_project_line *pro
     struct orl_error err = {0};
     char path[4096];
     struct telling telling = {&job, output->folder};
-    const struct orl_local_tell teller = {tell, &telling};
+    const struct orl_local_tell teller = {on_result, &telling};
     int rc = orl_make_folder(output->folder, &err);
 
     if (rc == 0)
         rc = orl_join_path(output->folder, "result.json", path, sizeof path, &err);
     if (rc)
         return orl_report_error(&err);
-    unlink(path); /* an earlier run's success must not outlive this one's start */
+    unlink(path); /* a failed start must not leave an earlier run's result */
     rc = open_document(document, project, &file, &err);
     if (rc == 0)
-        rc = decode(&file, &job, &err);
+        rc = decode_annual(&file, &job, &err);
     job.formats.honeybee = job.formats.honeybee || output->formats.honeybee;
     job.formats.matrices = job.formats.matrices || output->formats.matrices;
     job.formats.phases = job.formats.phases || output->formats.phases;
     if (rc == 0)
         rc = run_year(&job, &file, output, &teller, &err);
     if (rc)
-        tell_failure(output->folder, &err);
+        write_failure(output->folder, &err);
     orl_annual_job_done(&job);
     orl_job_file_done(&file);
     return rc ? ORL_EXIT_FAILED : ORL_EXIT_OK;

@@ -1,4 +1,5 @@
-/* oriel bsdf check FILE; fit (cmd_bsdf_fit.c); make (cmd_bsdf_make.c) */
+/* oriel bsdf check FILE: checks a BSDF. Other verbs have files of their own, such as
+ * cmd_bsdf_fit.c. */
 #include "command.h"
 
 #include <stdio.h>
@@ -23,7 +24,7 @@ static void print_directions(const struct orl_bsdf_check *c)
     }
 }
 
-/* "coarse" is for comparing with Radiance's checkBSDF. */
+/* Prints the extremes; "coarse" allows a comparison with Radiance's checkBSDF. */
 static void print_extremes(const struct orl_bsdf_check *c)
 {
     static const char *const names[] = {"least", "diffuse", "most", "most, coarse"};
@@ -66,7 +67,7 @@ static int examine_file(const char *path, struct orl_bsdf_check *ret_check, stru
     return rc;
 }
 
-/* What has files of its own. */
+/* Verbs in files of their own. */
 static const struct {
     const char *name;
     int (*run)(const struct orl_subcommand *self, int argc, char **argv);

@@ -1,4 +1,5 @@
-/* oriel bsdf convert FILE.xml -o OTHER.xml; oriel bsdf compare A.xml B.xml */
+/* oriel bsdf convert FILE.xml -o OTHER.xml: converts a BSDF to another basis. oriel bsdf
+ * compare A.xml B.xml: prints the differences. */
 #include "command.h"
 
 #include <math.h>
@@ -14,14 +15,14 @@
 #include "report.h"
 #include "words.h"
 
-/* ---- What is lost ---------------------------------------------------------------------------- */
+/* ---- Differences ----------------------------------------------------------------------------- */
 
 static void print_place(const struct orl_bsdf_place *p)
 {
     printf(" (%.0f, %.0f)", p->theta_deg, p->phi_deg);
 }
 
-/* Of all parts the worst of red, green and blue. */
+/* Prints the worst colour differences over all components, in red, green or blue. */
 static void print_colors(const struct orl_bsdf_comparison *c)
 {
     double albedo = 0, cone = 0;
@@ -98,13 +99,13 @@ int orl_cmd_bsdf_compare(const struct orl_subcommand *self, int argc, char **arg
     return rc ? orl_report_error(&err) : ORL_EXIT_OK;
 }
 
-/* ---- Converting ------------------------------------------------------------------------------ */
+/* ---- Conversion ------------------------------------------------------------------------------ */
 
 struct line {
     struct orl_local_line local;
     struct orl_choices words;
     const char *report, *within_text;
-    double within; /* 0: it is not culled by what it loses */
+    double within; /* largest allowed loss by culling; 0: not limited */
     bool color;
 };
 
@@ -119,7 +120,7 @@ static const struct orl_choice words[] = {
 };
 enum { WORDS = sizeof words / sizeof *words };
 
-/* As a document that asks for a BSDF to be made says it. */
+/* Decodes the options as a document that requests a BSDF. */
 static int request_of(const struct line *line, struct orl_bsdf_make_request *ret_request,
                       struct orl_error *err)
 {
@@ -132,10 +133,11 @@ static int request_of(const struct line *line, struct orl_bsdf_make_request *ret
     return rc;
 }
 
-/* Converted, and what is lost. */
-static int bring(const struct line *line, const struct orl_bsdf *before,
-                 const struct orl_bsdf_make_request *to, struct orl_bsdf_made *ret_made,
-                 struct orl_bsdf_comparison *ret_lost, struct orl_error *err)
+/* Converts the BSDF and computes the loss. */
+static int convert_and_compare(const struct line *line, const struct orl_bsdf *before,
+                               const struct orl_bsdf_make_request *to,
+                               struct orl_bsdf_made *ret_made, struct orl_bsdf_comparison *ret_lost,
+                               struct orl_error *err)
 {
     struct orl_bsdf *after = NULL;
     char source[512];
@@ -162,7 +164,7 @@ static int bring(const struct line *line, const struct orl_bsdf *before,
     return rc;
 }
 
-static int convert(const struct line *line)
+static int run_convert(const struct line *line)
 {
     struct orl_bsdf_make_request request = {0};
     struct orl_bsdf_made made = {0};
@@ -173,7 +175,7 @@ static int convert(const struct line *line)
     if (rc == 0)
         rc = orl_bsdf_file_load(line->local.operand, &before, &err);
     if (rc == 0)
-        rc = bring(line, before, &request, &made, &comparison, &err);
+        rc = convert_and_compare(line, before, &request, &made, &comparison, &err);
     if (rc == 0)
         rc = orl_write_text(line->local.output, made.xml, made.xml_size, &err);
     if (rc == 0)
@@ -226,5 +228,5 @@ int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **arg
         return orl_usage_error(self, "-o FILE is missing");
     if (line.within_text && !read_share(line.within_text, &line.within))
         return orl_usage_error(self, "--within takes a share, above 0 and below 1: 0.01 is 1 %%");
-    return convert(&line);
+    return run_convert(&line);
 }

@@ -1,4 +1,4 @@
-/* oriel bsdf fit FILE ... -o FILE.xml: a BSDF from what a goniophotometer measured. */
+/* oriel bsdf fit FILE ... -o FILE.xml: fits a BSDF to goniophotometer measurements. */
 #include "command.h"
 
 #include <stdio.h>
@@ -14,7 +14,7 @@
 
 enum { FLAGS = 2 };
 
-/* The command line, and the document that it comes to. */
+/* The command line, which is turned into a document. */
 struct line {
     struct orl_local_line local;
     struct orl_choices words;
@@ -66,7 +66,7 @@ static json_t *document_of(const struct line *line)
     return NULL;
 }
 
-/* Whether anything on the line is for the document to say. */
+/* Returns true if the line has options that belong in the document. */
 static bool says_more(const struct line *line)
 {
     bool more = line->local.all.count > 1 || orl_words_any(&line->words);
@@ -75,7 +75,7 @@ static bool says_more(const struct line *line)
     return more;
 }
 
-/* By the line's words, or the document that it names. */
+/* Makes the request from the options, or from the document that the line names. */
 static int request_of(const struct line *line, struct orl_job_file *file,
                       struct orl_bsdf_fit_request *ret_request, struct orl_error *err)
 {
@@ -97,7 +97,7 @@ static int request_of(const struct line *line, struct orl_job_file *file,
     return rc;
 }
 
-/* ---- What was made --------------------------------------------------------------------------- */
+/* ---- Result ---------------------------------------------------------------------------------- */
 
 static void print_scans(const struct orl_bsdf_fitted *f)
 {
@@ -155,7 +155,7 @@ static void print_fitted(const struct orl_bsdf_fit_request *request,
     print_outliers(request, f);
 }
 
-static void warn(const struct orl_bsdf_fitted *f)
+static void print_warnings(const struct orl_bsdf_fitted *f)
 {
     json_t *warnings = orl_bsdf_fitted_warnings(f);
     for (size_t i = 0; i < json_array_size(warnings); i++)
@@ -175,7 +175,7 @@ static int print_json(const struct orl_bsdf_fit_request *request, const struct o
     return 0;
 }
 
-static int fit(const struct line *line)
+static int run_fit(const struct line *line)
 {
     struct orl_job_file file = {0};
     struct orl_bsdf_fit_request request = {0};
@@ -192,7 +192,7 @@ static int fit(const struct line *line)
     else if (rc == 0)
         print_fitted(&request, &fitted);
     if (rc == 0)
-        warn(&fitted);
+        print_warnings(&fitted);
     orl_bsdf_fitted_done(&fitted);
     orl_bsdf_fit_request_done(&request);
     orl_job_file_done(&file);
@@ -224,5 +224,5 @@ int orl_cmd_bsdf_fit(const struct orl_subcommand *self, int argc, char **argv)
     if (orl_names_document(line.local.operand) && says_more(&line))
         return orl_usage_error(self, "\"%s\" says itself what is fitted, alone on its line",
                                line.local.operand);
-    return fit(&line);
+    return run_fit(&line);
 }

@@ -1,4 +1,5 @@
-/* oriel bsdf make PANEL.rad ... -o FILE.xml: a panel's BSDF from its geometry and materials. */
+/* oriel bsdf make PANEL.rad ... -o FILE.xml: computes a panel's BSDF from its geometry and
+ * materials. */
 #include "command.h"
 
 #include <stdio.h>
@@ -13,14 +14,14 @@
 #include "sharing_line.h"
 #include "words.h"
 
-/* The command line, and the document that it comes to. */
+/* The command line, which is turned into a document. */
 struct line {
     struct orl_local_line local;
     struct orl_choices words;
     const char *cell, *report, *errors;
     bool color;
     struct orl_sharing_line sharing;
-    bool shared; /* it asks for parts */
+    bool shared; /* true if it asks for parts */
 };
 
 static const struct orl_choice words[] = {
@@ -81,13 +82,13 @@ static json_t *document_of(const struct line *line)
     return NULL;
 }
 
-/* Whether anything on the line is for the document to say. */
+/* Returns true if the line has options that belong in the document. */
 static bool says_more(const struct line *line)
 {
     return line->cell || line->color || line->local.all.count > 1 || orl_words_any(&line->words);
 }
 
-/* By the line's words, or the document that it names. */
+/* Makes the request from the options, or from the document that the line names. */
 static int request_of(const struct line *line, struct orl_job_file *file,
                       struct orl_bsdf_make_request *ret_request, struct orl_error *err)
 {
@@ -107,7 +108,7 @@ static int request_of(const struct line *line, struct orl_job_file *file,
                      : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* ---- What was made --------------------------------------------------------------------------- */
+/* ---- Result ---------------------------------------------------------------------------------- */
 
 static void print_made(const struct orl_bsdf_made *made)
 {
@@ -151,10 +152,10 @@ static int write_report(const char *path, const struct orl_bsdf_made *made, stru
     return rc;
 }
 
-/* In parts, where the command line asks for that; their folder is beside the XML. */
-static int run(const struct line *line, const struct orl_job_file *file,
-               const struct orl_bsdf_make_request *request, struct orl_bsdf_made *ret_made,
-               struct orl_error *err)
+/* Computes the BSDF, in parts if the command line asks for that. Their folder is beside the XML. */
+static int compute_bsdf(const struct line *line, const struct orl_job_file *file,
+                        const struct orl_bsdf_make_request *request, struct orl_bsdf_made *ret_made,
+                        struct orl_error *err)
 {
     struct orl_shared_job shared;
     const struct orl_local_share share = {&shared.sharing.pieces, &shared.sharing.store};
@@ -173,7 +174,7 @@ static int run(const struct line *line, const struct orl_job_file *file,
     return rc;
 }
 
-static int make(const struct line *line)
+static int run_make(const struct line *line)
 {
     struct orl_job_file file = {0};
     struct orl_bsdf_make_request request = {0};
@@ -182,7 +183,7 @@ static int make(const struct line *line)
     int rc = request_of(line, &file, &request, &err);
     request.tell_errors = line->errors != NULL;
     if (rc == 0)
-        rc = run(line, &file, &request, &made, &err);
+        rc = compute_bsdf(line, &file, &request, &made, &err);
     if (rc == 0)
         rc = orl_write_text(line->local.output, made.xml, made.xml_size, &err);
     if (rc == 0 && line->errors)
@@ -237,5 +238,5 @@ int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
         return orl_usage_error(self, "\"%s\" says itself what is made, alone on its line",
                                line.local.operand);
     line.shared = orl_sharing_asked(self, &line.sharing, &code);
-    return code ? code : make(&line);
+    return code ? code : run_make(&line);
 }

@@ -1,4 +1,5 @@
-/* oriel bsdf plot FILE.xml [OTHER.xml] -o PICTURE: where light from a direction goes. */
+/* oriel bsdf plot FILE.xml [OTHER.xml] -o PICTURE: plots the scattering of light from one
+ * direction. */
 #include "command.h"
 
 #include <stdio.h>
@@ -30,7 +31,7 @@ static bool ends_in(const char *path, const char *end)
     return length > n && strcmp(path + length - n, end) == 0;
 }
 
-static int one(const struct plot *p, struct orl_error *err)
+static int draw_picture(const struct plot *p, struct orl_error *err)
 {
     return orl_bsdf_chart_write(&p->chart,
                                 ends_in(p->output, ".svg")   ? ORL_CANVAS_SVG
@@ -39,7 +40,7 @@ static int one(const struct plot *p, struct orl_error *err)
                                 p->output, err);
 }
 
-/* From 0 to 80 degrees, in one scale: that of the brightest. */
+/* Draws frames from 0 to 80 degrees with one scale, that of the brightest frame. */
 static int draw_frames(struct plot *p, char names[FRAMES][4096], struct orl_error *err)
 {
     double top = 0;
@@ -58,7 +59,7 @@ static int draw_frames(struct plot *p, char names[FRAMES][4096], struct orl_erro
     return rc;
 }
 
-static int animate(struct plot *p, struct orl_error *err)
+static int draw_animation(struct plot *p, struct orl_error *err)
 {
     char(*names)[4096] = calloc(FRAMES, sizeof *names);
     const char *pictures[FRAMES];
@@ -76,9 +77,9 @@ static int animate(struct plot *p, struct orl_error *err)
     return rc;
 }
 
-/* ---- The line -------------------------------------------------------------------------------- */
+/* ---- Command line ---------------------------------------------------------------------------- */
 
-static int load(struct plot *p, const struct orl_operands *operands, struct orl_error *err)
+static int load_files(struct plot *p, const struct orl_operands *operands, struct orl_error *err)
 {
     int rc = 0;
     p->chart.n_files = (size_t)operands->count;
@@ -96,12 +97,12 @@ static int load(struct plot *p, const struct orl_operands *operands, struct orl_
     return rc;
 }
 
-static int plot(struct plot *p, const struct orl_operands *operands, bool animated)
+static int run_plot(struct plot *p, const struct orl_operands *operands, bool animated)
 {
     struct orl_error err = {0};
-    int rc = load(p, operands, &err);
+    int rc = load_files(p, operands, &err);
     if (rc == 0)
-        rc = animated ? animate(p, &err) : one(p, &err);
+        rc = animated ? draw_animation(p, &err) : draw_picture(p, &err);
     for (int i = 0; i < 2; i++) {
         orl_bsdf_unref(p->bsdfs[i]);
         free(p->checks[i]);
@@ -156,5 +157,5 @@ int orl_cmd_bsdf_plot(const struct orl_subcommand *self, int argc, char **argv)
     if (from && strcmp(from, "outside") != 0 && strcmp(from, "inside") != 0)
         return orl_usage_error(self, "light comes from outside or inside, not \"%s\"", from);
     p.chart.front = from && strcmp(from, "inside") == 0;
-    return plot(&p, &operands, animated);
+    return run_plot(&p, &operands, animated);
 }

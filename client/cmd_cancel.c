@@ -1,4 +1,4 @@
-/* oriel cancel ID: returns when the job has stopped. */
+/* oriel cancel ID: cancels a job and returns when it has stopped. */
 #include "command.h"
 
 #include <stdio.h>

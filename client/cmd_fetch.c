@@ -1,4 +1,4 @@
-/* oriel fetch ID -o DIR: result.json and the other files of a job, study or year. */
+/* oriel fetch ID -o DIR: downloads result.json and the other files of a job, study or year. */
 #include "command.h"
 
 #include <stdio.h>
@@ -13,7 +13,8 @@
 
 static const char result_name[] = "result.json";
 
-/* A name from the network becomes a path of ours: it must stay inside the folder, in every part. */
+/* Returns true if no part of the name is empty or begins with '.': a name from the network must
+ * stay inside the folder. */
 static bool is_plain_name(const char *name)
 {
     for (const char *part = name;; part += strcspn(part, "/") + 1) {
@@ -24,7 +25,7 @@ static bool is_plain_name(const char *name)
     }
 }
 
-/* The folders that the file lies in. */
+/* Creates the folders of the file's path. */
 static int make_folders(const char *file, struct orl_error *err)
 {
     char folder[4096];
@@ -75,7 +76,7 @@ static int fetch_result(struct orl_http *http, const char *id, const char *folde
     return rc;
 }
 
-/* Why a job that has ended has no result: what its document says, and where to read on. */
+/* Sets err to the reason why an ended job has no result, from its document, with a hint. */
 static int explain_absence(const json_t *job, const char *id, struct orl_error *err)
 {
     const json_t *problem = json_object_get(job, "error");
@@ -93,7 +94,8 @@ static int explain_absence(const json_t *job, const char *id, struct orl_error *
     return err->code;
 }
 
-/* The job's document lists its files; without any, asking for the result tells why. */
+/* Fetches all files that the job's document lists. If it lists none, requesting the result
+ * reports the reason. */
 static int fetch_all(struct orl_http *http, const char *id, const char *folder,
                      struct orl_error *err)
 {
@@ -115,7 +117,7 @@ static int fetch_all(struct orl_http *http, const char *id, const char *folder,
         if (rc)
             break;
     }
-    /* Last: who finds result.json finds the files that belong to it. */
+    /* Last, so that the other files exist when result.json does. */
     if (rc == 0)
         rc = fetch_result(http, id, folder, err);
     if (rc && http->status == 409 && orl_job_has_ended(job) &&

@@ -1,4 +1,4 @@
-/* oriel glare PICTURE.hdr */
+/* oriel glare PICTURE.hdr: computes glare metrics of a picture. */
 #include "command.h"
 
 #include <math.h>
@@ -12,13 +12,13 @@
 #include "glare_json.h"
 #include "report.h"
 
-/* What the command line says, as text. */
+/* Options of the command line, as text. */
 struct asked {
     const char *view, *mask, *band, *threshold, *task, *radius, *peak, *age, *eye, *directions;
     bool smooth, no_peaks, published, low_light, whole_pixels, json, detail;
 };
 
-/* So many numbers with commas between them; false when text is anything else. */
+/* Reads count numbers separated by commas; returns false for any other text. */
 static bool read_numbers(const char *text, double *numbers, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -104,7 +104,7 @@ static void print_glare(const struct orl_glare *glare, const struct asked *asked
         print_part("band", &glare->band);
 }
 
-static void warn(const char *name, const struct orl_glare *glare, bool measured)
+static void print_warnings(const char *name, const struct orl_glare *glare, bool measured)
 {
     static const double hemisphere = 2 * 3.14159265358979323846, almost = 0.98;
     if (glare->field_sr < almost * hemisphere && !measured)
@@ -114,9 +114,9 @@ static void warn(const char *name, const struct orl_glare *glare, bool measured)
                 name, 100 * glare->field_sr / hemisphere);
 }
 
-static int evaluate(const char *name, const struct asked *asked,
-                    const struct orl_glare_settings *settings, struct orl_glare *ret_glare,
-                    struct orl_error *err)
+static int evaluate_picture(const char *name, const struct asked *asked,
+                            const struct orl_glare_settings *settings, struct orl_glare *ret_glare,
+                            struct orl_error *err)
 {
     struct orl_files files = orl_files_from_folder(".");
     struct orl_file picture, mask;
@@ -194,9 +194,9 @@ int orl_cmd_glare(const struct orl_subcommand *self, int argc, char **argv)
     rc = read_settings(self, &a, &settings);
     if (rc != ORL_EXIT_OK)
         return rc;
-    if (evaluate(operands.items[0], &a, &settings, &glare, &err) < 0)
+    if (evaluate_picture(operands.items[0], &a, &settings, &glare, &err) < 0)
         return orl_report_error(&err);
-    warn(operands.items[0], &glare, settings.eye_lx > 0);
+    print_warnings(operands.items[0], &glare, settings.eye_lx > 0);
     if (a.json)
         rc = print_json(&glare);
     else

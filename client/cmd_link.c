@@ -1,4 +1,4 @@
-/* oriel link ID FILE...: addresses of results that need no token, for a while. */
+/* oriel link ID FILE...: prints temporary addresses of result files that need no token. */
 #include "command.h"
 
 #include <stdio.h>
@@ -10,7 +10,7 @@
 
 enum { MOST_FILES = 100, MOST_SECONDS = 3600, USUAL_SECONDS = 300 };
 
-static json_t *document(const struct orl_operands *operands, uint64_t seconds)
+static json_t *make_document(const struct orl_operands *operands, uint64_t seconds)
 {
     json_t *files = json_array();
 
@@ -53,7 +53,7 @@ int orl_cmd_link(const struct orl_subcommand *self, int argc, char **argv)
     if (seconds_text && !orl_parse_count(seconds_text, 1, MOST_SECONDS, &seconds))
         return orl_usage_error(self, "--seconds takes a number from 1 to %d, not \"%s\"",
                                MOST_SECONDS, seconds_text);
-    json_t *body = document(&operands, seconds);
+    json_t *body = make_document(&operands, seconds);
     rc = body ? orl_http_open(&http, server, &err)
               : orl_error_set(&err, ORL_ERR_INVALID, "names of files are text in UTF-8");
     if (rc == 0)

@@ -1,4 +1,4 @@
-/* oriel list scenes|bsdfs: what a daemon keeps of uploads, as a table. */
+/* oriel list scenes|bsdfs: prints a daemon's uploads as a table. */
 #include "command.h"
 
 #include <stdio.h>
@@ -42,7 +42,7 @@ static void print_bsdfs(const json_t *bsdfs)
     }
 }
 
-/* As many pages as there are. */
+/* Prints all pages of the list. */
 static int print_all(struct orl_http *http, const char *what, void (*print)(const json_t *items),
                      struct orl_error *err)
 {

@@ -1,4 +1,4 @@
-/* oriel maps: the photon maps and loaded BSDFs that the daemon holds, as a table; removes one. */
+/* oriel maps: prints the daemon's photon maps and loaded BSDFs as a table, or removes one. */
 #include "command.h"
 
 #include <stdio.h>
@@ -10,7 +10,7 @@
 #include "progress.h"
 #include "report.h"
 
-/* Since a time as the daemon writes it, "2026-11-22T05:01:02Z", in short; "-" when it is none. */
+/* Formats the age of a time such as "2026-11-22T05:01:02Z" as "3 h"; "-" if it is no such time. */
 static void format_age(const char *when, char *text, size_t size)
 {
     struct tm then = {0};
@@ -67,7 +67,7 @@ static void print_maps(const json_t *maps)
            span);
 }
 
-/* The only map whose key begins so. */
+/* Finds the only map whose key begins with start. */
 static int find_map(const json_t *maps, const char *start, const json_t **ret_map,
                     struct orl_error *err)
 {

@@ -1,7 +1,7 @@
 /*
- * oriel part FILE: some pieces of a job that is shared (parts/sharing.h), into the shared folder
- * that the file is in. FILE.done says that they are there, FILE.error why not; the ending takes
- * .json's place.
+ * oriel part FILE: makes some pieces of a shared job (parts/sharing.h) in the shared folder
+ * that contains FILE. It leaves FILE.done when they are made, or FILE.error with the reason;
+ * the ending replaces .json.
  */
 #include "command.h"
 
@@ -20,14 +20,14 @@
 #include "report.h"
 #include "task_json.h"
 
-/* What is to be made, and whether it was begun. */
+/* The part: its pieces and progress. */
 struct part {
     char folder[4096], stem[4200], scratch[4300];
     char job[ORL_PIECE_KEY];
     json_t *doc, *pieces;
     uint32_t threads;
-    size_t begun; /* or made already */
-    bool over;    /* nothing more is wanted of it: all is made */
+    size_t begun; /* pieces begun, or already made */
+    bool over;    /* true if all pieces are begun and the run can stop */
     struct orl_shared_store in_folder;
 };
 
@@ -88,7 +88,7 @@ static bool is_mine(const struct part *part, const struct orl_piece *piece)
     return false;
 }
 
-/* What others need, and nothing else depends on for this part's sake. */
+/* Returns true for kinds of pieces that no other piece of this part depends on. */
 static bool is_last(const struct orl_piece *piece)
 {
     static const char *const last[] = {"sensors", "view", "sky", "rows", "run", "speed", "lot"};
@@ -99,8 +99,8 @@ static bool is_last(const struct orl_piece *piece)
     return false;
 }
 
-/* Of its pieces, how many lie in the store: made before it was ended, or by another. Of rows the
- * first half is what their key names. */
+/* Returns how many of the part's pieces are in the store, from an earlier try or another part.
+ * Rows count when the first half, which their key names, is there. */
 static size_t count_made(const struct part *part)
 {
     const json_t *own;
@@ -121,7 +121,7 @@ static size_t count_made(const struct part *part)
     return made;
 }
 
-/* Once all is begun nothing more is wanted: to put it together is for others. */
+/* Returns true if all pieces are begun. Other processes combine the pieces. */
 static bool is_over(void *ctx)
 {
     struct part *part = ctx;
@@ -130,16 +130,16 @@ static bool is_over(void *ctx)
     return part->over;
 }
 
-/* The same when it is asked for others' pieces; but what is not the last may be what one that was
- * begun needs. */
+/* Returns true if the run asks for pieces of others after all own ones are begun. Pieces that
+ * are not last may be needed by an own piece, so then all own ones must be made. */
 static bool is_asked_for_more(struct part *part, bool of_last)
 {
     return is_over(part) && (of_last || count_made(part) >= json_array_size(part->pieces));
 }
 
-/* Own pieces; and maps that own ones need, should they be missing. */
-static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                  const struct orl_pieces_watch *watch, struct orl_error *err)
+/* Chooses the part's own pieces, and missing maps that these need. */
+static int choose_pieces(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                         const struct orl_pieces_watch *watch, struct orl_error *err)
 {
     struct part *part = ctx;
     size_t mine = 0, last = 0;
@@ -168,8 +168,8 @@ static int tell_nothing(void *ctx, const struct orl_annual_result *result,
     return 0;
 }
 
-static int run(const struct part *part, struct orl_task *task, const char *files,
-               const struct orl_local_share *share, struct orl_error *err)
+static int run_task(const struct part *part, struct orl_task *task, const char *files,
+                    const struct orl_local_share *share, struct orl_error *err)
 {
     const struct orl_local_tell teller = {tell_nothing, NULL};
     struct orl_result result = {0};
@@ -207,7 +207,7 @@ static int run(const struct part *part, struct orl_task *task, const char *files
 
 static int make_pieces(struct part *part, struct orl_error *err)
 {
-    const struct orl_pieces pieces = {part, part->job, divide, is_over};
+    const struct orl_pieces pieces = {part, part->job, choose_pieces, is_over};
     struct orl_map_store store;
     const struct orl_local_share share = {&pieces, &store};
     struct orl_task task = {0};
@@ -222,7 +222,7 @@ static int make_pieces(struct part *part, struct orl_error *err)
     if (rc == 0)
         rc = orl_make_folder(part->scratch, err);
     if (rc == 0)
-        rc = run(part, &task, files, &share, err);
+        rc = run_task(part, &task, files, &share, err);
     orl_remove_folder(part->scratch);
     orl_shared_store_done(&part->in_folder);
     orl_task_done(&task);
@@ -236,7 +236,7 @@ static int make_pieces(struct part *part, struct orl_error *err)
 
 /* ---- The command ----------------------------------------------------------------------------- */
 
-static int leave(const struct part *part, const char *ending, const json_t *json)
+static int write_ending(const struct part *part, const char *ending, const json_t *json)
 {
     struct orl_error err = {0};
     char path[4300];
@@ -245,7 +245,7 @@ static int leave(const struct part *part, const char *ending, const json_t *json
     return orl_write_json(path, json, &err) ? orl_report_error(&err) : ORL_EXIT_OK;
 }
 
-static int do_part(const char *path)
+static int run_part(const char *path)
 {
     struct part part = {.begun = 0};
     struct orl_error err = {0};
@@ -257,7 +257,7 @@ static int do_part(const char *path)
     if (rc == 0)
         rc = make_pieces(&part, &err);
     json = rc ? orl_problem_from_error(&err, NULL) : json_object();
-    code = leave(&part, rc ? "error" : "done", json);
+    code = write_ending(&part, rc ? "error" : "done", json);
     json_decref(json);
     json_decref(part.doc);
     json_decref(part.pieces);
@@ -277,5 +277,5 @@ int orl_cmd_part(const struct orl_subcommand *self, int argc, char **argv)
     if (strlen(line.operand) <= ending ||
         strcmp(line.operand + strlen(line.operand) - ending, ".json") != 0)
         return orl_usage_error(self, "a part's file ends in .json");
-    return do_part(line.operand);
+    return run_part(line.operand);
 }

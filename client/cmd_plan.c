@@ -1,7 +1,7 @@
 /*
- * oriel plan JOB.json: what `oriel run` would simulate of a job, and why, without rendering. A
- * table and what accuracies would take, or with --json the result's "plan", "warnings" and
- * "curve"; of a job of several skies as many plans.
+ * oriel plan JOB.json: prints what `oriel run` would simulate, and why, without rendering. It
+ * prints a table and the estimated time for each accuracy, or with --json the result's "plan",
+ * "warnings" and "curve". A job of several skies has one plan per sky.
  */
 #include "command.h"
 
@@ -43,7 +43,7 @@ static void print_table(const struct orl_result *result, const struct orl_curve 
     }
 }
 
-/* What was asked for, and what has been told of it. */
+/* The output format, and true if a plan was printed. */
 struct plans {
     bool as_json, begun;
 };
@@ -62,7 +62,7 @@ static int print_plan(void *ctx, const char *sky, const struct orl_result *plann
     return 0;
 }
 
-/* Plans are of render jobs. */
+/* Refuses years: only render jobs have plans. */
 static int refuse_years(const struct orl_job_file *file, struct orl_error *err)
 {
     if (strcmp(orl_json_text(file->doc, "kind"), orl_task_kind_name(ORL_TASK_ANNUAL)) != 0)

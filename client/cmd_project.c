@@ -1,4 +1,4 @@
-/* oriel project MODEL.hbjson|FOLDER: what a project holds, and a model's files written. */
+/* oriel project MODEL.hbjson|FOLDER: lists a project's contents, and writes a model's files. */
 #include "command.h"
 
 #include <stdio.h>
@@ -7,7 +7,7 @@
 #include "parts/files.h"
 #include "report.h"
 
-/* A document that renders all of it. */
+/* Writes a job document that renders the whole project. */
 static int write_job(const struct orl_project_place *place, struct orl_error *err)
 {
     json_t *doc = json_pack("{s:s}", "kind", "render");

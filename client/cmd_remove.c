@@ -1,4 +1,4 @@
-/* oriel remove job|scene|bsdf ID... */
+/* oriel remove job|scene|bsdf ID...: removes jobs or uploads. */
 #include "command.h"
 
 #include <stdbool.h>
@@ -11,7 +11,7 @@
 #include "json_get.h"
 #include "report.h"
 
-/* "job" to "/v1/jobs"; NULL when there is no such thing. */
+/* Returns the API path of a kind, such as "/v1/jobs" for "job", or NULL for others. */
 static const char *folder_of(const char *what)
 {
     static const struct {
@@ -24,7 +24,7 @@ static const char *folder_of(const char *what)
     return NULL;
 }
 
-/* Is it the beginning of a job's id? A daemon removes jobs by whole ids alone. */
+/* Returns true if id may be an abbreviated job id. A daemon removes jobs only by whole ids. */
 static bool is_begun(const char *id)
 {
     const size_t length = strlen(id);
@@ -32,7 +32,7 @@ static bool is_begun(const char *id)
     return length >= 4 && length < 32 && strspn(id, "0123456789abcdef") == length;
 }
 
-/* The whole id of the job that is meant. */
+/* Looks up the whole id of the job. */
 static int complete_id(struct orl_http *http, const char *begun, char ret_id[64],
                        struct orl_error *err)
 {

@@ -1,6 +1,6 @@
 /*
- * oriel run JOB.json -o DIR: one job, in this process, the same code path that the daemon's workers
- * take. DIR/result.json says how it went, also when it failed; images lie beside it.
+ * oriel run JOB.json -o DIR: runs one job in this process, by the same code as the daemon's
+ * workers. DIR gets images and result.json, which is also written on failure.
  */
 #include "command.h"
 
@@ -18,7 +18,7 @@
 #include "result_json.h"
 #include "sharing_line.h"
 
-/* result.json for a run that went wrong: what is known, and why. */
+/* Returns result.json for a failed run: the known facts and the error. */
 static json_t *failure_to_json(const struct orl_job *job, uint32_t threads,
                                const struct orl_error *err)
 {
@@ -83,10 +83,10 @@ static void print_skies(const json_t *results, const char *output)
     printf("%s/result.json\n", output);
 }
 
-/* Renders; *ret_json is what result.json will hold. */
-static int render(const struct orl_job *job, const char *folder, const char *output,
-                  uint32_t threads, const struct orl_local_share *share,
-                  struct orl_result *ret_result, json_t **ret_json, struct orl_error *err)
+/* Renders. *ret_json: contents of result.json. */
+static int render_job(const struct orl_job *job, const char *folder, const char *output,
+                      uint32_t threads, const struct orl_local_share *share,
+                      struct orl_result *ret_result, json_t **ret_json, struct orl_error *err)
 {
     int rc;
 
@@ -98,7 +98,7 @@ static int render(const struct orl_job *job, const char *folder, const char *out
     return rc;
 }
 
-/* The same in parts, where the command line asks for that. */
+/* Renders likewise, in parts if the command line asks for that. */
 static int render_shared(const struct orl_job_file *file, const struct orl_job *job,
                          const struct orl_local_line *line,
                          const struct orl_sharing_line *sharing_line, struct orl_result *ret_result,
@@ -109,8 +109,8 @@ static int render_shared(const struct orl_job_file *file, const struct orl_job *
     int rc;
 
     if (!sharing_line)
-        return render(job, file->folder, line->output, line->threads, NULL, ret_result, ret_json,
-                      err);
+        return render_job(job, file->folder, line->output, line->threads, NULL, ret_result,
+                          ret_json, err);
     if (job->goal.deadline_s > 0)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
                              "a job for a deadline is not done in parts: what it finds depends on "
@@ -118,13 +118,13 @@ static int render_shared(const struct orl_job_file *file, const struct orl_job *
     rc = orl_shared_job_open(&shared, sharing_line, file->doc, file->folder, line->output,
                              line->threads, orl_local_interrupted(), err);
     if (rc == 0)
-        rc = render(job, file->folder, line->output, line->threads, &share, ret_result, ret_json,
-                    err);
+        rc = render_job(job, file->folder, line->output, line->threads, &share, ret_result,
+                        ret_json, err);
     orl_shared_job_done(&shared, rc == 0);
     return rc;
 }
 
-/* The whole of it, once the command line is understood. sharing: NULL: in one piece. */
+/* Runs the document. sharing: NULL if not in parts. */
 static int run_document(const struct orl_local_line *line, const struct orl_project_line *project,
                         const struct orl_sharing_line *sharing)
 {
@@ -141,7 +141,7 @@ static int run_document(const struct orl_local_line *line, const struct orl_proj
         rc = orl_join_path(output, "result.json", path, sizeof path, &err);
     if (rc)
         return orl_report_error(&err);
-    unlink(path); /* an earlier run's success must not outlive this one's start */
+    unlink(path); /* a failed start must not leave an earlier run's result */
     rc = orl_job_file_open(document, project, &file, &err);
     if (rc == 0)
         rc = orl_job_file_decode(&file, &job, &err);

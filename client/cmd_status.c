@@ -1,4 +1,4 @@
-/* oriel status [ID]: one job in detail, or the latest ones as a table. */
+/* oriel status [ID]: prints one job in detail, or the latest jobs as a table. */
 #include "command.h"
 
 #include <stdio.h>
@@ -13,7 +13,7 @@
 #include "study_table.h"
 #include "verdict_line.h"
 
-/* What a study is at, and the points so far. */
+/* Prints a study's current step and its points so far. */
 static void print_study(const json_t *study)
 {
     const json_t *points = json_object_get(study, "points"), *point;
@@ -77,7 +77,7 @@ static void print_job(const json_t *job)
     orl_report_job_error(job);
 }
 
-/* "&tag=..." behind the path, when there is such an option. */
+/* Appends "&tag=..." to the path if the option is given. */
 static int add_filter(char *path, size_t size, const char *name, const char *value,
                       struct orl_error *err)
 {

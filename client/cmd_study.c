@@ -1,6 +1,6 @@
 /*
- * oriel study STUDY.json --output DIR: what accuracy costs in time, on one scene. Leaves
- * study.json, study.csv, study.svg and study.png in DIR; prints the points as a table.
+ * oriel study STUDY.json --output DIR: measures accuracy against time, on one scene. Writes
+ * study.json, study.csv, study.svg and study.png in DIR, and prints the points as a table.
  */
 #include "command.h"
 
@@ -21,7 +21,7 @@
 static const char *const file_names[] = {"study.json", "study.csv", "study.svg", "study.png"};
 enum { FILE_COUNT = sizeof file_names / sizeof *file_names };
 
-/* Older files must not outlive the start of a new study. */
+/* Removes files of an earlier study when a new one starts. */
 static int clear_output(const char *output, char paths[FILE_COUNT][4096], struct orl_error *err)
 {
     int rc = orl_make_folder(output, err);
@@ -34,9 +34,9 @@ static int clear_output(const char *output, char paths[FILE_COUNT][4096], struct
     return rc;
 }
 
-/* The document, with the name of its file in errors. */
-static int decode(const struct orl_job_file *file, struct orl_study_request *ret_request,
-                  struct orl_error *err)
+/* Decodes the document; errors name its file. */
+static int decode_study(const struct orl_job_file *file, struct orl_study_request *ret_request,
+                        struct orl_error *err)
 {
     struct orl_study_request request;
     int rc = orl_study_from_json(file->doc, ORL_JOB_LOCAL, &request, NULL, err);
@@ -81,7 +81,7 @@ static void print_summary(const struct orl_study *study, char paths[FILE_COUNT][
         printf("%s\n", paths[i]);
 }
 
-/* In parts, where the command line asks for that. */
+/* Runs the study, in parts if the command line asks for that. */
 static int run_study(const struct orl_study_request *request, const struct orl_job_file *file,
                      const struct orl_local_line *line, const struct orl_sharing_line *sharing,
                      struct orl_study *ret_study, struct orl_error *err)
@@ -102,7 +102,7 @@ static int run_study(const struct orl_study_request *request, const struct orl_j
     return rc;
 }
 
-/* sharing: NULL: in one piece. */
+/* Runs the document. sharing: NULL if not in parts. */
 static int run_document(const struct orl_local_line *line, const struct orl_sharing_line *sharing)
 {
     struct orl_job_file file = {0};
@@ -115,7 +115,7 @@ static int run_document(const struct orl_local_line *line, const struct orl_shar
     if (rc == 0)
         rc = orl_job_file_read(line->operand, &file, &err);
     if (rc == 0)
-        rc = decode(&file, &request, &err);
+        rc = decode_study(&file, &request, &err);
     if (rc == 0)
         rc = run_study(&request, &file, line, sharing, &study, &err);
     if (rc == 0)

@@ -1,6 +1,6 @@
 /*
- * oriel submit JOB.json: uploads what the document names, posts the job, study or year, prints its
- * id.
+ * oriel submit JOB.json: uploads the files that the document names, posts the job, study or
+ * year, and prints its id.
  */
 #include "command.h"
 
@@ -17,7 +17,7 @@
 #include "task_bundle.h"
 #include "task_json.h"
 
-/* Where the document has what is to be uploaded. */
+/* Returns the document's member that names the files to upload. */
 static const char *place_of(const struct orl_job_file *file)
 {
     const char *kind = json_string_value(json_object_get(file->doc, "kind"));
@@ -26,8 +26,8 @@ static const char *place_of(const struct orl_job_file *file)
                                                                             : "scene";
 }
 
-/* Uploads {"files": [...]}, a scene's or of measurements, and puts the id in its place; an id stays
- * as it is. */
+/* Uploads {"files": [...]}, of a scene or of measurements, and replaces it by the upload's id.
+ * An id is left as it is. */
 static int send_scene(struct orl_http *http, struct orl_job_file *file, struct orl_error *err)
 {
     struct orl_upload bundle = {0};
@@ -37,7 +37,7 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
 
     if (!json_is_object(json_object_get(file->doc, place_of(file))))
         return 0;
-    /* Decoding it as the command would that runs it here finds mistakes before anything is sent. */
+    /* Decoding it as a local job finds errors before anything is sent. */
     rc = orl_task_from_json(file->doc, ORL_JOB_LOCAL, &task, NULL, err);
     if (rc) {
         orl_error_at(err, file->path, 0, NULL);
@@ -54,8 +54,9 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
     return rc;
 }
 
-/* Render jobs and studies go with their sensors and views, so that other sensors need no other
- * scene; a year's files stay what its provenance names. */
+/* Returns true if sensors and views are put into the document, for render jobs and studies, so
+ * that other sensors do not need another upload. A year's files stay files, which its
+ * provenance names. */
 static bool is_inlined(const struct orl_job_file *file)
 {
     const char *kind = json_string_value(json_object_get(file->doc, "kind"));
@@ -63,9 +64,9 @@ static bool is_inlined(const struct orl_job_file *file)
     return !kind || strcmp(kind, orl_task_kind_name(ORL_TASK_ANNUAL)) != 0;
 }
 
-/* What the command line calls the job by goes before what the document does. */
-static int label(struct orl_job_file *file, const char *name, const char *tags,
-                 struct orl_error *err)
+/* Sets name and tags from the command line, which override the document's. */
+static int set_labels(struct orl_job_file *file, const char *name, const char *tags,
+                      struct orl_error *err)
 {
     json_t *list = tags ? json_array() : NULL;
     int rc = name ? json_object_set_new(file->doc, "name", json_string(name)) : 0;
@@ -82,15 +83,16 @@ static int label(struct orl_job_file *file, const char *name, const char *tags,
     return rc ? orl_error_set(err, ORL_ERR_INVALID, "--name and --tags take text in UTF-8") : 0;
 }
 
-/* Everything up to the daemon's 202. *ret_reply is the job's first document. */
-static int submit(struct orl_http *http, const char *path, const struct orl_project_line *project,
-                  const char *name, const char *tags, json_t **ret_reply, struct orl_error *err)
+/* Submits the job. *ret_reply: the job's first document, from the daemon's 202. */
+static int submit_job(struct orl_http *http, const char *path,
+                      const struct orl_project_line *project, const char *name, const char *tags,
+                      json_t **ret_reply, struct orl_error *err)
 {
     struct orl_job_file file = {0};
     int rc = orl_job_file_open(path, project, &file, err);
 
     if (rc == 0)
-        rc = label(&file, name, tags, err);
+        rc = set_labels(&file, name, tags, err);
     if (rc == 0 && is_inlined(&file))
         rc = orl_job_file_inline_sensors(&file, err);
     if (rc == 0 && is_inlined(&file))
@@ -129,7 +131,7 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
         return code;
     rc = orl_http_open(&http, server, &err);
     if (rc == 0)
-        rc = submit(&http, operands.items[0], &project, name, tags, &reply, &err);
+        rc = submit_job(&http, operands.items[0], &project, name, tags, &reply, &err);
     if (rc) {
         code = orl_report_error(&err);
     } else {

@@ -1,4 +1,5 @@
-/* oriel upload scene FILE... | scene FOLDER | scene FILE.zip | scene MODEL.hbjson | bsdf FILE */
+/* oriel upload scene FILE... | scene FOLDER | scene FILE.zip | scene MODEL.hbjson | bsdf FILE:
+ * uploads a scene or a BSDF. */
 #include "command.h"
 
 #include <stdio.h>
@@ -35,7 +36,7 @@ static int upload_files(struct orl_http *http, const char *folder, char **names,
     return rc;
 }
 
-/* A folder's main files are those named, or those that look like it. */
+/* Uploads a folder. Its main files are those named, or else guessed. */
 static int upload_folder(struct orl_http *http, const char *folder, char **names, int count,
                          bool list_only, struct orl_error *err)
 {
@@ -68,7 +69,7 @@ static int post_and_print(struct orl_http *http, const char *path, const char *f
     return rc;
 }
 
-/* The daemon unpacks it; main files may be named. */
+/* Uploads a zip, which the daemon unpacks; main files may be named. */
 static int upload_zip(struct orl_http *http, const char *file, char **names, int count,
                       struct orl_error *err)
 {

@@ -1,6 +1,6 @@
 /*
- * oriel verify RESULT [--files DIR]: repeats a year from its provenance, and compares bytes. Exit
- * codes: 0 the same, 1 something differs, 2 it cannot be repeated.
+ * oriel verify RESULT [--files DIR]: repeats a year from its provenance and compares the bytes.
+ * Exit codes: 0 identical, 1 different, 2 cannot be repeated.
  */
 #include "command.h"
 
@@ -23,16 +23,16 @@
 
 enum { EXIT_CANNOT = 2, PATH_SIZE = 4096 };
 
-/* A result, and where it is repeated. */
+/* The result to verify, and the folder where it is repeated. */
 struct verifying {
-    struct orl_job_file result; /* its folder: where its files are */
-    const char *files;          /* the inputs' folder */
+    struct orl_job_file result; /* its folder has the result's files */
+    const char *files;          /* folder of the inputs */
     char work[PATH_SIZE];
     json_t *again; /* owned: the new result.json */
     size_t same, differing, absent;
 };
 
-static int cannot(const struct orl_error *err)
+static int report_cannot(const struct orl_error *err)
 {
     orl_report_error(err);
     return EXIT_CANNOT;
@@ -40,8 +40,8 @@ static int cannot(const struct orl_error *err)
 
 /* ---- The inputs ------------------------------------------------------------------------------ */
 
-/* Says what is wrong with it. */
-static bool is_as_it_was(const struct verifying *v, const json_t *input)
+/* Returns true if the input has its recorded digest; else prints the reason. */
+static bool is_unchanged(const struct verifying *v, const json_t *input)
 {
     const char *name = orl_json_text(input, "name"), *wanted = orl_json_text(input, "sha256");
     char path[PATH_SIZE], digest[ORL_DIGEST_TEXT];
@@ -64,7 +64,7 @@ static int check_inputs(const struct verifying *v, const json_t *provenance)
     const json_t *inputs = json_object_get(provenance, "inputs"), *input;
     size_t i, wrong = 0;
 
-    json_array_foreach(inputs, i, input) wrong += !is_as_it_was(v, input);
+    json_array_foreach(inputs, i, input) wrong += !is_unchanged(v, input);
     if (wrong == 0)
         return 0;
     fprintf(stderr, "%zu of %zu inputs %s of the result\n", wrong, json_array_size(inputs),
@@ -72,10 +72,11 @@ static int check_inputs(const struct verifying *v, const json_t *provenance)
     return EXIT_CANNOT;
 }
 
-/* ---- Once more ------------------------------------------------------------------------------- */
+/* ---- Second run ------------------------------------------------------------------------------ */
 
-static int tell(void *ctx, const struct orl_annual_result *result,
-                const struct orl_annual_report *report, json_t *document, struct orl_error *err)
+static int on_result(void *ctx, const struct orl_annual_result *result,
+                     const struct orl_annual_report *report, json_t *document,
+                     struct orl_error *err)
 {
     struct verifying *v = ctx;
 
@@ -86,7 +87,7 @@ static int tell(void *ctx, const struct orl_annual_result *result,
 
 static int run_again(struct verifying *v, const json_t *document, uint32_t threads)
 {
-    const struct orl_local_tell teller = {tell, v};
+    const struct orl_local_tell teller = {on_result, v};
     struct orl_annual_job job = {0};
     struct orl_error err = {0};
     int rc = orl_annual_job_from_json(document, ORL_JOB_LOCAL, &job, NULL, &err);
@@ -94,12 +95,13 @@ static int run_again(struct verifying *v, const json_t *document, uint32_t threa
     if (rc == 0)
         rc = orl_local_annual(&job, v->files, v->work, NULL, threads, NULL, &teller, &err);
     orl_annual_job_done(&job);
-    return rc ? cannot(&err) : 0;
+    return rc ? report_cannot(&err) : 0;
 }
 
-/* ---- What came of it ------------------------------------------------------------------------- */
+/* ---- Comparison ------------------------------------------------------------------------------ */
 
-/* 0: the same bytes; 1: not; ORL_ERR_NOT_FOUND and others of reading the first one. */
+/* Returns 0 if the bytes are equal, 1 if not, or ORL_ERR_NOT_FOUND and others if the first file
+ * cannot be read. */
 static int compare_files(const char *a, const char *b)
 {
     const struct orl_files here = orl_files_from_folder(".");
@@ -135,7 +137,8 @@ static void compare_file(struct verifying *v, const char *name)
         printf("differs: %s\n", name);
 }
 
-/* But for what is a run's own, and the version, which is told apart. */
+/* Compares result.json without the members of a run itself and without the version, which is
+ * reported separately. */
 static void compare_documents(struct verifying *v)
 {
     static const char *const own[] = {"timings_s", "threads", "reuse", "rays"};
@@ -159,7 +162,7 @@ static void compare_documents(struct verifying *v)
     v->same += v->differing == before;
 }
 
-static int compare(struct verifying *v)
+static int compare_results(struct verifying *v)
 {
     const json_t *names = json_object_get(v->result.doc, "files"), *name;
     size_t i;
@@ -176,7 +179,7 @@ static int compare(struct verifying *v)
     return ORL_EXIT_OK;
 }
 
-/* ---- All of it ------------------------------------------------------------------------------- */
+/* ---- Command --------------------------------------------------------------------------------- */
 
 static int remove_one(const char *path, const struct stat *st, int flag, struct FTW *at)
 {
@@ -214,7 +217,7 @@ static const json_t *provenance_of(const struct verifying *v)
     return NULL;
 }
 
-static int verify(struct verifying *v, uint32_t threads)
+static int verify_result(struct verifying *v, uint32_t threads)
 {
     const json_t *provenance = provenance_of(v);
     int code = provenance ? check_inputs(v, provenance) : EXIT_CANNOT;
@@ -227,7 +230,7 @@ static int verify(struct verifying *v, uint32_t threads)
     code = make_work(v);
     if (code == 0)
         code = run_again(v, json_object_get(provenance, "document"), threads);
-    return code ? code : compare(v);
+    return code ? code : compare_results(v);
 }
 
 int orl_cmd_verify(const struct orl_subcommand *self, int argc, char **argv)
@@ -250,7 +253,8 @@ int orl_cmd_verify(const struct orl_subcommand *self, int argc, char **argv)
         return code;
     snprintf(path, sizeof path, "%s%s", line.operand,
              stat(line.operand, &st) == 0 && S_ISDIR(st.st_mode) ? "/result.json" : "");
-    code = orl_job_file_read(path, &v.result, &err) ? cannot(&err) : verify(&v, line.threads);
+    code = orl_job_file_read(path, &v.result, &err) ? report_cannot(&err)
+                                                    : verify_result(&v, line.threads);
     if (v.work[0])
         nftw(v.work, remove_one, 16, FTW_DEPTH | FTW_PHYS);
     json_decref(v.again);

@@ -1,4 +1,4 @@
-/* oriel version */
+/* oriel version: prints the version. */
 #include "command.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* oriel wait ID */
+/* oriel wait ID: waits for a job with progress on stderr. */
 #include "command.h"
 
 #include "follow.h"

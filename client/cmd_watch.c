@@ -1,6 +1,6 @@
 /*
- * oriel watch: all jobs of a daemon as they change, a line each, by its stream of events; until
- * that is refused, or the daemon stays away.
+ * oriel watch: prints all jobs of a daemon as they change, one line per change, from its event
+ * stream. It ends when the stream is refused or the daemon stays away.
  */
 #include "command.h"
 
@@ -16,19 +16,20 @@
 #include "progress.h"
 #include "report.h"
 
-/* How long a daemon that is away is waited for, and what is told of a job that goes on. */
+/* Seconds to wait for an absent daemon, and percent between two lines of a running job. */
 #define PATIENCE_S 60.0
 #define PERCENT_STEP 10.0
 
-/* What is being read, and what was told of every job. */
+/* State of the event parser, and the job summaries printed so far. */
 struct watch {
     char event[32], id[64], last_id[64];
     char *data;
-    json_t *told; /* by id: its last summary that was */
-    bool heard;   /* something, since it was connected */
+    json_t *told; /* last printed summary of each job, by id */
+    bool heard;   /* true if anything was received since connecting */
 };
 
-/* Is it something else than what was told: state, error, so much further? */
+/* Returns true if the job differs from its printed summary: state, error, or PERCENT_STEP more
+ * progress. */
 static bool is_news(const json_t *told, const json_t *job)
 {
     const double percent = orl_json_number(job, "percent", 0);
@@ -38,7 +39,7 @@ static bool is_news(const json_t *told, const json_t *job)
            fabs(percent - orl_json_number(told, "percent", 0)) >= PERCENT_STEP;
 }
 
-static void take_job(struct watch *watch, json_t *job)
+static void handle_job(struct watch *watch, json_t *job)
 {
     const char *id = orl_json_text(job, "id");
 
@@ -48,12 +49,12 @@ static void take_job(struct watch *watch, json_t *job)
     json_object_set(watch->told, id, job);
 }
 
-static void take_event(struct watch *watch)
+static void handle_event(struct watch *watch)
 {
     json_t *doc = watch->data ? json_loads(watch->data, 0, NULL) : NULL;
 
     if (doc && strcmp(watch->event, "job") == 0) {
-        take_job(watch, doc);
+        handle_job(watch, doc);
     } else if (doc && strcmp(watch->event, "removed") == 0) {
         printf("%-8.8s  removed\n", orl_json_text(doc, "id"));
         json_object_del(watch->told, orl_json_text(doc, "id"));
@@ -64,7 +65,7 @@ static void take_event(struct watch *watch)
     memcpy(watch->last_id, watch->id, sizeof watch->last_id);
 }
 
-/* A line of the stream (WHATWG HTML, 9.2.6); an event ends with an empty one. */
+/* Parses a line of the stream (WHATWG HTML, 9.2.6); an empty line ends an event. */
 static bool on_line(void *ctx, const char *line)
 {
     struct watch *watch = ctx;
@@ -78,13 +79,13 @@ static bool on_line(void *ctx, const char *line)
         free(watch->data);
         watch->data = strdup(line + 6);
     } else if (!*line) {
-        take_event(watch);
+        handle_event(watch);
         watch->event[0] = '\0';
     }
     return true;
 }
 
-/* The jobs there are, the oldest first. */
+/* Prints the existing jobs, oldest first. */
 static int list_jobs(struct orl_http *http, struct watch *watch, const char *filters,
                      struct orl_error *err)
 {
@@ -96,7 +97,7 @@ static int list_jobs(struct orl_http *http, struct watch *watch, const char *fil
     json_t *jobs = json_object_get(reply, "jobs");
 
     for (size_t i = json_array_size(jobs); rc == 0 && i > 0; i--)
-        take_job(watch, json_array_get(jobs, i - 1));
+        handle_job(watch, json_array_get(jobs, i - 1));
     json_decref(reply);
     return rc;
 }
@@ -108,9 +109,9 @@ static void pause_s(double seconds)
     nanosleep(&span, NULL);
 }
 
-/* Connects again where it broke off, as long as the daemon is not away for too long. */
-static int follow(struct orl_http *http, struct watch *watch, const char *filters,
-                  struct orl_error *err)
+/* Reads events, and reconnects after an interruption unless the daemon is away for too long. */
+static int follow_events(struct orl_http *http, struct watch *watch, const char *filters,
+                         struct orl_error *err)
 {
     double silent_since_s = orl_clock_s(NULL);
     char path[2048];
@@ -159,7 +160,7 @@ int orl_cmd_watch(const struct orl_subcommand *self, int argc, char **argv)
         rc = list_jobs(&http, &watch, filters, &err);
     }
     if (rc == 0)
-        rc = follow(&http, &watch, filters, &err);
+        rc = follow_events(&http, &watch, filters, &err);
     json_decref(watch.told);
     free(watch.data);
     orl_http_close(&http);

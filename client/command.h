@@ -2,12 +2,12 @@
  * The commands of `oriel`: one file per command (cmd_*.c), a static table in main.c, and the small
  * option parser they share (options.c).
  *
- * Exit codes: 0 done, 1 failed (the reason is on stderr), 2 the command line makes no sense; or, of
- * verify, there is nothing to compare with.
- * Standard output carries what a script wants (an id, a table, JSON); everything else, progress
- * and errors, goes to stderr.
- * Standard output is flushed at the end of each line, so that in a log of both (`> log 2>&1`) lines
- * stand whole and in the order in which they were written.
+ * Exit codes: 0 done, 1 failed (the reason is on stderr), 2 the command line is invalid. For
+ * verify, 2 also means that there is nothing to compare with.
+ *
+ * Standard output has results for scripts (an id, a table, JSON); progress and errors go to stderr.
+ * Standard output is flushed at the end of each line. So a log of both (`> log 2>&1`) has whole
+ * lines in the order in which they were written.
  */
 #ifndef ORL_CLIENT_COMMAND_H
 #define ORL_CLIENT_COMMAND_H
@@ -20,7 +20,7 @@ enum orl_exit { ORL_EXIT_OK = 0, ORL_EXIT_FAILED = 1, ORL_EXIT_USAGE = 2 };
 
 struct orl_subcommand {
     const char *name;
-    const char *synopsis; /* what follows "oriel NAME" */
+    const char *synopsis; /* arguments after "oriel NAME" */
     const char *summary;  /* one line, for the list of commands */
     const char *details;  /* a paragraph for --help, or NULL */
     int (*run)(const struct orl_subcommand *self, int argc, char **argv); /* argv[0] is the name */
@@ -36,28 +36,29 @@ struct orl_option {
     bool *flag;
 };
 
-/* What is left of the command line when the options are taken out. Borrows from argv. */
+/* Operands: the arguments that are left when options are removed. Borrows from argv. */
 struct orl_operands {
     char **items;
     int count;
 };
 
 /*
- * Parses argv against the options; "--" ends them. Returns true when the command should go on;
- * false when help was asked for or the line is wrong (said on stderr), with the exit code set.
+ * Parses argv against the options; "--" ends them. Returns true if the command should continue.
+ * Returns false with *ret_exit set if help was printed or the line is invalid (reported on
+ * stderr).
  */
 bool orl_options_parse(const struct orl_subcommand *self, int argc, char **argv,
                        const struct orl_option *options, size_t n_options, int min_operands,
                        int max_operands, struct orl_operands *ret_operands, int *ret_exit);
 
-/* Says what is wrong with the command line, and where help is; returns ORL_EXIT_USAGE. */
+/* Reports an error of the command line, with a hint to --help; returns ORL_EXIT_USAGE. */
 int orl_usage_error(const struct orl_subcommand *self, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Reads a whole number in [min, max]; false when text is anything else. */
+/* Reads a whole number in [min, max]; returns false for any other text. */
 bool orl_parse_count(const char *text, uint64_t min, uint64_t max, uint64_t *ret_value);
 
-/* The option every command that talks to a daemon has. */
+/* The --server option of every command that talks to a daemon. */
 #define ORL_OPTION_SERVER(target)                                                                  \
     {                                                                                              \
         .name = "server", .metavar = "URL",                                                        \
@@ -82,7 +83,7 @@ int orl_cmd_remove(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_maps(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_upload(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv);
-/* Of which argv[0] is "make". */
+/* Verbs of bsdf; argv[0] is the verb, such as "make". */
 int orl_cmd_bsdf_fit(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **argv);

@@ -14,7 +14,7 @@ static int by_name(const void *a, const void *b)
     return strcmp(x->name, y->name);
 }
 
-/* "main <digest> <name>\n" */
+/* Hashes a line "main <digest> <name>\n", or with "resource". */
 static int add_line(struct orl_sha256 *hash, const struct orl_upload_part *part,
                     struct orl_error *err)
 {
@@ -36,7 +36,8 @@ int orl_digest_scene(const struct orl_upload_part *parts, size_t n_parts,
                      char ret_id[ORL_DIGEST_TEXT], struct orl_error *err)
 {
     static const char first[] = "oriel-scene 1\n";
-    struct orl_upload_part *resources = calloc(n_parts + 1, sizeof *resources); /* borrow strings */
+    struct orl_upload_part *resources =
+        calloc(n_parts + 1, sizeof *resources); /* strings are borrowed */
     struct orl_sha256 hash;
     size_t n_resources = 0;
     int rc = 0;

@@ -1,6 +1,6 @@
 /*
- * What the daemon calls things by: SHA-256 of their bytes, in hexadecimal, so that what it has
- * already need not be sent.
+ * Computes the ids that the daemon uses: SHA-256 digests in hexadecimal. With them, uploads
+ * that the daemon already has are skipped.
  */
 #ifndef ORL_CLIENT_DIGEST_H
 #define ORL_CLIENT_DIGEST_H
@@ -12,7 +12,7 @@
 #include "http.h"
 #include "parts/file_digest.h"
 
-/* The id of a scene of these files (POST /v1/scenes says how it is made). */
+/* Computes the id of a scene of these files (defined at POST /v1/scenes). */
 int orl_digest_scene(const struct orl_upload_part *parts, size_t n_parts,
                      char ret_id[ORL_DIGEST_TEXT], struct orl_error *err);
 

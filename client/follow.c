@@ -13,7 +13,7 @@
 #include "study_table.h"
 #include "verdict_line.h"
 
-/* How long a daemon that stopped answering is waited for: it may be restarting. */
+/* Seconds to wait for a daemon that stopped answering, because it may be restarting. */
 #define PATIENCE_S 60.0
 
 int orl_job_path(const char *id, const char *rest, char *ret_path, size_t size,
@@ -57,7 +57,7 @@ void orl_format_map(const json_t *map, char *ret_text, size_t size)
                  orl_json_text(map, "kind"), seconds, stored, bytes);
 }
 
-/* What has been said so far. */
+/* Facts reported so far. */
 struct noted {
     char sky[80];
     bool technique, runner;
@@ -65,7 +65,7 @@ struct noted {
     double rounds;
 };
 
-/* Says each warning of the job once; *told is made where it is NULL. */
+/* Reports each warning of the job once. *told is created if NULL. */
 static void note_warnings(struct orl_progress_line *progress, const json_t *job, json_t **told)
 {
     const json_t *warnings = json_object_get(job, "warnings"), *warning;
@@ -84,7 +84,7 @@ static void note_warnings(struct orl_progress_line *progress, const json_t *job,
     }
 }
 
-/* Says which sky is under way, of several; all that follows is about that one. */
+/* Reports which of several skies is being rendered; all further lines are about that sky. */
 static void note_sky(struct orl_progress_line *progress, const json_t *job, struct noted *noted)
 {
     const json_t *skies = json_object_get(job, "skies");
@@ -98,7 +98,7 @@ static void note_sky(struct orl_progress_line *progress, const json_t *job, stru
                       orl_json_number(skies, "done", 0), orl_json_number(skies, "count", 0));
 }
 
-/* Says once where it runs, and why. */
+/* Reports once where the job runs, and why. */
 static void note_runner(struct orl_progress_line *progress, const json_t *job, bool *noted)
 {
     const json_t *runner = json_object_get(job, "runner");
@@ -110,7 +110,7 @@ static void note_runner(struct orl_progress_line *progress, const json_t *job, b
     *noted = *noted || runner;
 }
 
-/* Says once which technique the plan chose. */
+/* Reports once which technique the plan chose. */
 static void note_technique(struct orl_progress_line *progress, const json_t *job, bool *noted)
 {
     const char *technique = orl_json_text(job, "technique");
@@ -120,7 +120,7 @@ static void note_technique(struct orl_progress_line *progress, const json_t *job
     *noted = *noted || *technique;
 }
 
-/* Says once, for each map of the job, how it was come by. */
+/* Reports once for each map of the job whether it was built or found. */
 static void note_maps(struct orl_progress_line *progress, const json_t *job, size_t *noted)
 {
     const json_t *maps = json_object_get(job, "maps");
@@ -133,7 +133,7 @@ static void note_maps(struct orl_progress_line *progress, const json_t *job, siz
     }
 }
 
-/* Says once what each point of a study came to. */
+/* Reports once the result of each point of a study. */
 static void note_points(struct orl_progress_line *progress, const json_t *job, size_t *noted)
 {
     const json_t *points = json_object_get(json_object_get(job, "study"), "points");
@@ -146,7 +146,7 @@ static void note_points(struct orl_progress_line *progress, const json_t *job, s
     }
 }
 
-/* Says once what each round of a job with a goal came to, but for those between two polls. */
+/* Reports once the result of each round of a job with a goal, except rounds between two polls. */
 static void note_round(struct orl_progress_line *progress, const json_t *job, double *noted)
 {
     const json_t *accuracy = json_object_get(job, "accuracy");
@@ -164,7 +164,7 @@ static void note_round(struct orl_progress_line *progress, const json_t *job, do
         orl_progress_note(progress, "round %.0f: error %.3g %%", rounds, 100 * error);
 }
 
-/* Likewise of a year whose verdict is to be sure. */
+/* Reports likewise the rounds of a year with a verdict to settle. */
 static void note_verdict(struct orl_progress_line *progress, const json_t *job, double *noted)
 {
     const json_t *accuracy = json_object_get(json_object_get(job, "annual"), "accuracy");
@@ -197,8 +197,8 @@ static void note_timings(json_t *job)
     fputc('\n', stderr);
 }
 
-/* Says how the job ended; the exit code. */
-static int conclude(json_t *job, const char *id)
+/* Reports how the job ended; returns the exit code. */
+static int report_end(json_t *job, const char *id)
 {
     const char *state = orl_json_text(job, "state");
 
@@ -226,7 +226,7 @@ static void pause_s(double seconds)
     nanosleep(&span, NULL);
 }
 
-static void show(struct orl_progress_line *progress, const json_t *job)
+static void show_job(struct orl_progress_line *progress, const json_t *job)
 {
     const char *state = orl_json_text(job, "state"), *stage = orl_json_text(job, "stage");
 
@@ -294,9 +294,9 @@ int orl_follow_job(struct orl_http *http, const char *id)
             note_warnings(&progress, job, &told);
             if (orl_job_has_ended(job)) {
                 orl_progress_end(&progress);
-                code = conclude(job, id);
+                code = report_end(job, id);
             } else {
-                show(&progress, job);
+                show_job(&progress, job);
             }
             json_decref(job);
             if (code >= 0) {
@@ -312,8 +312,9 @@ int orl_follow_job(struct orl_http *http, const char *id)
                 rc = 0;
         }
         pause_s(wait_s);
-        wait_s = wait_s < 0.5 ? wait_s * 1.25
-                              : wait_s; /* quick jobs end quickly, long ones poll little */
+        wait_s = wait_s < 0.5
+                     ? wait_s * 1.25
+                     : wait_s; /* short jobs are noticed quickly, long ones polled rarely */
     }
     orl_progress_end(&progress);
     json_decref(told);

@@ -1,4 +1,4 @@
-/* libcurl, kept in one place. */
+/* The only file that uses libcurl. */
 #include "http.h"
 
 #include <stdio.h>
@@ -18,16 +18,16 @@
 
 #define DEFAULT_URL "http://127.0.0.1:8423"
 
-/* A reply body: kept in memory up to a limit, or passed on to a file. */
+/* A reply body: stored in memory up to a limit, written to a file, or passed on as lines. */
 struct sink {
     char *data;
     size_t size, room;
     FILE *file;                                /* NULL: memory */
-    bool (*line)(void *ctx, const char *text); /* who wants whole lines; or NULL */
+    bool (*line)(void *ctx, const char *text); /* callback for whole lines; or NULL */
     void *ctx;
-    bool ended;    /* by that */
-    CURL *curl;    /* asked for the status, so that a problem does not land in the file */
-    bool overflow; /* the reply was larger than any honest one */
+    bool ended;    /* true if line has returned false */
+    CURL *curl;    /* for the status, so that a problem document is not written to the file */
+    bool overflow; /* true if the reply was too large */
 };
 
 int orl_http_open(struct orl_http *ret_http, const char *url, struct orl_error *err)
@@ -97,7 +97,7 @@ static bool sink_grow(struct sink *sink, size_t more)
     return true;
 }
 
-/* Gives away the lines that are whole, and keeps the rest. */
+/* Passes whole lines to the callback and keeps the rest. */
 static bool give_lines(struct sink *sink)
 {
     char *from = sink->data, *end;
@@ -132,7 +132,7 @@ static size_t sink_write(char *data, size_t unit, size_t count, void *arg)
     return !sink->line || status / 100 != 2 || give_lines(sink) ? size : 0;
 }
 
-/* Proxies are for the world outside: a daemon on this machine is always reached directly. */
+/* Returns true for a daemon on this machine, which is reached without proxies. */
 static bool is_loopback(const char *url)
 {
     const char *host = strstr(url, "://") + 3;
@@ -144,7 +144,8 @@ static bool is_loopback(const char *url)
     return false;
 }
 
-/* $ORIEL_TOKEN, but never where others could read it on its way; and whom to trust: $ORIEL_CA. */
+/* Adds $ORIEL_TOKEN unless others could read it on the way, and the trusted certificates,
+ * $ORIEL_CA. */
 static void add_credentials(struct orl_http *http)
 {
     const char *token = getenv("ORIEL_TOKEN"), *ca = getenv("ORIEL_CA");
@@ -158,9 +159,9 @@ static void add_credentials(struct orl_http *http)
         curl_easy_setopt(http->curl, CURLOPT_CAINFO, ca);
 }
 
-/* What all requests have in common; the caller adds a body, if any, afterwards. */
-static int prepare(struct orl_http *http, const char *method, const char *path, struct sink *sink,
-                   struct orl_error *err)
+/* Sets the options common to all requests. The caller may add a body afterwards. */
+static int prepare_request(struct orl_http *http, const char *method, const char *path,
+                           struct sink *sink, struct orl_error *err)
 {
     CURL *const curl = http->curl;
     char url[4096];
@@ -177,7 +178,7 @@ static int prepare(struct orl_http *http, const char *method, const char *path, 
     curl_easy_setopt(curl, CURLOPT_USERAGENT, "oriel/" ORL_VERSION);
     curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
     curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, 10L);
-    /* A big upload may take minutes to check: give up on silence, not on duration. */
+    /* Checking a large upload may take minutes: the time limit is on silence, not on duration. */
     curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
     curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, 600L);
     curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, sink_write);
@@ -188,8 +189,8 @@ static int prepare(struct orl_http *http, const char *method, const char *path, 
     return 0;
 }
 
-/* Sends what was prepared. Returns 0 for a 2xx reply, else the problem it carries. */
-static int perform(struct orl_http *http, struct sink *sink, struct orl_error *err)
+/* Sends the prepared request. Returns 0 for a 2xx reply, else the error of its problem document. */
+static int perform_request(struct orl_http *http, struct sink *sink, struct orl_error *err)
 {
     const CURLcode code = curl_easy_perform(http->curl);
 
@@ -210,13 +211,13 @@ static int perform(struct orl_http *http, struct sink *sink, struct orl_error *e
     return orl_report_reply_to_error(sink->data, sink->size, http->status, err);
 }
 
-/* Performs the request and reads the reply as JSON. Frees the sink. */
+/* Performs the request and parses the reply as JSON. Frees the sink. */
 static int perform_json(struct orl_http *http, struct sink *sink, json_t **ret_json,
                         struct orl_error *err)
 {
     json_error_t where;
     json_t *json = NULL;
-    int rc = perform(http, sink, err);
+    int rc = perform_request(http, sink, err);
 
     if (rc == 0 && ret_json) {
         json = sink->size ? json_loadb(sink->data, sink->size, 0, &where) : json_null();
@@ -236,7 +237,7 @@ int orl_http_call(struct orl_http *http, const char *method, const char *path, j
                   struct orl_error *err)
 {
     struct sink sink = {0};
-    const int rc = prepare(http, method, path, &sink, err);
+    const int rc = prepare_request(http, method, path, &sink, err);
 
     return rc ? rc : perform_json(http, &sink, ret_json, err);
 }
@@ -261,7 +262,7 @@ int orl_http_stream(struct orl_http *http, const char *path, const char *last_id
     struct sink sink = {.line = line, .ctx = ctx};
     struct curl_slist *headers = curl_slist_append(NULL, "Accept: text/event-stream");
     char header[128];
-    int rc = headers ? prepare(http, "GET", path, &sink, err)
+    int rc = headers ? prepare_request(http, "GET", path, &sink, err)
                      : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 
     snprintf(header, sizeof header, "Last-Event-ID: %s", last_id);
@@ -269,7 +270,7 @@ int orl_http_stream(struct orl_http *http, const char *path, const char *last_id
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (rc == 0) {
         curl_easy_setopt(http->curl, CURLOPT_HTTPHEADER, headers);
-        rc = perform(http, &sink, err);
+        rc = perform_request(http, &sink, err);
     }
     free(sink.data);
     curl_slist_free_all(headers);
@@ -279,12 +280,12 @@ int orl_http_stream(struct orl_http *http, const char *path, const char *last_id
 int orl_http_has(struct orl_http *http, const char *path, bool *ret_found, struct orl_error *err)
 {
     struct sink sink = {0};
-    int rc = prepare(http, "HEAD", path, &sink, err);
+    int rc = prepare_request(http, "HEAD", path, &sink, err);
 
     if (rc)
         return rc;
     curl_easy_setopt(http->curl, CURLOPT_NOBODY, 1L);
-    rc = perform(http, &sink, err);
+    rc = perform_request(http, &sink, err);
     free(sink.data);
     if (rc && http->status == 0)
         return rc;
@@ -292,7 +293,8 @@ int orl_http_has(struct orl_http *http, const char *path, bool *ret_found, struc
     return 0;
 }
 
-/* Whose turn in the queue a job takes. A name that no header can have is left out. */
+/* Adds the client's name, by which the daemon queues jobs fairly. Names that no header may have
+ * are left out. */
 static struct curl_slist *add_name(struct curl_slist *headers)
 {
     enum { NAME_MAX_BYTES = 64 };
@@ -325,7 +327,7 @@ int orl_http_post_json(struct orl_http *http, const char *path, const json_t *bo
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
         goto done;
     }
-    rc = prepare(http, "POST", path, &sink, err);
+    rc = prepare_request(http, "POST", path, &sink, err);
     if (rc)
         goto done;
     headers = add_name(headers);
@@ -358,7 +360,7 @@ int orl_http_post_parts(struct orl_http *http, const char *path,
         }
     }
     if (rc == 0)
-        rc = prepare(http, "POST", path, &sink, err);
+        rc = prepare_request(http, "POST", path, &sink, err);
     if (rc == 0) {
         curl_easy_setopt(http->curl, CURLOPT_MIMEPOST, form);
         rc = perform_json(http, &sink, ret_json, err);
@@ -381,7 +383,7 @@ int orl_http_post_file(struct orl_http *http, const char *path, const char *file
     headers = curl_slist_append(NULL, line);
     if (rc)
         goto done;
-    rc = prepare(http, "POST", path, &sink, err);
+    rc = prepare_request(http, "POST", path, &sink, err);
     if (rc)
         goto done;
     curl_easy_setopt(http->curl, CURLOPT_HTTPHEADER, headers);
@@ -406,9 +408,9 @@ int orl_http_download(struct orl_http *http, const char *path, const char *file,
     if (rc)
         return rc;
     sink.file = out.stream;
-    rc = prepare(http, "GET", path, &sink, err);
+    rc = prepare_request(http, "GET", path, &sink, err);
     if (rc == 0)
-        rc = perform(http, &sink, err);
+        rc = perform_request(http, &sink, err);
     free(sink.data);
     if (rc == 0)
         return orl_new_file_commit(&out, err);

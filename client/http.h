@@ -1,11 +1,11 @@
 /*
- * HTTP as the commands need it: a thin layer over libcurl. One connection to one daemon; requests
- * one after the other; JSON in and out; problems (RFC 9457) come back as struct orl_error, so that
- * a daemon's complaint reads like one of our own.
+ * An HTTP client for the commands: a thin layer over libcurl. It has one connection to one daemon,
+ * with sequential requests and JSON in both directions. Problem documents (RFC 9457) become struct
+ * orl_error, so that a daemon's error reads like a local one.
  *
  * Ownership: orl_http_close frees what orl_http_open made; JSON values returned are new references.
- * Threads: one at a time. Errors: negative enum orl_err; ORL_ERR_IO when the daemon cannot be
- * reached.
+ * Threads: one at a time.
+ * Errors: negative enum orl_err; ORL_ERR_IO if the daemon cannot be reached.
  */
 #ifndef ORL_CLIENT_HTTP_H
 #define ORL_CLIENT_HTTP_H
@@ -21,31 +21,32 @@
 struct orl_http {
     CURL *curl;
     char base_url[1024]; /* without a slash at the end */
-    long status;         /* of the last reply; 0 when there was none */
+    long status;         /* status of the last reply; 0 without one */
 };
 
-/* One part of an upload: the file at path travels as name; resources are not scene text. */
+/* A file of an upload: the file at path is sent as name. Resources are not scene text. */
 struct orl_upload_part {
     char *path;
     char *name;
     bool resource;
 };
 
-/* Opens a session with url, else $ORIEL_URL, else the loopback default. */
+/* Opens a session with url, or else $ORIEL_URL, or else the loopback default. */
 int orl_http_open(struct orl_http *ret_http, const char *url, struct orl_error *err);
 void orl_http_close(struct orl_http *http); /* NULL and half-open are fine */
 
-/* GET, DELETE ... without a body. ret_json may be NULL; else it is the reply, or json null. */
+/* Sends GET, DELETE, ... without a body. ret_json may be NULL; else it gets the reply, or json
+ * null. */
 int orl_http_call(struct orl_http *http, const char *method, const char *path, json_t **ret_json,
                   struct orl_error *err);
 
-/* Of the list that came last, the path of its next page (RFC 8288); "" when it was the last. */
+/* Returns the path of the next page of the last list (RFC 8288); "" after the last page. */
 void orl_http_next_page(const struct orl_http *http, char *ret_path, size_t size);
 
-/* Is there something at path? By a HEAD. Any answer but "here it is" means no. */
+/* Tests by HEAD whether path exists. Any status but success means no. */
 int orl_http_has(struct orl_http *http, const char *path, bool *ret_found, struct orl_error *err);
 
-/* POSTs a JSON document, with the client's name: $ORIEL_CLIENT, else the user's. */
+/* POSTs a JSON document, with the client's name: $ORIEL_CLIENT, or else the user's name. */
 int orl_http_post_json(struct orl_http *http, const char *path, const json_t *body,
                        json_t **ret_json, struct orl_error *err);
 
@@ -54,18 +55,18 @@ int orl_http_post_parts(struct orl_http *http, const char *path,
                         const struct orl_upload_part *parts, size_t n_parts, json_t **ret_json,
                         struct orl_error *err);
 
-/* POSTs one file as the body, of that media type. */
+/* POSTs one file as the body, with that media type. */
 int orl_http_post_file(struct orl_http *http, const char *path, const char *file, const char *type,
                        json_t **ret_json, struct orl_error *err);
 
 /*
- * GETs a stream of lines until it ends (then 0) or line, which is given each without its end,
- * returns false. last_id: of the event seen last, "" for none.
+ * GETs a stream of lines until it ends (returns 0) or the callback line returns false. The
+ * callback gets each line without its end. last_id: id of the last event, "" for none.
  */
 int orl_http_stream(struct orl_http *http, const char *path, const char *last_id,
                     bool (*line)(void *ctx, const char *text), void *ctx, struct orl_error *err);
 
-/* GETs path into the file, whole or not at all (a temporary name beside it, then a rename). */
+/* GETs path into the file, whole or absent: a temporary name beside it is renamed. */
 int orl_http_download(struct orl_http *http, const char *path, const char *file,
                       struct orl_error *err);
 

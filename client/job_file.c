@@ -15,7 +15,7 @@
 #include "parts/files.h"
 #include "place.h"
 
-/* The folder part of path, "." when there is none. */
+/* Returns the folder part of path, "." if there is none. */
 static int folder_of(const char *path, char *ret_folder, size_t size, struct orl_error *err)
 {
     const char *slash = strrchr(path, '/');
@@ -32,7 +32,7 @@ static int folder_of(const char *path, char *ret_folder, size_t size, struct orl
     return 0;
 }
 
-/* Behind white space, and a mark of the bytes' order. */
+/* Returns true if a '{' follows white space and a byte-order mark. */
 static bool begins_as_object(const char *text, size_t size)
 {
     size_t i = 0;
@@ -63,7 +63,8 @@ static int read_document(struct orl_job_file *file, struct orl_error *err)
     return rc;
 }
 
-/* A model may have been drawn without any: what to do then is said in its own terms. */
+/* Requires sensors or views of a render job. The message is about the project, which may have
+ * none. */
 static int check_asks(const char *path, const json_t *doc, struct orl_error *err)
 {
     const char *kind = json_string_value(json_object_get(doc, "kind"));
@@ -80,8 +81,8 @@ static int check_asks(const char *path, const json_t *doc, struct orl_error *err
     return ORL_ERR_INVALID;
 }
 
-/* Gives names above the document's folder, as "../place.epw", from the root: the project lies in a
- * folder elsewhere, into which the entries of the document's own folder are linked. */
+/* Replaces names such as "../place.epw" by absolute paths. The project is in another folder,
+ * which has links only to the entries of the document's own folder. */
 static int lead_from_root(json_t *value, const char *folder, json_t **ret_instead,
                           struct orl_error *err)
 {
@@ -110,7 +111,7 @@ static int lead_from_root(json_t *value, const char *folder, json_t **ret_instea
     return rc ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory") : 0;
 }
 
-/* "scene": {"project": PATH, ...} gives way to what the project has. */
+/* Replaces "scene": {"project": PATH, ...} by the project's contents. */
 static int resolve_project(struct orl_job_file *file, const char *beside, struct orl_error *err)
 {
     json_t *scene = json_incref(json_object_get(file->doc, "scene"));
@@ -144,7 +145,7 @@ int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct or
     return rc ? rc : resolve_project(ret_file, ret_file->folder, err);
 }
 
-/* "GROUP=STATE,..." */
+/* Parses "GROUP=STATE,...". */
 static int read_states(const char *text, json_t *scene, struct orl_error *err)
 {
     json_t *states = json_object();
@@ -177,7 +178,7 @@ int orl_project_wish(const char *path, const struct orl_project_line *line, json
     return rc;
 }
 
-/* A year has its sky and rows of a weather file. */
+/* Refuses options that exclude each other: a year takes its sky and rows from a weather file. */
 static int check_line(const struct orl_project_line *line, struct orl_error *err)
 {
     if (line->weather && line->sky)
@@ -190,7 +191,7 @@ static int check_line(const struct orl_project_line *line, struct orl_error *err
     return ORL_ERR_INVALID;
 }
 
-/* What a year of the project needs, and cannot do without. */
+/* Fails if a year of the project lacks grids. */
 static int check_year(const struct orl_job_file *file, const struct orl_project_line *line,
                       struct orl_error *err)
 {
@@ -203,7 +204,7 @@ static int check_year(const struct orl_job_file *file, const struct orl_project_
     return ORL_ERR_INVALID;
 }
 
-/* "NAME, NAME": an array. */
+/* Parses "NAME, NAME" as an array. */
 static json_t *read_rules(const char *text)
 {
     json_t *rules = json_array();
@@ -218,7 +219,7 @@ static json_t *read_rules(const char *text)
     return rules;
 }
 
-/* A text that is no whole number is left to be refused. */
+/* Text that is no whole number stays text, and the decoder refuses it. */
 static json_t *read_year(const char *text)
 {
     char *end = NULL;
@@ -234,7 +235,7 @@ static const char *name_of(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* Beside what the project has. */
+/* Links the weather file into the project's folder. */
 static int link_weather(const struct orl_job_file *file, const char *path, struct orl_error *err)
 {
     char whole[PATH_MAX];
@@ -245,8 +246,8 @@ static int link_weather(const struct orl_job_file *file, const char *path, struc
     return orl_place_link(file->folder, name_of(path), whole, err);
 }
 
-/* The weather file of a sky that the command line gives: below the current folder, or else the
- * project's own. */
+/* Links the weather file of a --sky option: below the current folder, or else the project's own
+ * file. */
 static int link_sky_weather(const struct orl_job_file *file, struct orl_error *err)
 {
     json_t *weather = json_object_get(json_object_get(file->doc, "sky"), "weather");
@@ -292,7 +293,7 @@ static int make_document(struct orl_job_file *file, const struct orl_project_lin
     return rc;
 }
 
-/* A document, where a project could have been. */
+/* Reads a document in a place where a project is also allowed. */
 static int read_job(const char *path, struct orl_job_file *ret_file, struct orl_error *err)
 {
     const int rc = orl_job_file_read(path, ret_file, err);
@@ -338,7 +339,7 @@ void orl_job_file_done(struct orl_job_file *file)
     orl_project_done(&file->project);
 }
 
-/* The command that takes a document of that kind. */
+/* Adds a hint with the command for documents of that kind. */
 static void hint_command(const struct orl_job_file *file, struct orl_error *err)
 {
     static const struct {
@@ -380,7 +381,7 @@ static int append_sensor(void *array, const double v[6])
     return json_array_append_new(array, json_pack("[ffffff]", v[0], v[1], v[2], v[3], v[4], v[5]));
 }
 
-/* "sensors" of holder. */
+/* Replaces "sensors" of holder. */
 static int inline_sensors(json_t *holder, const struct orl_files *folder, struct orl_error *err)
 {
     const json_t *sensors = json_object_get(holder, "sensors");
@@ -390,7 +391,7 @@ static int inline_sensors(json_t *holder, const struct orl_files *folder, struct
     int rc;
 
     if (!name)
-        return 0; /* absent, an array, or something the daemon will complain about */
+        return 0; /* absent, an array, or invalid, which the daemon reports */
     rc = folder->open(folder->ctx, name, &text, err);
     if (rc)
         return rc;
@@ -418,7 +419,7 @@ int orl_job_file_inline_sensors(struct orl_job_file *file, struct orl_error *err
     return rc;
 }
 
-/* "file" and "entry" of a view give way to the options they name. */
+/* Replaces "file" and "entry" of a view by the options they name. */
 static int inline_view(json_t *view, const struct orl_files *folder, struct orl_error *err)
 {
     const char *name = json_string_value(json_object_get(view, "file"));

@@ -1,5 +1,5 @@
 /*
- * A job document on disk, as `oriel run` and `oriel submit` take it: JSON whose file names are
+ * A job document on disk, as used by `oriel run` and `oriel submit`. Its file names are
  * relative to the document's own folder.
  */
 #ifndef ORL_CLIENT_JOB_FILE_H
@@ -16,25 +16,27 @@ struct orl_job_file {
     const char *path; /* borrowed from the command line */
     json_t *doc;      /* owned */
     char folder[4096];
-    struct orl_project_place project; /* that the document names, or is made of; else all zero */
+    struct orl_project_place
+        project; /* project that the document names or is made from; else all zero */
 };
 
-/* Reads and parses the document; mistakes in the JSON come with file and line. A project that it
- * names as its scene is opened (project.h), and told of on stderr. */
+/* Reads and parses the document; JSON errors have file and line. If its scene names a project,
+ * the project is opened (project.h) and listed on stderr. */
 int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct orl_error *err);
 
-/* What the command line says of a project in place of a document. Borrowed. */
+/* Options for a project that is given in place of a document. Borrowed. */
 struct orl_project_line {
-    const char *sky;    /* its name in the project, or "sky" of a job, as JSON; NULL */
+    const char *sky;    /* name of a sky of the project, or a job's "sky" as JSON; or NULL */
     const char *states; /* "GROUP=STATE,..."; NULL */
-    /* The weather file of a year, without which the job is no year; the calendar year of the rows
-     * to use; the rules to judge by, as in "LEED,EN 17037". Each may be NULL. */
+    /* For a year: its weather file, the calendar year of its rows, and the rules to judge by,
+     * such as "LEED,EN 17037". Each may be NULL; without weather the job is no year. */
     const char *weather, *year, *rules;
 };
-/* The scene of a document that asks for it, a new reference, after an error, too. */
+/* Makes the "scene" member that these options ask for. *ret_scene is a new reference, also
+ * after an error. */
 int orl_project_wish(const char *path, const struct orl_project_line *line, json_t **ret_scene,
                      struct orl_error *err);
-/* The same, where path may be that of a project; wishes of any other are refused. */
+/* Options of commands that accept a project. With other operands they are refused. */
 #define ORL_OPTIONS_PROJECT(line)                                                                  \
     {.name = "sky",                                                                                \
      .metavar = "SKY",                                                                             \
@@ -61,21 +63,21 @@ int orl_project_wish(const char *path, const struct orl_project_line *line, json
         .name = "rules", .metavar = "NAME,...",                                                    \
         .help = "of a project: what it is held to, as \"LEED,EN 17037\"", .value = &(line)->rules  \
     }
-/* The document, or the one that is made of the project: a year where the line has a weather file,
- * else a render job. */
+/* Opens the document, or makes one for the project: a year if the line has a weather file, else
+ * a render job. */
 int orl_job_file_open(const char *path, const struct orl_project_line *line,
                       struct orl_job_file *ret_file, struct orl_error *err);
 void orl_job_file_done(struct orl_job_file *file); /* NULL and half-filled are fine */
 
-/* The document as a job, checked as far as that goes without the scene. */
+/* Decodes the document as a job, checked as far as possible without the scene. */
 int orl_job_file_decode(const struct orl_job_file *file, struct orl_job *ret_job,
                         struct orl_error *err);
 
-/* Replaces "sensors": {"file": NAME} by the array the file holds, in grids, too; other forms stay
+/* Replaces "sensors": {"file": NAME} by the file's array, also in grids. Other forms are left
  * as they are. */
 int orl_job_file_inline_sensors(struct orl_job_file *file, struct orl_error *err);
 
-/* The same of views: those of files get the line that they ask for. */
+/* Replaces files of views likewise by the view lines that they name. */
 int orl_job_file_inline_views(struct orl_job_file *file, struct orl_error *err);
 
 #endif

@@ -8,7 +8,7 @@
 
 enum { NAME_WIDTH = 24, CELL = 32 };
 
-/* Up to most characters of UTF-8, and blanks for those that are missing. */
+/* Prints at most `most` UTF-8 characters, padded with blanks. */
 static void print_padded(const char *text, int most)
 {
     int characters = 0;
@@ -21,7 +21,7 @@ static void print_padded(const char *text, int most)
     printf("%*s", characters < most ? most - characters : 0, "");
 }
 
-/* The name; without one its tags, or nothing. */
+/* Prints the name, or else the tags, if any. */
 static void print_name(const json_t *job)
 {
     const json_t *tags = json_object_get(job, "tags");
@@ -41,7 +41,7 @@ static void print_name(const json_t *job)
     print_padded(text, NAME_WIDTH);
 }
 
-/* "42.0 %", or nothing. */
+/* Formats "42.0 %", or "" if unknown. */
 static void format_share(double percent, char ret_text[CELL])
 {
     if (percent >= 0)

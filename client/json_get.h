@@ -1,4 +1,4 @@
-/* Reading replies leniently: an absent or mistyped member yields the default, never a crash. */
+/* Reads replies leniently: an absent or mistyped member gives the default. */
 #ifndef ORL_CLIENT_JSON_GET_H
 #define ORL_CLIENT_JSON_GET_H
 

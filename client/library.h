@@ -1,7 +1,7 @@
 /*
- * The user's own library of function files, fonts and data that scenes count on without bringing
- * them: the folders of the environment variable RAYPATH, as Radiance's programs search them
- * (rpict(1), ENVIRONMENT). It is looked in for what the scene's folder lacks. Unset: there is none.
+ * The user's library of function files, fonts and data that scenes use but do not include: the
+ * folders of the environment variable RAYPATH, as in Radiance (rpict(1), ENVIRONMENT). It is
+ * searched after the scene's folder. If RAYPATH is unset, there is no library.
  */
 #ifndef ORL_CLIENT_LIBRARY_H
 #define ORL_CLIENT_LIBRARY_H
@@ -11,10 +11,10 @@
 
 #include <oriel/files.h>
 
-/* orl_files_from_folder with the library behind it. */
+/* Returns files of a folder (orl_files_from_folder), with the library searched after it. */
 struct orl_files orl_library_files(const char *folder);
 
-/* Where the library has a file of that name; false: nowhere. */
+/* Finds a file of that name in the library. Returns false if there is none. */
 bool orl_library_path(const char *name, char *ret_path, size_t size);
 
 #endif

@@ -25,11 +25,11 @@
 #include "study_json.h"
 #include "study_table.h"
 
-/* Variables outside functions: a signal handler has no other way to say anything, or to know. */
+/* Globals, because a signal handler can use nothing else. */
 static atomic_bool interrupted;
 
-/* A run that does not stop in this time is ended; its files are whole or absent all the same. A run
- * that waits for parts in other processes cancels them first, without a limit. */
+/* Seconds after which an interrupted run is forced to exit; its files are still whole or
+ * absent. A run with parts in other processes has no limit, because it cancels them first. */
 enum { STOP_S = 5 };
 static atomic_bool has_parts;
 
@@ -63,8 +63,9 @@ static void catch_interrupts(void)
     orl_json_heed(&interrupted);
 }
 
-/* The processors this process may use: fewer than there are, under taskset or in a container. */
-static uint32_t cores(void)
+/* Returns the processors available to this process: fewer than all under taskset or in a
+ * container. */
+static uint32_t count_cores(void)
 {
     cpu_set_t set;
 
@@ -73,10 +74,10 @@ static uint32_t cores(void)
     return 1;
 }
 
-/* Says what is wrong with it. */
+/* Reads --threads; reports an invalid value. */
 static int read_threads(const struct orl_subcommand *self, struct orl_local_line *line)
 {
-    uint64_t threads = line->threads > 0 ? line->threads : cores();
+    uint64_t threads = line->threads > 0 ? line->threads : count_cores();
 
     if (line->threads_text && !orl_parse_count(line->threads_text, 1, 1024, &threads))
         return orl_usage_error(self, "--threads takes a number from 1 to 1024, not \"%s\"",
@@ -100,17 +101,17 @@ bool orl_local_parse(const struct orl_subcommand *self, int argc, char **argv,
     return *ret_exit == 0;
 }
 
-/* What a run needs of this process, with progress on stderr. */
+/* Environment of a run in this process, with progress on stderr. */
 struct local {
     struct orl_files files;
     struct orl_folder_store maps;
     struct orl_map_store store;
     struct orl_progress_line progress;
     struct orl_run_env env;
-    char *warnings; /* those that were printed, a line each */
+    char *warnings; /* warnings printed so far, one per line */
 };
 
-/* Prints each warning once, as soon as it is known: before anything is rendered if possible. */
+/* Prints each warning once, as soon as it is known, if possible before rendering. */
 static void on_warned(void *ctx, const char *warning)
 {
     struct local *local = ctx;
@@ -167,8 +168,8 @@ static void on_round(void *ctx, const struct orl_result *result)
                       outcome->rounds, error, result->total_s);
 }
 
-/* Gives env what both commands need. */
-static int prepare(struct orl_run_env *env, uint32_t threads, struct orl_error *err)
+/* Sets the members of env that all commands need. */
+static int init_env(struct orl_run_env *env, uint32_t threads, struct orl_error *err)
 {
     env->cancel = &interrupted;
     env->now_s = orl_clock_s;
@@ -196,7 +197,7 @@ static int local_start(struct local *local, const char *folder, const char *outp
     local->warnings = NULL;
     rc = orl_join_path(output, "maps", local->maps.folder, sizeof local->maps.folder, err);
     if (rc == 0)
-        rc = prepare(&local->env, threads, err);
+        rc = init_env(&local->env, threads, err);
     if (rc == 0)
         orl_progress_start(&local->progress);
     return rc;
@@ -242,7 +243,7 @@ int orl_local_run(const struct orl_job *job, const char *folder, const char *out
     return rc;
 }
 
-/* A job on its way through its skies. */
+/* A job with several skies while it runs. */
 struct skies {
     struct local local;
     const struct orl_job *job;
@@ -308,7 +309,7 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
 {
     const struct orl_files files = orl_library_files(folder);
     struct orl_run_env env = {.files = &files};
-    int rc = prepare(&env, threads, err);
+    int rc = init_env(&env, threads, err);
 
     if (rc)
         return rc;
@@ -317,12 +318,13 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
     return rc;
 }
 
-/* Of a local folder nothing changes while its job runs. */
+/* Size of a year's in-memory cache in bytes. Caching is safe because local files do not change
+ * during a job. */
 enum { YEAR_SHELF = 1 << 30 };
 
-/* A year on its way. */
+/* A year's job while it runs. */
 struct year {
-    struct local local; /* first: what it tells comes to it by that */
+    struct local local; /* first, because callbacks get a pointer to it */
     const struct orl_local_tell *tell;
 };
 
@@ -359,7 +361,7 @@ int orl_local_annual(struct orl_annual_job *job, const char *folder, const char 
     if (rc)
         return rc;
     local_share(&year.local, share);
-    if (cache) { /* without the folder the run warns, and goes on */
+    if (cache) { /* if the folder is missing, the run warns and continues */
         snprintf(year.local.maps.folder, sizeof year.local.maps.folder, "%s", cache);
         orl_make_folder(cache, NULL);
     }

@@ -1,6 +1,6 @@
 /*
- * Jobs in this process: what `oriel run`, `oriel plan` and `oriel study` have in common. Files come
- * from the folder of the job document. A second Ctrl-C or SIGTERM ends the program.
+ * Runs jobs in this process, for `oriel run`, `oriel plan`, `oriel study` and others. Files are
+ * read from the folder of the job document. A second Ctrl-C or SIGTERM ends the program.
  */
 #ifndef ORL_CLIENT_LOCAL_H
 #define ORL_CLIENT_LOCAL_H
@@ -19,23 +19,24 @@
 #include "annual_json.h"
 #include "command.h"
 
-/* The line of a command that computes here: an operand, -o DIR and --threads N. */
+/* The command line of a local command: an operand, -o DIR and --threads N. */
 struct orl_local_line {
     const char *operand;      /* a document, or a result */
-    struct orl_operands all;  /* operands, that one first */
-    int most;                 /* beforehand: operands there may be; 0: one */
-    const char *output;       /* of -o; NULL: not given */
-    const char *threads_text; /* of --threads */
-    uint32_t threads;         /* beforehand: without --threads; 0: one per core */
-    bool writes;              /* beforehand: there must be a -o */
+    struct orl_operands all;  /* all operands, including that one */
+    int most;                 /* input: most operands allowed; 0: one */
+    const char *output;       /* value of -o; NULL: absent */
+    const char *threads_text; /* value of --threads */
+    uint32_t threads;         /* input: default for --threads; 0: one per core */
+    bool writes;              /* input: true if -o is required */
 };
 
-/* orl_options_parse for it. True: from then on Ctrl-C and SIGTERM cancel what those below do. */
+/* Parses the line (orl_options_parse). If it returns true, Ctrl-C and SIGTERM then cancel the
+ * functions below. */
 bool orl_local_parse(const struct orl_subcommand *self, int argc, char **argv,
                      const struct orl_option *options, size_t n_options,
                      struct orl_local_line *line, int *ret_exit);
 
-/* For most of those commands. */
+/* The --threads option of most local commands. */
 #define ORL_OPTION_THREADS(target)                                                                 \
     {                                                                                              \
         .name = "threads", .letter = 'j', .metavar = "N",                                          \
@@ -43,67 +44,69 @@ bool orl_local_parse(const struct orl_subcommand *self, int argc, char **argv,
         .value = (target)                                                                          \
     }
 
-/* Whom a run is shared with (oriel/pieces.h), and where its pieces and maps are. Borrowed. */
+/* Sharing of a run with other processes (oriel/pieces.h), and the store of its pieces and maps.
+ * Borrowed. */
 struct orl_local_share {
     const struct orl_pieces *pieces;
     const struct orl_map_store *store;
 };
 
 /*
- * The flag that Ctrl-C and SIGTERM set. A run that does not end in 5 s after that is ended, unless
- * it has parts in other processes, which are cancelled first.
+ * Returns the flag that Ctrl-C and SIGTERM set. A run that does not end within 5 s after that
+ * is killed, unless it has parts in other processes (orl_local_has_parts), which are cancelled
+ * first.
  */
 const atomic_bool *orl_local_interrupted(void);
 void orl_local_has_parts(void);
 
-/* Renders, with progress on stderr; images go to output, maps and loaded BSDFs to output/maps.
- * share: NULL: with nobody; here and below. */
+/* Renders with progress on stderr. Images are written to output, maps and loaded BSDFs to
+ * output/maps. Here and below, share is NULL if the run is not shared. */
 int orl_local_run(const struct orl_job *job, const char *folder, const char *output,
                   uint32_t threads, const struct orl_local_share *share,
                   struct orl_result *ret_result, struct orl_error *err);
 
-/* The same of a job of several skies: <sky>.json, images and errors of each as soon as it is done.
- * *ret_results (skies_result_json.h) is the caller's. */
+/* Renders a job with several skies: writes <sky>.json, images and errors of each sky as soon as
+ * it is done. *ret_results (skies_result_json.h) is owned by the caller. */
 int orl_local_run_skies(const struct orl_job *job, const char *folder, const char *output,
                         uint32_t threads, const struct orl_local_share *share, json_t **ret_results,
                         struct orl_error *err);
 
-/* Makes the plan, or those under each of its skies, and nothing else; quietly. tell: of
+/* Makes only the plan, or the plan under each sky, without output. tell: callback of
  * orl_plan_skies. */
 typedef int orl_local_tell_plan(void *ctx, const char *sky, const struct orl_result *planned,
                                 const struct orl_curve *curve, struct orl_error *err);
 int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threads,
                    orl_local_tell_plan *tell, void *ctx, struct orl_error *err);
 
-/* Runs the study, with progress on stderr; its runs keep nothing in output. */
+/* Runs the study with progress on stderr; its runs write nothing to output. */
 int orl_local_study(const struct orl_study_request *request, const char *folder, const char *output,
                     uint32_t threads, const struct orl_local_share *share,
                     struct orl_study *ret_study, struct orl_error *err);
 
-/* Makes a panel's BSDF, with progress on stderr. */
+/* Computes a panel's BSDF with progress on stderr. */
 int orl_local_make_bsdf(const struct orl_bsdf_make_request *request, const char *folder,
                         uint32_t threads, const struct orl_local_share *share,
                         struct orl_bsdf_made *ret_made, struct orl_error *err);
 
-/* The same of one that is converted; its source is what the file says. */
+/* Converts a BSDF likewise. source: description of the input, which the new XML states. */
 int orl_local_convert_bsdf(const struct orl_bsdf *bsdf, const char *source,
                            const struct orl_bsdf_make_request *to, uint32_t threads,
                            struct orl_bsdf_made *ret_made, struct orl_error *err);
-/* And culled as far as it may be (orl_bsdf_convert_within). */
+/* Converts a BSDF and culls it as far as within allows (orl_bsdf_convert_within). */
 int orl_local_cull_bsdf(const struct orl_bsdf *bsdf, const char *source,
                         const struct orl_bsdf_make_request *to, double within, uint32_t threads,
                         double *ret_unseen, struct orl_bsdf_made *ret_made,
                         struct orl_bsdf_comparison *ret_lost, struct orl_error *err);
-/* What two of them differ by. */
+/* Compares two BSDFs. */
 int orl_local_compare_bsdfs(const struct orl_bsdf *a, const struct orl_bsdf *b, uint32_t threads,
                             struct orl_bsdf_comparison *ret_comparison, struct orl_error *err);
-/* The same of measurements. */
+/* Fits a BSDF to measurements, with progress on stderr. */
 int orl_local_fit_bsdf(const struct orl_bsdf_fit_request *request, const char *folder,
                        uint32_t threads, struct orl_bsdf_fitted *ret_fitted, struct orl_error *err);
 
-/* Runs a year's job, with progress on stderr; all its files but result.json go to output. tell: of
- * annual_job.h, with ctx. cache: a folder, made if need be, where what the year is made of is kept
- * and looked for; NULL: none. */
+/* Runs a year's job with progress on stderr; writes all its files but result.json to output.
+ * tell: callback of annual_job.h, called with ctx. cache: folder for the year's intermediate
+ * results, created if absent; NULL: none. */
 struct orl_local_tell {
     int (*tell)(void *ctx, const struct orl_annual_result *result,
                 const struct orl_annual_report *report, json_t *document, struct orl_error *err);

@@ -1,4 +1,4 @@
-/* BSDFs in this process: made, fitted and converted, with progress on stderr; and compared. */
+/* Computes, fits, converts and compares BSDFs in this process, with progress on stderr. */
 #include "local.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "library.h"
 #include "progress.h"
 
-/* A BSDF on its way. */
+/* State of a BSDF computation. */
 struct making {
     struct orl_files files;
     struct orl_progress_line progress;
@@ -31,7 +31,7 @@ static int start_crew(uint32_t threads, struct orl_crew **ret_crew, struct orl_e
                      : orl_error_set(err, ORL_ERR_NOMEM, "%u threads cannot be started", threads);
 }
 
-/* folder: NULL where no files are read. */
+/* folder: NULL if no files are read. */
 static int making_start(struct making *m, const char *folder, uint32_t threads,
                         struct orl_error *err)
 {

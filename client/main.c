@@ -1,4 +1,4 @@
-/* oriel: the command line. A static table of commands; each says for itself what it does. */
+/* oriel: the command line. A static table lists the commands and their help. */
 #include "command.h"
 
 #include <stdio.h>
@@ -191,7 +191,7 @@ static void print_overview(FILE *to)
             "Exit codes: 0 done, 1 failed, 2 wrong command line.\n");
 }
 
-/* Spellings that people try: --help, -h, help [COMMAND], --version. Returns -1 when none is. */
+/* Handles common spellings: --help, -h, help [COMMAND], --version. Returns -1 for any other. */
 static int run_synonym(int argc, char **argv)
 {
     if (strcmp(argv[1], "--version") == 0)
@@ -213,7 +213,7 @@ int main(int argc, char **argv)
     const struct orl_subcommand *command;
     int code;
 
-    setvbuf(stdout, NULL, _IOLBF, 0); /* command.h */
+    setvbuf(stdout, NULL, _IOLBF, 0); /* line-buffered, as command.h says */
     if (argc < 2) {
         print_overview(stderr);
         return ORL_EXIT_USAGE;
@@ -232,7 +232,7 @@ int main(int argc, char **argv)
     }
     code = command->run(command, argc - 1, argv + 1);
     curl_global_cleanup();
-    /* A full disk or a closed pipe must not pass for success. */
+    /* Report a full disk or a closed pipe as a failure. */
     if (fflush(stdout) != 0 || ferror(stdout)) {
         fprintf(stderr, "oriel: standard output cannot be written\n");
         code = code ? code : ORL_EXIT_FAILED;

@@ -1,4 +1,4 @@
-/* The option parser: a table per command, help written from the same table. */
+/* The option parser: each command has a table of options, from which the help is made too. */
 #include "command.h"
 
 #include <errno.h>
@@ -38,7 +38,8 @@ static void print_help(const struct orl_subcommand *self, const struct orl_optio
     printf("  -h, --help             this text\n");
 }
 
-/* Finds the option an argument names; *ret_value points behind '=' or the letter, or is NULL. */
+/* Finds the option that an argument names. *ret_value points after '=' or the letter, or is
+ * NULL. */
 static const struct orl_option *find_option(const char *arg, const struct orl_option *options,
                                             size_t n, const char **ret_value)
 {
@@ -60,7 +61,7 @@ static const struct orl_option *find_option(const char *arg, const struct orl_op
     return NULL;
 }
 
-/* Takes one option at argv[*at], and its value; returns 0 or an exit code. */
+/* Reads one option at argv[*at] with its value. Returns 0 or an exit code. */
 static int take_option(const struct orl_subcommand *self, int argc, char **argv, int *at,
                        const struct orl_option *options, size_t n)
 {
@@ -92,7 +93,7 @@ bool orl_options_parse(const struct orl_subcommand *self, int argc, char **argv,
 
     for (int i = 1; i < argc; i++) {
         if (only_operands || argv[i][0] != '-' || argv[i][1] == '\0') {
-            argv[1 + count++] = argv[i]; /* never ahead of i: what is overwritten was read */
+            argv[1 + count++] = argv[i]; /* overwrites only arguments that were already read */
         } else if (strcmp(argv[i], "--") == 0) {
             only_operands = true;
         } else if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {

@@ -8,7 +8,7 @@
 #include "progress.h"
 #include "wrap.h"
 
-/* Columns of the table: the widest effect has 15 letters; the reason takes what is left. */
+/* Columns of the table: the longest effect name has 15 letters; the reason takes the rest. */
 enum { EFFECT_WIDTH = 15, SIMULATED_WIDTH = 11, BOUND_WIDTH = 9, TIME_WIDTH = 7, GAP = 2 };
 enum { WHY_COLUMN = EFFECT_WIDTH + SIMULATED_WIDTH + BOUND_WIDTH + 2 * TIME_WIDTH + 5 * GAP };
 enum { HEAD_WIDTH = 13 };
@@ -31,7 +31,7 @@ void orl_format_plan(const struct orl_plan *plan, char *ret_text, size_t size)
              ORL_EFFECT_COUNT);
 }
 
-/* Two digits are enough for a bound; "1.2e+03" is not what a person writes. */
+/* Formats a bound with two digits and without an exponent. */
 static void format_bound(const struct orl_decision *decision, char *ret_text, size_t size)
 {
     const bool relative = decision->unit == ORL_BOUND_RELATIVE;
@@ -113,7 +113,7 @@ static void format_foreseen(double seconds, char *ret_text, size_t size)
     snprintf(ret_text, size, "%s%s", *amount ? "about " : "not known", amount);
 }
 
-/* What they will take, where a pilot was asked. */
+/* Prints the predicted cost of the photons, if a pilot was run. */
 static void print_foresight(FILE *to, const struct orl_plan *plan)
 {
     const struct orl_foresight *f = &plan->foresight;
@@ -153,7 +153,8 @@ static void print_head(FILE *to, const struct orl_plan *plan)
                 plan->most_reflections);
 }
 
-/* The names of the strategies by which views, or sensors if there are none, find a class. */
+/* Formats the names of the strategies that find a class of paths, for views, or for sensors if
+ * there are no views. */
 static void format_strategies(const struct orl_plan *plan, enum orl_path_class class,
                               char *ret_text, size_t size)
 {
@@ -167,7 +168,7 @@ static void format_strategies(const struct orl_plan *plan, enum orl_path_class c
                                  orl_path_strategy_name((enum orl_path_strategy)(1U << i)));
 }
 
-/* The classes of paths that the scene has, a line each. */
+/* Prints the scene's classes of paths, one per line. */
 static void print_paths(FILE *to, const struct orl_plan *plan)
 {
     const char *head = "light";

@@ -78,7 +78,7 @@ static void draw_bar(struct orl_progress_line *progress, const char *stage, doub
 
     if (ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0)
         columns = window.ws_col;
-    /* What stands beside the bar takes about 40 columns; a very narrow window gets no bar. */
+    /* Text beside the bar takes about 40 columns; a very narrow window gets no bar. */
     width = columns - 40;
     width = width < 0 ? 0 : width > 40 ? 40 : width;
     filled = (int)(fraction * width);
@@ -98,7 +98,7 @@ void orl_progress_show(struct orl_progress_line *progress, const char *stage, do
     char eta[32];
     int tenth;
 
-    fraction = fraction > 0 ? fmin(fraction, 1) : 0; /* a NaN counts as nothing done */
+    fraction = fraction > 0 ? fmin(fraction, 1) : 0; /* a NaN counts as 0 */
     tenth = (int)(10 * fraction);
     orl_format_duration(eta_s, eta, sizeof eta);
     if (progress->terminal) {

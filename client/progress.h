@@ -1,7 +1,7 @@
 /*
- * Progress on stderr: one line rewritten in place when it is a terminal, else a plain line when the
- * stage changes and every tenth of the way (never more often than that: logs stay short).
- * The caller says how far the job is; time is the caller's steady clock, in seconds.
+ * Progress on stderr. On a terminal one line is rewritten in place. Otherwise a line is printed
+ * when the stage changes and at every tenth, so that logs stay short. The caller gives the
+ * job's fraction done. Times are in seconds of a monotonic clock.
  */
 #ifndef ORL_CLIENT_PROGRESS_H
 #define ORL_CLIENT_PROGRESS_H
@@ -14,34 +14,36 @@
 struct orl_progress_line {
     bool terminal;
     double drawn_s;
-    char stage[32];     /* last one shown */
-    int tenth;          /* last one shown, -1 before the first */
-    bool line_open;     /* something stands on the terminal's line */
-    struct orl_eta eta; /* of a run of this process */
+    char stage[32];     /* last stage shown */
+    int tenth;          /* last tenth shown; -1 before the first */
+    bool line_open;     /* true if the terminal's current line has text */
+    struct orl_eta eta; /* estimate for a run in this process */
 };
 
-double orl_clock_s(void *unused); /* a steady clock */
+double orl_clock_s(void *unused); /* monotonic clock, seconds */
 
 void orl_progress_start(struct orl_progress_line *progress);
 
-/* fraction of the whole job, 0..1; eta_s: seconds that it has left, NaN: not known. */
+/* Shows progress. fraction: of the whole job, 0..1; eta_s: estimated seconds left, NaN if
+ * unknown. */
 void orl_progress_show(struct orl_progress_line *progress, const char *stage, double fraction,
                        double eta_s);
 
-/* The same of a run of this process, which tells what it thinks is left (oriel/run.h). */
+/* Shows progress of a run in this process. left_s: its own estimate of the seconds left
+ * (oriel/run.h). */
 void orl_progress_take(struct orl_progress_line *progress, const char *stage, double fraction,
                        double left_s);
 
-/* A line of its own (a map found, a warning), above the bar. */
+/* Prints a line of its own, such as a warning, above the bar. */
 void orl_progress_note(struct orl_progress_line *progress, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Takes the bar away. */
+/* Removes the bar. */
 void orl_progress_end(struct orl_progress_line *progress);
 
-/* "8 s", "2:05", "1:02:05"; "?" when it cannot be said. */
+/* Formats "8 s", "2:05" or "1:02:05"; "?" if unknown. */
 void orl_format_duration(double seconds, char *ret_text, size_t size);
-/* "950", "24.7 kB", "1.2 GB", and "2.0 M" for counts when unit is "". */
+/* Formats "950", "24.7 kB" or "1.2 GB", and "2.0 M" for counts if unit is "". */
 void orl_format_amount(double amount, const char *unit, char *ret_text, size_t size);
 
 #endif

@@ -28,13 +28,13 @@ static bool ends_with(const char *path, const char *ending)
     return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
-/* A file that names a scene's files: of rad, or of frads. */
+/* Returns true for a file that lists a scene's files: of rad, or of frads. */
 static bool is_list(const char *path)
 {
     return ends_with(path, ".rif") || ends_with(path, ".cfg");
 }
 
-/* Models are also called .json, as documents are. */
+/* Returns true if the file is a model: models may be called .json, as documents are. */
 static bool holds_model(const char *path)
 {
     const struct orl_files here = orl_files_from_folder(".");
@@ -80,8 +80,8 @@ static int write_file(const char *place, const struct orl_text_file *file, struc
                          orl_open_reason(errno));
 }
 
-static int translate(const char *path, const char *place, struct orl_names *names,
-                     struct orl_error *err)
+static int translate_model(const char *path, const char *place, struct orl_names *names,
+                           struct orl_error *err)
 {
     const struct orl_files here = orl_files_from_folder(".");
     struct orl_text_files files = {0};
@@ -109,7 +109,7 @@ static int translate(const char *path, const char *place, struct orl_names *name
 
 /* ---- Projects -------------------------------------------------------------------------------- */
 
-/* A model's own folder stands as "model" there, which its texts call it. */
+/* Lays a folder out in place. A model folder is linked as "model", the name that its files use. */
 static int lay_out_folder(const char *path, const char *place, struct orl_names *names,
                           struct orl_error *err)
 {
@@ -127,7 +127,7 @@ static int lay_out_folder(const char *path, const char *place, struct orl_names 
     return rc ? rc : orl_names_list(path, "model/", 0, names, err);
 }
 
-/* Commands in a file of rad, and windows of BSDFs, become scene files. */
+/* Writes the commands of a rad file, and windows with BSDFs, as scene files. */
 static int write_commands(const struct orl_project_place *place, struct orl_error *err)
 {
     const json_t *command;
@@ -146,7 +146,7 @@ static int write_commands(const struct orl_project_place *place, struct orl_erro
     return rc;
 }
 
-/* Its names are relative to the folder that it lies in. */
+/* Lays the file's project out. Its names are relative to the folder of the file. */
 static int lay_out_list(const char *path, struct orl_project_place *place, struct orl_error *err)
 {
     const struct orl_files here = orl_files_from_folder(".");
@@ -197,7 +197,7 @@ int orl_project_open(const json_t *scene, const char *path, const char *beside,
         rc = lay_out_list(path, &place, err);
     else if (rc == 0)
         rc = orl_is_folder(path) ? lay_out_folder(path, place.folder, &names, err)
-                                 : translate(path, place.folder, &names, err);
+                                 : translate_model(path, place.folder, &names, err);
     if (rc == 0 && beside)
         rc = orl_place_link_entries(place.folder, beside, err);
     if (rc == 0 && !place.project)
@@ -226,7 +226,7 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
     if (rc == 0)
         rc = orl_make_folder(into, err);
     if (rc == 0)
-        rc = translate(path, place.folder, &names, err);
+        rc = translate_model(path, place.folder, &names, err);
     if (rc == 0)
         rc = find_project(path, scene, &names, &place, err);
     orl_names_done(&names);
@@ -246,9 +246,9 @@ void orl_project_done(struct orl_project_place *place)
     *place = (struct orl_project_place){{0}, false, NULL};
 }
 
-/* ---- Into documents -------------------------------------------------------------------------- */
+/* ---- Documents ------------------------------------------------------------------------------- */
 
-/* Square pixels, or those that the project asks for; any, where it asks for exactly a size. */
+/* Sets square pixels, or the project's aspect; any aspect if the project gives an exact size. */
 static void set_pixel_aspect(json_t *view)
 {
     const json_t *const own = json_object_get(view, "pixel_aspect");
@@ -265,7 +265,7 @@ static json_t *views_of(const json_t *project)
 
     json_array_foreach(json_object_get(project, "views"), i, view)
     {
-        if (json_object_get(view, "width")) { /* it has its size */
+        if (json_object_get(view, "width")) { /* has its own size */
             json_array_append(views, view);
             set_pixel_aspect(view);
             continue;
@@ -302,7 +302,7 @@ int orl_project_fill(const struct orl_project_place *place, const json_t *scene,
                                    json_object_get(scene, "states"), doc, err);
 }
 
-static void tell_names(const char *what, const json_t *list)
+static void print_names(const char *what, const json_t *list)
 {
     const json_t *item;
     size_t i;
@@ -328,9 +328,9 @@ void orl_project_tell(const json_t *project)
 
     fprintf(stderr, "project: %zu scene files\n",
             json_array_size(json_object_get(project, "files")));
-    tell_names("grids", json_object_get(project, "grids"));
-    tell_names("views", json_object_get(project, "views"));
-    tell_names("skies", json_object_get(project, "skies"));
+    print_names("grids", json_object_get(project, "grids"));
+    print_names("views", json_object_get(project, "views"));
+    print_names("skies", json_object_get(project, "skies"));
     json_object_foreach((json_t *)(uintptr_t)json_object_get(project, "states"), group, state)
     {
         fprintf(stderr, "group %s: %s of", group,

@@ -1,13 +1,13 @@
 /*
- * Projects: a Honeybee model (.hbjson, or JSON that says it is one), a folder as Honeybee exports
- * one, or a file of rad (.rif), in place of a scene's list of files. A document says
+ * Projects in place of a scene's list of files: a Honeybee model (.hbjson, or JSON of that type),
+ * a folder exported by Honeybee, or a file of rad (.rif) or frads (.cfg). In a document,
  *
  *     "scene": {"project": PATH, "states": {"GROUP": "STATE"}, "sky": NAME, "files": [...]}
  *
- * and gets the project's files and behind them its own, and the project's grids and views where it
- * has none; a year also what moves, as its shades (project_shades.h). For a model its Radiance
- * files are written (honeybee/hbjson.h). All of it is then found in a temporary folder, beside
- * links to what the document's own folder holds.
+ * adds the project's files before its own, and the project's grids and views if it has none. A
+ * year also gets the dynamic parts as shades (project_shades.h). A model is translated to Radiance
+ * files (honeybee/hbjson.h). All files are in a temporary folder, beside links to the entries of
+ * the document's own folder.
  */
 #ifndef ORL_CLIENT_PROJECT_H
 #define ORL_CLIENT_PROJECT_H
@@ -17,34 +17,35 @@
 
 #include <oriel/error.h>
 
-/* A folder, a model or a file of rad, rather than a document of ours. */
+/* Returns true if path is a folder, a model, or a file of rad or frads, rather than a job
+ * document. */
 bool orl_project_is_one(const char *path);
 
-/* A project laid out in a folder of its own. */
+/* A project laid out in a folder. */
 struct orl_project_place {
     char folder[4096];
-    bool stays;      /* the folder; else it is temporary */
-    json_t *project; /* owned: honeybee/project.h's */
+    bool stays;      /* true if the folder is permanent, not temporary */
+    json_t *project; /* owned; format of honeybee/project.h */
 };
 
 /*
- * scene: {"project", "states", "sky", "files"}. beside: a folder whose entries are to be found
- * there too; NULL: none. The caller ends it with orl_project_done, which removes the temporary
+ * Opens a project. scene: {"project", "states", "sky", "files"}. beside: folder whose entries
+ * are linked too, or NULL. Call orl_project_done afterwards, which removes the temporary
  * folder.
  */
 int orl_project_open(const json_t *scene, const char *path, const char *beside,
                      struct orl_project_place *ret_place, struct orl_error *err);
-/* The same of a model, whose files go to that folder, and stay. */
+/* Opens a model likewise, but writes its files to the folder into, where they stay. */
 int orl_project_write(const json_t *scene, const char *path, const char *into,
                       struct orl_project_place *ret_place, struct orl_error *err);
 void orl_project_done(struct orl_project_place *place); /* all zero is fine */
 
-/* The project's files, grids, views and shades into a job document. scene: as above, no longer
- * doc's. */
+/* Adds the project's files, grids, views and shades to a job document. scene: as above, no
+ * longer part of doc. */
 int orl_project_fill(const struct orl_project_place *place, const json_t *scene, json_t *doc,
                      struct orl_error *err);
 
-/* What there is, and what was left out, in lines on stderr. */
+/* Lists the project's contents and the files left out on stderr. */
 void orl_project_tell(const json_t *project);
 
 #endif

@@ -12,7 +12,7 @@ static int no_memory(struct orl_error *err)
     return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* ---- What is asked for ----------------------------------------------------------------------- */
+/* ---- Request --------------------------------------------------------------------------------- */
 
 static bool any_names(const json_t *list, const char *what)
 {
@@ -29,7 +29,8 @@ static bool any_names(const json_t *list, const char *what)
     return false;
 }
 
-/* sDA is of blinds that are drawn by LM-83's rule. */
+/* Returns true if the document asks for sDA or LEED, which are defined for blinds drawn by
+ * LM-83's rule. */
 static bool asks_for_blinds(const json_t *doc)
 {
     const char *verdict =
@@ -76,7 +77,7 @@ static json_t *find_shade(json_t *shades, const char *group)
     return NULL;
 }
 
-/* Windows, rather than shades that stand by themselves. */
+/* Returns true for a group of windows, false for a group of shades. */
 static bool has_windows(const json_t *group)
 {
     const char *file = json_string_value(json_array_get(json_object_get(group, "files"), 0));
@@ -97,7 +98,7 @@ static json_t *make_shade(const char *name, const json_t *group, bool blinds)
     return shade;
 }
 
-static void tell(const char *name, const json_t *group, const json_t *shade)
+static void print_shade(const char *name, const json_t *group, const json_t *shade)
 {
     const json_t *of = json_object_get(group, "of");
 
@@ -125,11 +126,11 @@ static int fill_group(const char *name, const json_t *group, bool blinds, json_t
     shade = make_shade(name, group, blinds);
     if (!shade || json_array_append_new(shades, shade))
         return no_memory(err);
-    tell(name, group, shade);
+    print_shade(name, group, shade);
     return 0;
 }
 
-/* Of the document; a new and empty one where there is none. */
+/* Finds the document's shades, or creates an empty array. */
 static int find_shades(json_t *doc, json_t **ret_shades, struct orl_error *err)
 {
     json_t *shades = json_object_get(doc, "shades");

@@ -27,7 +27,7 @@ int orl_report_error(const struct orl_error *err)
     char text[2 * ORL_ERROR_TEXT_MAX + 2 * ORL_ERROR_NAME_MAX + 64];
 
     orl_error_format(err, text, sizeof text);
-    /* With a file, the line starts with it, as compilers write; without, with our name. */
+    /* The line starts with the file, as compilers do, or else with the program's name. */
     fprintf(stderr, "%s%s\n", err->file[0] ? "" : "oriel: ", text);
     return ORL_EXIT_FAILED;
 }

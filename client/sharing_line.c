@@ -44,8 +44,8 @@ static int cut_words(struct orl_shared_job *job, const char *options, struct orl
     return 0;
 }
 
-static int collect(const json_t *doc, const char *folder, struct orl_upload *ret_bundle,
-                   struct orl_error *err)
+static int collect_files(const json_t *doc, const char *folder, struct orl_upload *ret_bundle,
+                         struct orl_error *err)
 {
     struct orl_task task = {0};
     int rc = orl_task_from_json(doc, ORL_JOB_LOCAL, &task, NULL, err);
@@ -56,7 +56,7 @@ static int collect(const json_t *doc, const char *folder, struct orl_upload *ret
     return rc;
 }
 
-/* The rest of what is asked for, once its files are known. */
+/* Opens the shared job with its files. */
 static int open_job(struct orl_shared_job *job, const struct orl_sharing_line *line,
                     struct orl_sharing_spec *spec, const struct orl_upload *bundle,
                     struct orl_error *err)
@@ -105,14 +105,14 @@ int orl_shared_job_open(struct orl_shared_job *job, const struct orl_sharing_lin
     if (rc == 0)
         rc = cut_words(job, line->sbatch, err);
     if (rc == 0)
-        rc = collect(doc, folder, &bundle, err);
+        rc = collect_files(doc, folder, &bundle, err);
     if (rc == 0)
         rc = open_job(job, line, &spec, &bundle, err);
     orl_bundle_done(&bundle);
     return rc;
 }
 
-static void tell(const struct orl_sharing *sharing)
+static void print_parts(const struct orl_sharing *sharing)
 {
     if (sharing->count.waves == 0 && sharing->earlier == 0)
         return;
@@ -123,7 +123,7 @@ static void tell(const struct orl_sharing *sharing)
 
 void orl_shared_job_done(struct orl_shared_job *job, bool remove)
 {
-    tell(&job->sharing);
+    print_parts(&job->sharing);
     orl_sharing_done(&job->sharing, remove);
     free(job->options);
 }

@@ -1,4 +1,4 @@
-/* Jobs in parts (sharing.h), as the command line asks for them. */
+/* Command-line options for jobs in parts (sharing.h). */
 #ifndef ORL_CLIENT_SHARING_LINE_H
 #define ORL_CLIENT_SHARING_LINE_H
 
@@ -8,10 +8,10 @@
 #include "command.h"
 #include "parts/sharing.h"
 
-/* What it says. */
+/* Values of the options. */
 struct orl_sharing_line {
-    const char *parts_text; /* --parts: of a wave, at the most */
-    const char *sbatch;     /* --sbatch: options of it */
+    const char *parts_text; /* --parts: largest number of parts in a wave */
+    const char *sbatch;     /* --sbatch: options for it */
     bool slurm;             /* --slurm */
 };
 #define ORL_OPTIONS_SHARING(line)                                                                  \
@@ -29,26 +29,27 @@ struct orl_sharing_line {
     }
 enum { ORL_SHARING_OPTIONS = 3 };
 
-/* Whether the line asks for it; *ret_rc: ORL_EXIT_USAGE where it makes no sense. */
+/* Returns true if the line asks for parts. *ret_rc: ORL_EXIT_USAGE if the options are invalid. */
 bool orl_sharing_asked(const struct orl_subcommand *self, const struct orl_sharing_line *line,
                        int *ret_rc);
 
-/* A job that is shared, and what its specification borrows. */
+/* A shared job, and the data that its specification borrows. */
 struct orl_shared_job {
     struct orl_sharing sharing;
     char program[4096], folder[4096];
-    char *options;                      /* owned; cut into words */
-    const char *words[ORL_SLURM_WORDS]; /* in options */
+    char *options;                      /* owned; split into words */
+    const char *words[ORL_SLURM_WORDS]; /* pointers into options */
     size_t n_words;
 };
 
-/* Lays it all out in output/parts, which is the owner's alone. doc: what names its scene's files
- * below folder. threads: of a part. The caller ends it with orl_shared_job_done, after an error,
- * too. */
+/* Lays the job out in output/parts, which only its owner may access. doc: names its scene's
+ * files below folder. threads: per part. Call orl_shared_job_done afterwards, also after an
+ * error. */
 int orl_shared_job_open(struct orl_shared_job *job, const struct orl_sharing_line *line,
                         const json_t *doc, const char *folder, const char *output, uint32_t threads,
                         const atomic_bool *cancel, struct orl_error *err);
-/* With how many parts there were, on stderr. remove: the folder goes, with all pieces. */
+/* Ends the job and reports the number of parts on stderr. remove: also removes the folder with
+ * all pieces. */
 void orl_shared_job_done(struct orl_shared_job *job, bool remove);
 
 #endif

@@ -16,7 +16,7 @@ static void format_setting(uint64_t photons, uint32_t samples, char ret_photons[
         snprintf(ret_samples, 32, "%u", samples);
 }
 
-/* A fraction in percent; a dash where it is not known. */
+/* Prints a fraction in percent, or a dash if unknown. */
 static void print_percent(FILE *to, int width, double fraction)
 {
     if (isfinite(fraction))
@@ -62,7 +62,7 @@ static void print_fit(FILE *to, const struct orl_study_fit *fit)
     fprintf(to, "\n");
 }
 
-/* Other programs' work shows in times that differ from seed to seed. */
+/* Reports times that vary between seeds, because other programs may have been running. */
 static void print_unsteady(FILE *to, const struct orl_study *study)
 {
     const double steady = 0.1;

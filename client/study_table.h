@@ -1,4 +1,4 @@
-/* A study for people: a table of its points, what was fitted, what to make of the reference. */
+/* Prints a study as tables: its points, the fits, and notes on the reference. */
 #ifndef ORL_CLIENT_STUDY_TABLE_H
 #define ORL_CLIENT_STUDY_TABLE_H
 
@@ -11,7 +11,8 @@
 
 void orl_study_print(FILE *to, const struct orl_study *study);
 
-/* A point in short (study_json.h): "gather, 1.0 M photons, 256 samples: 1.2 s, rms 2.31 %". */
+/* Formats a point in short (study_json.h): "gather, 1.0 M photons, 256 samples: 1.2 s, rms 2.31
+ * %". */
 void orl_format_study_point(const json_t *point, char *ret_text, size_t size);
 
 #endif

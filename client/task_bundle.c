@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-/* What the scene's upload carries beside what the scene names. */
+/* Destination for files that the scene itself does not name. */
 struct resources {
     struct orl_upload *bundle;
     const char *folder;
@@ -15,7 +15,7 @@ static int add_file(void *ctx, const struct orl_task_file *file, struct orl_erro
     return orl_bundle_add(resources->bundle, resources->folder, file->name, err);
 }
 
-/* A state's files may use what the scene's define. */
+/* Collects references of a state's files, read after the scene, whose definitions they may use. */
 static int collect_state(const struct resources *resources, const struct orl_task *task,
                          const struct orl_shade_state *state, struct orl_error *err)
 {
@@ -36,7 +36,7 @@ static int collect_state(const struct resources *resources, const struct orl_tas
     return rc;
 }
 
-/* What files of shades' states refer to. */
+/* Collects references of all shade states. */
 static int collect_shades(const struct resources *resources, const struct orl_task *task,
                           struct orl_error *err)
 {

@@ -1,4 +1,5 @@
-/* Verdicts of a year as lines: `oriel annual`, `oriel status`, and at the end of `oriel wait`. */
+/* Prints verdicts of a year as lines, for `oriel annual`, `oriel status` and the end of `oriel
+ * wait`. */
 #ifndef ORL_CLIENT_VERDICT_LINE_H
 #define ORL_CLIENT_VERDICT_LINE_H
 
@@ -6,9 +7,9 @@
 #include <stdio.h>
 
 /*
- * A line each, as "pass       LEED: sDA300/50 >= 55 % (desks): 61 [60, 62.5]: NOTE". verdicts:
- * "verdicts" of a year's result or of its job's document, whose first are those of whole rules,
- * without a value; NULL: none.
+ * Prints a line per verdict: "pass       LEED: sDA300/50 >= 55 % (desks): 61 [60, 62.5]: NOTE".
+ * verdicts: "verdicts" of a year's result or of its job's document; NULL: none. In the latter,
+ * the first are those of whole rules, without a value.
  */
 void orl_print_verdicts(FILE *to, const json_t *verdicts);
 

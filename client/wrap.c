@@ -4,8 +4,8 @@
 
 static const char space[] = " \t\r\n";
 
-/* Bytes of the character at text, 1 or more; one character counts as one column. */
-static size_t character(const char *text)
+/* Returns the number of bytes of the character at text, 1 or more; a character takes one column. */
+static size_t character_bytes(const char *text)
 {
     size_t length = 1;
 
@@ -14,11 +14,11 @@ static size_t character(const char *text)
     return length;
 }
 
-static int columns(const char *text, size_t length)
+static int count_columns(const char *text, size_t length)
 {
     int count = 0;
 
-    for (size_t at = 0; at < length; at += character(text + at))
+    for (size_t at = 0; at < length; at += character_bytes(text + at))
         count++;
     return count;
 }
@@ -28,11 +28,11 @@ static void start_line(FILE *to, int indent)
     fprintf(to, "\n%*s", indent, "");
 }
 
-/* Prints one word from column on, cut where the line ends; the column behind it. */
+/* Prints one word from column on, cut at the line's end. Returns the column after it. */
 static int print_word(FILE *to, int column, int indent, const char *word, size_t length)
 {
     for (size_t at = 0; at < length;) {
-        const size_t step = character(word + at);
+        const size_t step = character_bytes(word + at);
         const unsigned char first = (unsigned char)word[at];
 
         if (column >= ORL_WRAP_COLUMNS && indent < ORL_WRAP_COLUMNS) {
@@ -57,7 +57,7 @@ void orl_print_wrapped(FILE *to, int column, int indent, const char *text)
 
         if (length == 0)
             break;
-        if (number > 0 && column + 1 + columns(text, length) > ORL_WRAP_COLUMNS) {
+        if (number > 0 && column + 1 + count_columns(text, length) > ORL_WRAP_COLUMNS) {
             start_line(to, indent);
             column = indent;
         } else if (number > 0) {

@@ -12,7 +12,7 @@
 #include "chart/page_sheet.h"
 #include "chart/temporal_map.h"
 
-/* Page units. */
+/* All lengths in page units. */
 static const double png_scale = 2, pdf_scale = 210 / 25.4 * 72 / ORL_PAGE_WIDTH;
 static const double map_side = 400, least_map = 200, year_height = 250, most_year_height = 380;
 static const double parts_apart = 18;
@@ -32,7 +32,7 @@ static void name_figure(const struct orl_annual_figure *figure, char *ret_text, 
         orl_annual_metric_title(&figure->metric, ret_text, size);
 }
 
-/* Down to bottom at most. Returns where it ends. */
+/* Draws figures no lower than bottom. Returns the y where they end. */
 static double draw_figures(const struct orl_page_sheet *s, double x, double y, double right,
                            double bottom)
 {
@@ -68,7 +68,7 @@ static size_t find_metric(const struct orl_annual_report *report, enum orl_metri
     return i;
 }
 
-/* The largest side with which a map is no higher than the room there is. */
+/* Returns the largest side that keeps the map's height within room. */
 static double fit_map(const struct orl_annual_page *page, double room)
 {
     double wide = 0, high = 0, rest = 0;
@@ -77,7 +77,8 @@ static double fit_map(const struct orl_annual_page *page, double room)
     return fmin(map_side, map_side * (room - rest - 1) / fmax(high - rest, 1));
 }
 
-/* Daylight autonomy beside hours of direct sun, or what of them there is. Moves y below them. */
+/* Draws daylight autonomy beside hours of direct sun, or the one that exists. Moves y below
+ * them. */
 static int draw_maps(const struct orl_page_sheet *s, double room, double *y)
 {
     static const enum orl_metric_kind kinds[2] = {ORL_METRIC_DA, ORL_METRIC_DIRECT_HOURS};
@@ -122,7 +123,7 @@ static int draw_year(const struct orl_page_sheet *s, double y, double high)
     return code;
 }
 
-/* ---- What was assumed ------------------------------------------------------------------------ */
+/* ---- Assumptions ----------------------------------------------------------------------------- */
 
 static double put_line(const struct orl_page_sheet *s, double y, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -139,7 +140,7 @@ static double put_line(const struct orl_page_sheet *s, double y, const char *for
 
 enum { GROUPS_SHOWN = 3 };
 
-/* "  south: open 2900 h, closed 750 h". */
+/* Writes a group's hours per state: "   south: open 2900 h, closed 750 h". */
 static double put_group(const struct orl_page_sheet *s, double y,
                         const struct orl_window_group *group, const struct orl_state_hours *hours)
 {
@@ -154,14 +155,14 @@ static double put_group(const struct orl_page_sheet *s, double y,
 /* Returns the height of the list of assumptions. */
 static double measure_assumptions(const struct orl_annual_page *page)
 {
-    enum { LINES = 7 }; /* of any job */
+    enum { LINES = 7 }; /* lines that every job has */
     const size_t n = page->result->states ? page->request->n_groups : 0;
     const size_t groups = n > GROUPS_SHOWN ? GROUPS_SHOWN + 1 : n;
     const size_t lines = LINES + groups + (page->report->year.n_missing > 0 ? 1 : 0);
     return ORL_PAGE_HEADING + (double)lines * ORL_PAGE_FINE_LINE;
 }
 
-/* A line each of the first groups, and how many there are beyond. */
+/* Writes a line for each of the first GROUPS_SHOWN groups, and the number of the others. */
 static double put_shades(const struct orl_page_sheet *s, double y)
 {
     const struct orl_annual_page *page = s->page;
@@ -179,7 +180,7 @@ static double put_shades(const struct orl_page_sheet *s, double y)
     return n > GROUPS_SHOWN ? put_line(s, y, "   and %zu groups more", n - GROUPS_SHOWN) : y;
 }
 
-/* Plans have the model's +Y up. */
+/* Writes the direction of north in plans, which have the model's +Y up. */
 static double put_north(const struct orl_page_sheet *s, double y)
 {
     const double north_deg = s->page->request->north_deg;
@@ -245,7 +246,7 @@ static double draw_head(const struct orl_page_sheet *s)
     return ORL_PAGE_RIM + ORL_PAGE_TITLE + 52;
 }
 
-/* Figures and targets side by side, down to bottom at most. */
+/* Draws figures and targets side by side, no lower than bottom. */
 static double draw_columns(const struct orl_page_sheet *s, double y, double bottom)
 {
     const double middle = ORL_PAGE_WIDTH / 2.0;
@@ -257,10 +258,11 @@ static double draw_columns(const struct orl_page_sheet *s, double y, double bott
 }
 
 /* Draws all parts from top to bottom. Each leaves the parts below it the least height they need. */
-static int draw(const struct orl_page_sheet *s)
+static int draw_page(const struct orl_page_sheet *s)
 {
     const double assumptions = ORL_PAGE_HEIGHT - ORL_PAGE_RIM - measure_assumptions(s->page);
-    const double year = assumptions - parts_apart - year_height; /* at the latest */
+    const double year =
+        assumptions - parts_apart - year_height; /* latest start of the year's carpet */
     double y = draw_head(s), wide, high;
     int code = 0;
     y = orl_page_draw_warnings(s, y);
@@ -284,7 +286,7 @@ int orl_annual_page_write(const struct orl_annual_page *page, enum orl_canvas_ki
                                kind == ORL_CANVAS_PDF ? pdf_scale : png_scale, &s.canvas, err);
     if (code < 0)
         return code;
-    code = draw(&s);
+    code = draw_page(&s);
     if (code < 0)
         orl_error_set(err, code, "%s drawing a page",
                       code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");

@@ -6,7 +6,7 @@
 
 static const double least_ratio = 8;
 
-/* Ticks at `per` values of a decade, of every step-th decade. False when they stand too close. */
+/* Sets ticks at `per` values of every step-th decade. Returns false if they are too close. */
 static int place_ticks(struct orl_axis *axis, int per, int step, double spacing)
 {
     static const double digits[] = {1, 2, 5};
@@ -14,7 +14,7 @@ static int place_ticks(struct orl_axis *axis, int per, int step, double spacing)
     axis->n_ticks = 0;
     for (int decade = first; decade <= last; decade++) {
         for (int i = 0; i < per; i++) {
-            /* Divided, for 10^-1 is no double but 1/10 is the nearest one. */
+            /* Dividing gives the double nearest to 1/10; pow(10, -1) need not. */
             const double power = pow(10, abs(decade));
             const double value = decade < 0 ? digits[i] / power : digits[i] * power;
             if (decade % step != 0 || value < axis->low || value > axis->high)

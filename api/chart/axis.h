@@ -1,6 +1,6 @@
 /*
- * A logarithmic axis: values above zero onto a stretch of the page, and where its ticks stand: at
- * 1, 2 and 5 times powers of ten, or at powers alone where those would crowd.
+ * A logarithmic axis: maps values above zero to a range on the page. Ticks are at 1, 2 and 5
+ * times powers of ten, or only at powers of ten if those are too dense.
  */
 #ifndef ORL_STUDY_AXIS_H
 #define ORL_STUDY_AXIS_H
@@ -17,15 +17,16 @@ struct orl_axis {
 };
 
 /*
- * An axis that shows values from low to high, both > 0, with some room beyond, over at least a
+ * Makes an axis that shows values from low to high, both > 0, with a margin, over at least a
  * factor of 8. spacing: least distance between ticks, in page units.
  */
 void orl_axis_init(struct orl_axis *axis, double low, double high, double from, double to,
                    double spacing);
 
-double orl_axis_at(const struct orl_axis *axis, double value); /* may lie beyond the ends */
+/* Returns the page coordinate of a value; it may lie beyond the ends. */
+double orl_axis_at(const struct orl_axis *axis, double value);
 
-/* "0.05", "20", "10000", "1e+05". */
+/* Writes a tick's label, such as "0.05", "20", "10000" or "1e+05". */
 void orl_axis_format(double tick, char *ret_text, size_t size);
 
 #endif

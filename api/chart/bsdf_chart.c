@@ -11,7 +11,8 @@
 
 #include "chart/polar_map.h"
 
-/* Page units. A row: two maps, a table; rows of files and one of differences; then findings. */
+/* Lengths in page units. A row has two maps and a table. Rows: one per file, one of
+ * differences, then the findings. */
 static const double page_width = 900, head = 62, row_height = 306, radius = 122, rim = 40;
 static const double letters = 8, line_height = 14, title = 11, legend_x = 596, table_x = 664;
 static const double png_scale = 1.6, foot = 16;
@@ -22,7 +23,7 @@ static const unsigned char ink[3] = {26, 26, 26}, grey[3] = {96, 96, 96};
 struct page {
     const struct orl_bsdf_chart *chart;
     struct orl_canvas *canvas;
-    struct orl_bsdf_polar *polar; /* of each file */
+    struct orl_bsdf_polar *polar; /* one per file */
     double top;
 };
 
@@ -34,7 +35,7 @@ static void write_text(const struct page *p, double x, double y, double size, bo
     orl_canvas_text(p->canvas, x, y, &as, text);
 }
 
-/* ---- What a row shows ------------------------------------------------------------------------ */
+/* ---- Rows ------------------------------------------------------------------------------------ */
 
 static struct orl_polar_map map_of(const struct page *p, int t, double y)
 {
@@ -100,8 +101,8 @@ static void draw_peaks(const struct page *p, size_t i, double y)
 
 /* ---- Differences ----------------------------------------------------------------------------- */
 
-/* Of fluxes: half of what differs is what would have to move. */
-static double moved(const struct page *p, int t)
+/* Returns half the integral of the absolute difference: the flux that would have to move. */
+static double moved_flux(const struct page *p, int t)
 {
     const double dtheta = ORL_PI / 2 / ORL_POLAR_THETAS;
     double sum = 0;
@@ -127,14 +128,14 @@ static void draw_difference(const struct page *p, double y)
         snprintf(text, sizeof text, "in all %+.2f %%, elsewhere %.2f %% of the light",
                  100 * (t ? p->polar[1].transmitted - p->polar[0].transmitted
                           : p->polar[1].reflected - p->polar[0].reflected),
-                 100 * moved(p, t));
+                 100 * moved_flux(p, t));
         write_text(p, map.x - radius, y + 22, letters, false, ink, text);
     }
 }
 
 /* ---- The page -------------------------------------------------------------------------------- */
 
-/* Cut at a space where it is too long for a line. Returns the y below. */
+/* Writes text, broken at spaces into lines. Returns the y below. */
 static double write_wrapped(const struct page *p, double x, double y, const char *text)
 {
     char line[FINDING_LETTERS + 1];
@@ -159,7 +160,7 @@ static size_t findings_of(const struct orl_bsdf_check *check)
     return check->n_verdicts < FINDINGS ? check->n_verdicts : FINDINGS;
 }
 
-/* Lines that a file's findings take: as they are written. */
+/* Returns an estimate of the lines that a file's findings take when wrapped. */
 static size_t lines_of(const struct orl_bsdf_check *check)
 {
     size_t lines = 1;
@@ -184,7 +185,7 @@ static double draw_findings(const struct page *p, size_t i, double y)
     return y;
 }
 
-static void draw(const struct page *p)
+static void draw_page(const struct page *p)
 {
     const struct orl_bsdf_chart *c = p->chart;
     char text[128];
@@ -219,7 +220,7 @@ static double height_of(const struct orl_bsdf_chart *c)
     return height;
 }
 
-static double largest(const struct orl_bsdf_polar *polar)
+static double largest_value(const struct orl_bsdf_polar *polar)
 {
     double most = 0;
     for (int t = 0; t < 2; t++)
@@ -229,14 +230,14 @@ static double largest(const struct orl_bsdf_polar *polar)
     return most;
 }
 
-/* A power of ten, or three of one. */
+/* Rounds up to 1 or 3 times a power of ten. */
 static double round_up(double value)
 {
     const double power = value > 0 ? pow(10, floor(log10(value))) : 1;
     return value <= power ? power : value <= 3 * power ? 3 * power : 10 * power;
 }
 
-static void look(const struct orl_bsdf_chart *c, struct orl_bsdf_polar polar[2])
+static void compute_polars(const struct orl_bsdf_chart *c, struct orl_bsdf_polar polar[2])
 {
     for (size_t i = 0; i < c->n_files; i++)
         orl_bsdf_polar(c->files[i].bsdf, c->front, c->theta_deg, c->phi_deg, &polar[i]);
@@ -246,7 +247,7 @@ static double top_of(const struct orl_bsdf_chart *c, const struct orl_bsdf_polar
 {
     double most = 0;
     for (size_t i = 0; i < c->n_files; i++)
-        most = fmax(most, largest(&polar[i]));
+        most = fmax(most, largest_value(&polar[i]));
     return c->top > 0 ? c->top : round_up(most);
 }
 
@@ -255,7 +256,7 @@ double orl_bsdf_chart_top(const struct orl_bsdf_chart *chart)
     struct orl_bsdf_polar *polar = calloc(2, sizeof *polar);
     if (!polar)
         return 1;
-    look(chart, polar);
+    compute_polars(chart, polar);
     const double top = top_of(chart, polar);
     free(polar);
     return top;
@@ -267,12 +268,12 @@ int orl_bsdf_chart_write(const struct orl_bsdf_chart *chart, enum orl_canvas_kin
     struct page page = {.chart = chart, .polar = calloc(2, sizeof *page.polar)};
     if (!page.polar)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    look(chart, page.polar);
+    compute_polars(chart, page.polar);
     page.top = top_of(chart, page.polar);
     int code =
         orl_canvas_open(kind, path, page_width, height_of(chart), png_scale, &page.canvas, err);
     if (code == 0) {
-        draw(&page);
+        draw_page(&page);
         code = orl_canvas_close(page.canvas, 0, err);
     }
     free(page.polar);

@@ -7,11 +7,11 @@
 
 static const double page_width = 960, page_height = 520, png_scale = 2;
 static const double left = 74, right = 838, top = 66, bottom = 436;
-static const double room = 26; /* within the frame, beside the first and the last */
+static const double room = 26; /* margin in the frame before the first and after the last hour */
 static const unsigned char black[3] = {26, 26, 26}, gray[3] = {115, 115, 115},
                            paper[3] = {255, 255, 255}, faint[3] = {225, 225, 225};
 
-/* DGP's classes, from below: where each begins, its ground, and its ink. */
+/* DGP's classes in ascending order: lower bound, background and ink. */
 static const struct class_band {
     double from;
     unsigned char ground[3], ink[3];
@@ -27,7 +27,7 @@ struct sketch {
     struct orl_canvas *canvas;
     const struct orl_glare_hour *hours;
     size_t count;
-    double low, high; /* of DGP, at the frame's edges */
+    double low, high; /* DGP at the frame's edges */
     bool timed;
 };
 
@@ -51,7 +51,7 @@ static bool rises(const struct orl_glare_hour *hours, size_t count)
     return count > 1;
 }
 
-/* From a tenth to a tenth, with what lies at DGP's bounds always in sight. */
+/* Finds the DGP range, in multiples of 0.1; it always includes DGP's class bounds. */
 static void find_range(struct sketch *s)
 {
     s->low = 0.1;
@@ -126,7 +126,7 @@ static void draw_ticks(const struct sketch *s)
     }
 }
 
-/* Each label where it does not meet the one before. */
+/* Draws a label only if it does not overlap the one before. */
 static void draw_labels(const struct sketch *s)
 {
     const double size = 9;
@@ -154,7 +154,7 @@ static void draw_frame(const struct sketch *s)
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
-/* The class of the value itself, where that of the interval is undecided. */
+/* Returns the ink of the class of the value itself, also if its interval is undecided. */
 static const unsigned char *ink_of(const struct orl_glare_hour *h)
 {
     int i = BANDS - 1;
@@ -219,7 +219,7 @@ static void draw_title(const struct sketch *s, const char *title)
     orl_canvas_text(s->canvas, left, 30, &letters, title);
 }
 
-/* The worst of all, in words. */
+/* Writes the worst DGP as text. */
 static void draw_worst(const struct sketch *s)
 {
     const struct orl_glare_hour *worst = NULL;

@@ -1,6 +1,7 @@
 /*
- * Labels of points: each tries places around its point, from near to far, and takes the cheapest.
- * Other texts are walls; markers, curves and bars are only dear.
+ * Places labels of points. Each label tries places around its point, from near to far, and
+ * takes the cheapest. Overlap with other texts is forbidden; overlap with markers, curves and
+ * bars has a cost.
  */
 #include <math.h>
 #include <stdio.h>
@@ -9,9 +10,9 @@
 
 #include "chart/layout.h"
 
-static const double marker_half = 6;  /* a marker's box, half its side */
-static const double text_gap = 2;     /* between texts */
-static const double leader_from = 12; /* labels at least that far have a leader */
+static const double marker_half = 6;  /* half the side of a marker's box */
+static const double text_gap = 2;     /* least gap between texts */
+static const double leader_from = 12; /* labels at least this far away get a leader line */
 static const double impossible = 1e9;
 enum { DIRECTIONS = 16, RINGS = 9, GRID = 48 };
 
@@ -33,8 +34,8 @@ struct place {
     bool leads;
 };
 
-/* Whether the segment passes through the box (Liang and Barsky 1984). */
-static bool crosses(const struct segment *s, const struct orl_chart_box *box)
+/* Returns true if the segment passes through the box (Liang and Barsky 1984). */
+static bool crosses_box(const struct segment *s, const struct orl_chart_box *box)
 {
     const double dx = s->x1 - s->x0, dy = s->y1 - s->y0;
     const double p[4] = {-dx, dx, -dy, dy};
@@ -51,12 +52,12 @@ static bool crosses(const struct segment *s, const struct orl_chart_box *box)
     return enter < leave;
 }
 
-static struct orl_chart_box grow(struct orl_chart_box box, double by)
+static struct orl_chart_box expand_box(struct orl_chart_box box, double by)
 {
     return (struct orl_chart_box){box.x0 - by, box.y0 - by, box.x1 + by, box.y1 + by};
 }
 
-/* Where a leader from the point ends: at the box, as near as may be. */
+/* Returns the leader line from the point to the nearest point of the box. */
 static struct segment leader_to(const struct orl_chart_box *box, double x, double y)
 {
     return (struct segment){x, y, fmin(fmax(x, box->x0), box->x1), fmin(fmax(y, box->y0), box->y1),
@@ -68,12 +69,12 @@ static double length_of(const struct segment *s)
     return hypot(s->x1 - s->x0, s->y1 - s->y0);
 }
 
-/* What the box costs for a label of the point (x, y); impossible where it meets a text. */
+/* Returns the cost of the box for a label of the point (x, y); impossible if it overlaps a text. */
 static double cost_of(const struct room *room, const struct orl_chart_box *box, double x, double y,
                       bool leads)
 {
-    const struct orl_chart_box wide = grow(*box, text_gap),
-                               plot = grow(room->chart->plot, -text_gap);
+    const struct orl_chart_box wide = expand_box(*box, text_gap),
+                               plot = expand_box(room->chart->plot, -text_gap);
     const struct segment leader = leader_to(box, x, y);
     double cost = 0;
     if (box->x0 < plot.x0 || box->x1 > plot.x1 || box->y0 < plot.y0 || box->y1 > plot.y1)
@@ -83,32 +84,32 @@ static double cost_of(const struct room *room, const struct orl_chart_box *box, 
         const struct segment other = leader_to(&t->box, t->from_x, t->from_y);
         if (orl_box_meets(&wide, &t->box))
             return impossible;
-        cost += leads && crosses(&leader, &t->box) ? 60 : 0;
-        cost += t->leads && crosses(&other, &wide) ? 60 : 0;
+        cost += leads && crosses_box(&leader, &t->box) ? 60 : 0;
+        cost += t->leads && crosses_box(&other, &wide) ? 60 : 0;
     }
     for (size_t i = 0; i < room->n_markers; i++) {
         const struct orl_chart_box *m = &room->markers[i];
         const bool own = x > m->x0 && x < m->x1 && y > m->y0 && y < m->y1;
         cost += orl_box_meets(&wide, m) ? 40 : 0;
-        cost += leads && !own && crosses(&leader, m) ? 12 : 0;
-        /* One would take it for the other point's. */
+        cost += leads && !own && crosses_box(&leader, m) ? 12 : 0;
+        /* The label would seem to belong to the other point. */
         const struct segment rival = leader_to(box, 0.5 * (m->x0 + m->x1), 0.5 * (m->y0 + m->y1));
         cost += !own && length_of(&rival) < length_of(&leader) + 4 ? 18 : 0;
     }
     for (size_t i = 0; i < room->n_segments; i++)
-        cost += crosses(&room->segments[i], &wide) ? room->segments[i].cost : 0;
+        cost += crosses_box(&room->segments[i], &wide) ? room->segments[i].cost : 0;
     return cost + 0.4 * length_of(&leader);
 }
 
-static void consider(const struct room *room, struct orl_chart_box box, double x, double y,
-                     bool leads, struct place *best)
+static void consider_place(const struct room *room, struct orl_chart_box box, double x, double y,
+                           bool leads, struct place *best)
 {
     const double cost = cost_of(room, &box, x, y, leads);
     if (cost < best->cost)
         *best = (struct place){box, cost, leads};
 }
 
-/* A box of that size beside the point, its edge at a distance in a direction. */
+/* Returns a box of the given size beside the point, with its edge at the distance and direction. */
 static struct orl_chart_box beside(double x, double y, double width, double height, double distance,
                                    int direction)
 {
@@ -128,26 +129,26 @@ static struct place find_place(const struct room *room, const struct orl_chart_t
     struct place best = {.cost = given ? impossible : 16};
     for (int ring = 0; ring < (given ? RINGS : 3); ring++)
         for (int i = 0; i < DIRECTIONS; i++)
-            consider(room, beside(x, y, width, height, rings[ring], i), x, y,
-                     rings[ring] > leader_from, &best);
-    /* Nothing around: anywhere. */
+            consider_place(room, beside(x, y, width, height, rings[ring], i), x, y,
+                           rings[ring] > leader_from, &best);
+    /* No place around the point is free: try the whole plot. */
     for (int i = 0; given && best.cost >= impossible && i < GRID * GRID; i++) {
         const double left = plot->x0 + (plot->x1 - plot->x0) * (i % GRID) / GRID;
         const double top = plot->y0 + (plot->y1 - plot->y0) * (int)(i / GRID) / GRID;
-        consider(room, (struct orl_chart_box){left, top, left + width, top + height}, x, y, true,
-                 &best);
+        consider_place(room, (struct orl_chart_box){left, top, left + width, top + height}, x, y,
+                       true, &best);
     }
     return best;
 }
 
-/* Adds a label where there is room for it, else nothing. */
+/* Adds a label if there is room for it. */
 static void add_label(struct room *room, enum orl_chart_role role, const char *text, double x,
                       double y)
 {
     struct orl_chart *chart = room->chart;
     struct orl_chart_text *t = orl_chart_add(chart, role, text, 0, 0, ORL_CANVAS_LEFT);
     const struct orl_chart_text made = *t;
-    chart->n_texts--; /* it must not be in its own way */
+    chart->n_texts--; /* removed, or the label would block itself */
     const struct place place = find_place(room, &made, x, y);
     if (place.box.x1 <= place.box.x0) {
         chart->n_unlabelled += role == ORL_CHART_GIVEN;
@@ -169,7 +170,7 @@ static void add_marker(struct room *room, double x, double y, double half)
         (struct orl_chart_box){x - half, y - half, x + half, y + half};
 }
 
-/* The segments of a curve through those points. */
+/* Adds the segments of a curve through the points. */
 static void add_curve(struct room *room, const struct orl_study *study, const size_t *index,
                       size_t n)
 {
@@ -190,7 +191,7 @@ static void add_curves(struct room *room, const struct orl_study *study, size_t 
     add_curve(room, study, index, orl_chart_front(study, index));
 }
 
-/* The dashed line of the reference's own error. */
+/* Adds the dashed line of the reference's own error. */
 static void add_reference(struct room *room, const struct orl_study *study)
 {
     const struct orl_chart_box *plot = &room->chart->plot;
@@ -221,7 +222,7 @@ static void add_points(struct room *room, const struct orl_study *study)
                    orl_axis_at(&chart->y, 100 * study->given[i].rms), marker_half);
 }
 
-/* "2 M", "250 k", "4096". */
+/* Formats a count: "2 M", "250 k", "4096". */
 static void format_count(double count, char *ret_text, size_t size)
 {
     const double unit = count >= 1e6 ? 1e6 : count >= 1e4 ? 1e3 : 1;

@@ -10,7 +10,7 @@
 static const double left_edge = 86, top_edge = 46, bottom_edge = 58, legend_width = 208,
                     legend_gap = 22, row_height = 21;
 
-static void widen(double *low, double *high, double value)
+static void widen_range(double *low, double *high, double value)
 {
     if (isfinite(value) && value > 0) {
         *low = fmin(*low, value);
@@ -25,15 +25,15 @@ static void make_axes(struct orl_chart *chart, const struct orl_study *study)
         const struct orl_study_point *p = &study->points[i];
         if (!orl_chart_shows(p))
             continue;
-        widen(&x0, &x1, p->total_s);
-        widen(&y0, &y1, 100 * p->rms);
-        widen(&y0, &y1, 100 * (p->rms + p->rms_error));
-        /* A bar that reaches to zero has no end on this axis. */
-        widen(&y0, &y1, 100 * fmax(p->rms - p->rms_error, p->rms / 2));
+        widen_range(&x0, &x1, p->total_s);
+        widen_range(&y0, &y1, 100 * p->rms);
+        widen_range(&y0, &y1, 100 * (p->rms + p->rms_error));
+        /* An error bar that reaches zero has no end on a logarithmic axis. */
+        widen_range(&y0, &y1, 100 * fmax(p->rms - p->rms_error, p->rms / 2));
     }
     for (size_t i = 0; i < study->n_given; i++) {
-        widen(&x0, &x1, study->given[i].here_s);
-        widen(&y0, &y1, 100 * study->given[i].rms);
+        widen_range(&x0, &x1, study->given[i].here_s);
+        widen_range(&y0, &y1, 100 * study->given[i].rms);
     }
     if (!(x1 > 0))
         x0 = x1 = 1;
@@ -60,7 +60,7 @@ static void add_ticks(struct orl_chart *chart)
     }
 }
 
-/* Shortens the last text by letters until it is no wider than that; UTF-8 is cut whole. */
+/* Cuts whole UTF-8 characters off the last text until its width is at most width. */
 static void fit_width(struct orl_chart *chart, double width)
 {
     struct orl_chart_text *t = &chart->texts[chart->n_texts - 1];
@@ -88,7 +88,7 @@ static void add_titles(struct orl_chart *chart, const struct orl_study *study, c
         orl_chart_add(chart, ORL_CHART_AXIS,
                       study->of_views ? "rms error of pixels, %" : "rms error of sensors, %", 0, 0,
                       ORL_CANVAS_MIDDLE);
-    /* Turned to the left about its middle. */
+    /* Rotated counter-clockwise about its middle. */
     const struct orl_chart_box b = t->box;
     const double x = 20, y = (plot->y0 + plot->y1) / 2;
     t->upright = true;
@@ -112,7 +112,7 @@ static void add_row(struct orl_chart *chart, enum orl_chart_key key, enum orl_te
     fit_width(chart, chart->width - x - indent - 6);
 }
 
-/* Is there a given point whose time was measured on another machine? */
+/* Returns true if a given point's time was measured on another machine. */
 static bool any_scaled(const struct orl_study *study)
 {
     bool any = false;
@@ -153,7 +153,7 @@ static void add_legend(struct orl_chart *chart, const struct orl_study *study)
     add_row(chart, ORL_CHART_KEY_NOTE, none, "numbers: photons, samples");
 }
 
-/* Ticks, two axes and a title, the legend, a label for every point. */
+/* Returns the largest number of texts: ticks, titles, legend rows, and a label for every point. */
 static size_t most_texts(const struct orl_study *study)
 {
     return 2 * (size_t)ORL_AXIS_TICKS + 3 + ORL_CHART_ROWS + study->n_points + study->n_given;

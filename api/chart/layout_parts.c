@@ -31,7 +31,7 @@ struct orl_chart_text *orl_chart_add(struct orl_chart *chart, enum orl_chart_rol
     snprintf(t->text, sizeof t->text, "%s", text);
     const double width = orl_canvas_text_width(t->text, size);
     t->x = x - (align == ORL_CANVAS_MIDDLE ? width / 2 : align == ORL_CANVAS_RIGHT ? width : 0);
-    /* y is of the middle of capitals; marks stand above them, and tails hang below. */
+    /* y is the middle of capitals; accents extend above them and descenders below. */
     t->y = y + size / 2;
     t->box = (struct orl_chart_box){t->x, t->y - 1.2 * size, t->x + width, t->y + 0.35 * size};
     return t;

@@ -1,4 +1,4 @@
-/* The sensors of a grid, one by one. */
+/* Draws a table of a grid's sensors. */
 #include "chart/page_sheet.h"
 
 #include <math.h>

@@ -7,7 +7,7 @@
 const unsigned char orl_page_ink[3] = {26, 26, 26}, orl_page_gray[3] = {105, 105, 105};
 static const unsigned char faint[3] = {205, 205, 205};
 
-enum { LINE_BYTES = 320 }; /* more than fit across a page */
+enum { LINE_BYTES = 320 }; /* more than fits across a page */
 
 void orl_page_put(const struct orl_page_sheet *s, double x, double y, enum orl_canvas_align align,
                   double size, const unsigned char rgb[3], const char *text)
@@ -18,7 +18,7 @@ void orl_page_put(const struct orl_page_sheet *s, double x, double y, enum orl_c
     orl_canvas_text(s->canvas, x, y, &letters, text);
 }
 
-/* Bytes of UTF-8 after the first of a character. */
+/* Returns true for UTF-8 continuation bytes. */
 static bool is_inside(char byte)
 {
     return ((unsigned char)byte & 0xc0) == 0x80;
@@ -33,7 +33,7 @@ static size_t drop_last(char *text, size_t length)
     return length;
 }
 
-/* Ends the text with dots, and as many characters before them as there is room for. */
+/* Shortens the text to the width `most`, with an ellipsis at its end. */
 static void cut_to(char text[LINE_BYTES], double size, double most)
 {
     size_t length = strlen(text);
@@ -76,8 +76,8 @@ double orl_page_put_heading(const struct orl_page_sheet *s, double x, double y, 
     return y + ORL_PAGE_HEADING;
 }
 
-/* Returns the number of bytes of the text's first line, which ends at a space or within a word that
- * is too long for a line. */
+/* Returns the number of bytes of the text's first line. It ends at a space, or within a word
+ * that is wider than a line. */
 static size_t line_length(const char *text, double width)
 {
     char line[LINE_BYTES] = "";
@@ -131,7 +131,7 @@ void orl_page_value_text(const struct orl_annual_value *value, const char *unit,
                          size_t size)
 {
     char middle[32], low[32], high[32];
-    const bool sum = strcmp(unit, "lx h") == 0; /* large: in thousands */
+    const bool sum = strcmp(unit, "lx h") == 0; /* values are large: written in thousands */
     const double scale = sum ? 1e-3 : 1;
     put_number(scale * value->value, unit, middle, sizeof middle);
     put_number(scale * value->low, unit, low, sizeof low);

@@ -1,6 +1,6 @@
 /*
- * The sheet that an annual page is drawn on: its measures, its letters, and how its values are
- * written. Texts stand on y; functions that draw lines of text return the y of the next one.
+ * The sheet of an annual page: its measures and letters, and the format of its values. y is the
+ * baseline of a text. Functions that draw lines of text return the y of the next line.
  */
 #ifndef ORL_CHART_PAGE_SHEET_H
 #define ORL_CHART_PAGE_SHEET_H
@@ -15,8 +15,8 @@ enum {
     ORL_PAGE_TITLE = 16, /* heights of capitals */
     ORL_PAGE_HEAD = 10,
     ORL_PAGE_TEXT = 8,
-    ORL_PAGE_LINE = 17,      /* from one line to the next */
-    ORL_PAGE_FINE_LINE = 14, /* likewise of running text */
+    ORL_PAGE_LINE = 17,      /* distance between lines */
+    ORL_PAGE_FINE_LINE = 14, /* likewise for running text */
     ORL_PAGE_HEADING = 6 + ORL_PAGE_LINE,
 };
 
@@ -27,22 +27,24 @@ struct orl_page_sheet {
     struct orl_canvas *canvas;
 };
 
-/* Texts larger than ORL_PAGE_TEXT are bold. */
+/* Writes a text; one larger than ORL_PAGE_TEXT is bold. */
 void orl_page_put(const struct orl_page_sheet *s, double x, double y, enum orl_canvas_align align,
                   double size, const unsigned char rgb[3], const char *text);
-/* Cuts the text short, with dots, where it is wider than most. */
+/* Writes a text, shortened with an ellipsis if it is wider than most. */
 void orl_page_put_within(const struct orl_page_sheet *s, double x, double y, double most,
                          const unsigned char rgb[3], const char *text);
-void orl_page_put_title(const struct orl_page_sheet *s, double y, const char *text); /* likewise */
+void orl_page_put_title(const struct orl_page_sheet *s, double y,
+                        const char *text); /* shortened likewise */
 double orl_page_put_heading(const struct orl_page_sheet *s, double x, double y, double right,
                             const char *text);
 
-/* Breaks the text at spaces into lines of at most so much width. Returns how many lines there are,
- * n_most at most: the last one is cut short then. s: NULL to count them only. */
+/* Writes a text in lines of at most width, broken at spaces. Returns the number of lines, at
+ * most n_most; the last one is shortened if the text is longer. s: NULL to only count the
+ * lines. */
 size_t orl_page_put_wrapped(const struct orl_page_sheet *s, double x, double y, double width,
                             size_t n_most, const unsigned char rgb[3], const char *text);
 
-/* "55.1 % (52 to 57)". */
+/* Formats a value with its interval: "55.1 % (52 to 57)". */
 void orl_page_value_text(const struct orl_annual_value *value, const char *unit, char *ret_text,
                          size_t size);
 const char *orl_page_figure_unit(const struct orl_annual_figure *figure);
@@ -53,17 +55,17 @@ struct orl_page_column {
     double x, y, right;
 };
 
-/* Verdicts of the page's grid in the right column, those of all grids together below what the left
- * column holds; where there are too many each goes on in the other. What finds no room between
- * there and bottom is of the page's grid first. Moves both y. */
+/* Draws verdicts: those of the page's grid in the right column, those of all grids together
+ * below the left column's contents. If a list is too long, it continues in the other column. If
+ * both are too long, the grid's verdicts take precedence. Moves both y. */
 void orl_page_draw_targets(const struct orl_page_sheet *s, struct orl_page_column *left,
                            struct orl_page_column *right, double bottom);
 
-/* Warnings of the page's grid and of the whole job, across the page from y; nothing if there are
- * none. */
+/* Draws warnings of the page's grid and of the whole job across the page, from y down. Draws
+ * nothing if there are none. */
 double orl_page_draw_warnings(const struct orl_page_sheet *s, double y);
 
-/* A table of the sensors of a grid that has no map, down to bottom at most. */
+/* Draws a table of the sensors of a grid without a map, no lower than bottom. */
 double orl_page_draw_sensors(const struct orl_page_sheet *s, double y, double bottom);
 
 #endif

@@ -1,11 +1,15 @@
-/* Verdicts on targets, in two columns. */
+/* Draws verdicts on targets, in two columns. */
 #include "chart/page_sheet.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { LEAST_LINES = 4, PARTS_APART = 10, INDENT = 16 }; /* fewer lines get no heading */
+enum {
+    LEAST_LINES = 4,
+    PARTS_APART = 10,
+    INDENT = 16
+}; /* a list with room for fewer lines is not begun */
 
 static const char of_grid[] = "Targets", of_all[] = "Targets, all grids together";
 
@@ -16,7 +20,7 @@ static void draw_mark(const struct orl_page_sheet *s, double x, double y, enum o
     orl_canvas_disc(s->canvas, x, y - ORL_PAGE_TEXT / 2.0, 5, colors[verdict]);
 }
 
-/* A rule's name, and what all of its targets make together; with the mark of that if brief. */
+/* Draws a rule's name and its overall verdict, with that verdict's mark if brief. */
 static void draw_rule(const struct orl_page_sheet *s, size_t i, bool brief,
                       const struct orl_page_column *at)
 {
@@ -34,7 +38,7 @@ static void draw_rule(const struct orl_page_sheet *s, size_t i, bool brief,
     orl_page_put_within(s, x, at->y, at->right - x, orl_page_ink, text);
 }
 
-/* name: in front of the target; indent: of the mark. */
+/* name: text before the target. indent: of the mark. */
 static void draw_verdict(const struct orl_page_sheet *s, const struct orl_annual_verdict *v,
                          const char *name, double indent, const struct orl_page_column *at)
 {
@@ -50,8 +54,8 @@ static void draw_verdict(const struct orl_page_sheet *s, const struct orl_annual
                         orl_page_ink, text);
 }
 
-/* Returns true if a rule has one target, and both fit into one line. ret_name: the text before the
- * target. */
+/* Returns true if a rule has one target and both fit into one line. ret_name: the text before
+ * the target. */
 static bool fits_one_line(const struct orl_annual_report *report, size_t i,
                           const struct orl_page_column *at, char *ret_name, size_t size)
 {
@@ -71,17 +75,17 @@ static bool fits_one_line(const struct orl_annual_report *report, size_t i,
 
 /* ---- One list -------------------------------------------------------------------------------- */
 
-/* Verdicts of one grid, or of all together, in the order of the report. */
+/* Verdicts of one grid, or of all grids together, in the report's order. */
 struct list {
     size_t grid;
     const char *heading;
-    bool brief;                         /* rules without their targets */
-    bool begun;                         /* has a heading */
-    size_t next;                        /* verdict of the report, to be drawn */
-    size_t n_left;                      /* of the list, from next on */
-    const struct orl_annual_rule *rule; /* of the last one, as what follows */
+    bool brief;                         /* true: rules without their targets */
+    bool begun;                         /* true if it has a heading */
+    size_t next;                        /* index of the next verdict to draw */
+    size_t n_left;                      /* number of verdicts not drawn yet */
+    const struct orl_annual_rule *rule; /* rule of the last verdict drawn */
     const char *note;
-    size_t n_noted; /* that share the note, which is still to be written */
+    size_t n_noted; /* verdicts drawn that share note, which is not written yet */
 };
 
 static void skip_others(const struct orl_annual_report *report, struct list *list)
@@ -101,7 +105,7 @@ static struct list list_of(const struct orl_annual_report *report, size_t grid, 
     return list;
 }
 
-/* Writes the note of the last verdicts, which share it. */
+/* Writes the note that the last verdicts share. */
 static void put_note(const struct orl_page_sheet *s, struct list *list,
                      struct orl_page_column *column)
 {
@@ -119,7 +123,7 @@ static void put_note(const struct orl_page_sheet *s, struct list *list,
     list->n_noted = 0;
 }
 
-/* Draws a verdict with its rule's name before or above it, as high as was measured. */
+/* Draws a verdict with its rule's name before or above it. */
 static void draw_one(const struct orl_page_sheet *s, const struct list *list, const char *name,
                      bool above, bool alone, struct orl_page_column at)
 {
@@ -132,8 +136,8 @@ static void draw_one(const struct orl_page_sheet *s, const struct list *list, co
         draw_verdict(s, v, name, v->rule && !name[0] ? 12 : 0, &at);
 }
 
-/* Draws the next verdict, or returns false where there is no room for it and its note. A sheet
- * without a canvas is to measure. */
+/* Draws the next verdict. Returns false if there is no room for it and its note. A sheet
+ * without a canvas only measures. */
 static bool draw_next(const struct orl_page_sheet *s, struct list *list,
                       struct orl_page_column *column, double bottom)
 {
@@ -162,7 +166,7 @@ static bool draw_next(const struct orl_page_sheet *s, struct list *list,
     return true;
 }
 
-/* Draws as much of a list as the column has room for, if that is some lines below a heading. */
+/* Draws as much of a list as fits into the column, if a heading and LEAST_LINES lines fit. */
 static void draw_list(const struct orl_page_sheet *s, struct list *list,
                       struct orl_page_column *column, double bottom)
 {
@@ -175,16 +179,16 @@ static void draw_list(const struct orl_page_sheet *s, struct list *list,
     column->y += ORL_PAGE_HEADING;
     list->begun = true;
     if (!list->brief)
-        list->rule = NULL; /* is named again */
+        list->rule = NULL; /* repeats its name in this column */
     while (list->n_left > 0 && draw_next(s, list, column, bottom))
         ;
     put_note(s, list, column);
     column->y += PARTS_APART;
 }
 
-/* Returns the height of what is left of a list in a column, with its heading. */
-static double measure(const struct orl_page_sheet *s, struct list list,
-                      struct orl_page_column column)
+/* Returns the height in a column of a list's remaining verdicts, with their heading. */
+static double measure_list(const struct orl_page_sheet *s, struct list list,
+                           struct orl_page_column column)
 {
     const struct orl_page_sheet measuring = {.page = s->page};
     column.y = 0;
@@ -198,20 +202,20 @@ struct lists {
     struct list own, all;
 };
 
-/* Returns how many verdicts find no room. */
+/* Draws both lists. Returns the number of verdicts without room. */
 static size_t draw_lists(const struct orl_page_sheet *s, struct lists lists,
                          struct orl_page_column *left, struct orl_page_column *right, double bottom)
 {
     left->y += PARTS_APART;
     draw_list(s, &lists.all, left, bottom);
-    draw_list(s, &lists.own, right, bottom - measure(s, lists.all, *right));
+    draw_list(s, &lists.own, right, bottom - measure_list(s, lists.all, *right));
     draw_list(s, &lists.all, right, bottom);
     draw_list(s, &lists.own, left, bottom);
     return lists.own.n_left + lists.all.n_left;
 }
 
-/* Chooses how rules are listed. If there is no room for all targets, the rules of the grid are
- * listed without their targets, and if that does not suffice, those of all grids as well. */
+/* Chooses how rules are listed. If there is no room for all targets, the grid's rules are
+ * listed without their targets. If that does not suffice, so are those of all grids. */
 static struct lists choose_lists(const struct orl_page_sheet *s, const struct orl_page_column *left,
                                  const struct orl_page_column *right, double bottom)
 {
@@ -227,7 +231,8 @@ static struct lists choose_lists(const struct orl_page_sheet *s, const struct or
     return lists;
 }
 
-/* The least bottom with which both lists find the same room: maps below take the rest. */
+/* Returns the least bottom that still has room for as many verdicts, to leave the rest to the
+ * maps. */
 static double level_columns(const struct orl_page_sheet *s, struct lists lists,
                             const struct orl_page_column *left, const struct orl_page_column *right,
                             double bottom)
@@ -266,7 +271,7 @@ static void put_none(const struct orl_page_sheet *s, struct orl_page_column *col
 void orl_page_draw_targets(const struct orl_page_sheet *s, struct orl_page_column *left,
                            struct orl_page_column *right, double bottom)
 {
-    bottom -= ORL_PAGE_LINE; /* for what is left out */
+    bottom -= ORL_PAGE_LINE; /* room for the line about omitted verdicts */
     if (s->page->report->n_verdicts == 0)
         put_none(s, right);
     const struct lists lists = choose_lists(s, left, right, bottom);

@@ -1,4 +1,4 @@
-/* Warnings stand above the figures, since these may be worthless because of them. */
+/* Draws warnings above the figures, because warnings may invalidate figures. */
 #include "chart/page_sheet.h"
 
 #include <stdio.h>
@@ -8,7 +8,7 @@ enum { LINES_OF_ONE = 2, LINES_OF_ALL = 8, INDENT = 16 };
 
 static const unsigned char amber[3] = {225, 160, 30};
 
-/* Warnings of one grid begin with "grid 'NAME': ". */
+/* Returns true if the warning is about this grid: it begins with "grid 'NAME': ". */
 static bool is_of(const char *warning, const char *grid)
 {
     char begins[ORL_TARGET_GRID + 16];
@@ -27,7 +27,7 @@ static bool is_of_another_grid(const struct orl_annual_page *page, const char *w
 struct list {
     double y;
     size_t lines, left_out;
-    bool cut; /* some are cut short */
+    bool cut; /* true if a warning was cut short */
 };
 
 static void put_warning(const struct orl_page_sheet *s, const char *text, struct list *list)

@@ -14,7 +14,7 @@ static const double bar = 14, letters = 8;
 
 /* ---- Colours --------------------------------------------------------------------------------- */
 
-/* 0: below the scale; 1 to LEVELS. */
+/* Returns the colour level of a value: 0 below the scale, else 1 to LEVELS. */
 static int level_of(double value, double top)
 {
     if (!(value > 0))
@@ -23,7 +23,7 @@ static int level_of(double value, double top)
     return share <= 0 ? 0 : share >= 1 ? LEVELS : (int)ceil(share * LEVELS);
 }
 
-/* Differences have levels below 0, too: from white to red or blue. */
+/* Returns a level's colour. Differences may be negative: from white to red or to blue. */
 static void color_of(int level, bool differences, unsigned char ret_rgb[3])
 {
     static const double more[3] = {165, 0, 38}, less[3] = {18, 60, 155};
@@ -47,35 +47,35 @@ static int level_at(const struct orl_polar_map *m, int theta, int phi)
 
 /* ---- The disc -------------------------------------------------------------------------------- */
 
-static void place(const struct orl_polar_map *m, double theta_deg, double phi_deg, double *ret_x,
-                  double *ret_y)
+static void locate_direction(const struct orl_polar_map *m, double theta_deg, double phi_deg,
+                             double *ret_x, double *ret_y)
 {
     const double r = m->radius * theta_deg / 90, phi = phi_deg * ORL_DEG_TO_RAD;
     *ret_x = m->x + r * cos(phi);
     *ret_y = m->y - r * sin(phi);
 }
 
-static void ring(const struct orl_polar_map *m, double theta_deg, double weight,
-                 const unsigned char rgb[3])
+static void draw_ring(const struct orl_polar_map *m, double theta_deg, double weight,
+                      const unsigned char rgb[3])
 {
     double x[CIRCLE + 1], y[CIRCLE + 1];
     for (int i = 0; i <= CIRCLE; i++)
-        place(m, theta_deg, 360.0 * i / CIRCLE, &x[i], &y[i]);
+        locate_direction(m, theta_deg, 360.0 * i / CIRCLE, &x[i], &y[i]);
     orl_canvas_path(m->canvas, CIRCLE + 1, x, y, weight, rgb);
 }
 
-/* A hair larger than it is, lest viewers show what is below between two. */
-static void cell(const struct orl_polar_map *m, int theta, int phi, int level)
+/* Draws a cell, slightly enlarged so that viewers show no gaps between cells. */
+static void draw_cell(const struct orl_polar_map *m, int theta, int phi, int level)
 {
     const double dtheta = 90.0 / ORL_POLAR_THETAS, dphi = 360.0 / ORL_POLAR_PHIS;
     const double inner = theta * dtheta, outer = (theta + 1) * dtheta + 0.1;
     const double from = phi * dphi - 0.05, to = (phi + 1) * dphi + 0.05;
     unsigned char rgb[3];
     double x[4], y[4];
-    place(m, inner, from, &x[0], &y[0]);
-    place(m, fmin(90, outer), from, &x[1], &y[1]);
-    place(m, fmin(90, outer), to, &x[2], &y[2]);
-    place(m, inner, to, &x[3], &y[3]);
+    locate_direction(m, inner, from, &x[0], &y[0]);
+    locate_direction(m, fmin(90, outer), from, &x[1], &y[1]);
+    locate_direction(m, fmin(90, outer), to, &x[2], &y[2]);
+    locate_direction(m, inner, to, &x[3], &y[3]);
     color_of(level, m->second != NULL, rgb);
     orl_canvas_fill(m->canvas, 4, x, y, rgb);
 }
@@ -98,17 +98,17 @@ void orl_polar_map_draw(const struct orl_polar_map *m)
         for (int phi = 0; phi < ORL_POLAR_PHIS; phi++) {
             const int level = level_at(m, theta, phi);
             if (level != 0)
-                cell(m, theta, phi, level);
+                draw_cell(m, theta, phi, level);
         }
     for (int theta = 30; theta <= 90; theta += 30)
-        ring(m, theta, theta == 90 ? 1.2 : 0.6, theta == 90 ? ink : line);
-    place(m, m->mark_theta_deg, m->mark_phi_deg, &x, &y);
+        draw_ring(m, theta, theta == 90 ? 1.2 : 0.6, theta == 90 ? ink : line);
+    locate_direction(m, m->mark_theta_deg, m->mark_phi_deg, &x, &y);
     struct orl_polar_map mark = *m;
     mark.x = x;
     mark.y = y;
     mark.radius = 5;
-    ring(&mark, 90, 2.4, paper);
-    ring(&mark, 90, 1, ink);
+    draw_ring(&mark, 90, 2.4, paper);
+    draw_ring(&mark, 90, 1, ink);
     write_at(m->canvas, m->x, m->y - m->radius - 3, ORL_CANVAS_MIDDLE, "y");
     write_at(m->canvas, m->x + m->radius + 4, m->y + 3, ORL_CANVAS_LEFT, "x");
 }

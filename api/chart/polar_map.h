@@ -1,7 +1,7 @@
 /*
- * A hemisphere as a disc in colours: theta from the middle outwards, phi from the right
- * counter-clockwise; of values on a logarithmic scale of four decades, or of what a second map has
- * more (red) or less (blue) than a first one. And the legend of either.
+ * Draws a hemisphere as a coloured disc: theta from the middle outwards, phi from the right
+ * counter-clockwise. It shows values on a logarithmic scale of four decades, or a second map
+ * minus the first: red is more, blue is less. Also draws the legend of either.
  */
 #ifndef ORL_CHART_POLAR_MAP_H
 #define ORL_CHART_POLAR_MAP_H
@@ -11,15 +11,15 @@
 
 struct orl_polar_map {
     struct orl_canvas *canvas;
-    double x, y, radius; /* of the disc, page units */
-    double top;          /* of the scale */
+    double x, y, radius; /* centre and radius of the disc, in page units */
+    double top;          /* top of the scale */
     const double (*values)[ORL_POLAR_PHIS];
-    const double (*second)[ORL_POLAR_PHIS]; /* NULL: values themselves are shown */
-    double mark_theta_deg, mark_phi_deg;    /* a small circle stands there */
+    const double (*second)[ORL_POLAR_PHIS]; /* map to compare with; NULL: values are shown */
+    double mark_theta_deg, mark_phi_deg;    /* direction of a small circle */
 };
 void orl_polar_map_draw(const struct orl_polar_map *map);
 
-/* A bar from y down, numbers to its right. */
+/* Draws a colour bar from y down, with numbers to its right. */
 void orl_polar_legend_draw(struct orl_canvas *canvas, double x, double y, double height, double top,
                            bool differences);
 

@@ -11,16 +11,16 @@ static const unsigned char black[3] = {26, 26, 26}, gray[3] = {115, 115, 115},
                            faint[3] = {230, 230, 230}, gold[3] = {255, 219, 115},
                            dark_red[3] = {140, 26, 26}, paper[3] = {255, 255, 255};
 
-/* What drawing goes by. */
+/* State for drawing. */
 struct pen {
     const struct orl_chart *chart;
     const struct orl_study *study;
     struct orl_canvas *canvas;
-    size_t *index; /* room for all points of the study, */
-    double *x, *y; /* and for their places */
+    size_t *index; /* room for all points of the study */
+    double *x, *y; /* room for their page coordinates */
 };
 
-/* Colours that the colour-blind tell apart (Okabe and Ito 2008). */
+/* Returns a colour that colour-blind people can distinguish (Okabe and Ito 2008). */
 static const unsigned char *ink_of(enum orl_technique technique)
 {
     static const unsigned char inks[ORL_TECHNIQUE_COUNT][3] = {
@@ -43,7 +43,8 @@ static double y_of(const struct pen *pen, const struct orl_study_point *p)
 
 /* ---- Points ---------------------------------------------------------------------------------- */
 
-/* Shapes that nobody mixes up, as corners about a middle; none for a disc. */
+/* Returns the corners of a technique's marker about its middle; none for a disc. The shapes are
+ * easy to distinguish. */
 static size_t corners_of(enum orl_technique technique, const double (**ret_corners)[2])
 {
     static const double square[4][2] = {{-.9, -.9}, {.9, -.9}, {.9, .9}, {-.9, .9}},
@@ -64,7 +65,7 @@ static size_t corners_of(enum orl_technique technique, const double (**ret_corne
     }
 }
 
-/* Filled for points of the line, hollow for those beaten. */
+/* Draws a marker, filled for points of the line, hollow for dominated points. */
 static void draw_marker(struct orl_canvas *canvas, enum orl_technique technique, double x, double y,
                         bool full)
 {
@@ -92,7 +93,7 @@ static void draw_cross(struct orl_canvas *canvas, double x, double y)
     orl_canvas_line(canvas, x - 4.5, y + 4.5, x + 4.5, y - 4.5, 2, dark_red);
 }
 
-/* Standard errors of error and time; what reaches beyond the plot ends at its edge. */
+/* Draws standard errors of error and time, clipped at the plot's edge. */
 static void draw_bars(const struct pen *pen, const struct orl_study_point *p)
 {
     const struct orl_chart_box *plot = &pen->chart->plot;
@@ -113,7 +114,7 @@ static void draw_bars(const struct pen *pen, const struct orl_study_point *p)
 
 /* ---- Curves ---------------------------------------------------------------------------------- */
 
-static void trace(const struct pen *pen, size_t n, double weight, const unsigned char rgb[3])
+static void draw_curve(const struct pen *pen, size_t n, double weight, const unsigned char rgb[3])
 {
     for (size_t i = 0; i < n; i++) {
         const struct orl_study_point *p = &pen->study->points[pen->index[i]];
@@ -133,7 +134,7 @@ static void draw_technique(const struct pen *pen, enum orl_technique technique)
         if (p->setting.technique == technique && orl_chart_shows(p))
             draw_bars(pen, p);
     }
-    trace(pen, n, 1.8, ink_of(technique));
+    draw_curve(pen, n, 1.8, ink_of(technique));
     for (size_t i = 0; i < study->n_points; i++) {
         const struct orl_study_point *p = &study->points[i];
         bool on_line = false;
@@ -158,7 +159,7 @@ static void draw_curves(const struct pen *pen)
 {
     const struct orl_chart *chart = pen->chart;
     const double noise = 100 * pen->study->reference.standard_error;
-    trace(pen, orl_chart_front(pen->study, pen->index), 11, gold);
+    draw_curve(pen, orl_chart_front(pen->study, pen->index), 11, gold);
     if (noise > chart->y.low && noise < chart->y.high)
         draw_reference(pen->canvas, chart->plot.x0, chart->plot.x1, orl_axis_at(&chart->y, noise));
     for (int technique = 0; technique < ORL_TECHNIQUE_COUNT; technique++)
@@ -224,7 +225,7 @@ static void draw_text(const struct orl_chart_text *t, struct orl_canvas *canvas)
     orl_canvas_text(canvas, t->x, t->y, &letters, t->text);
 }
 
-static void draw(const struct pen *pen)
+static void draw_chart(const struct pen *pen)
 {
     draw_frame(pen->chart, pen->canvas);
     draw_curves(pen);
@@ -252,7 +253,7 @@ int orl_study_chart_write(const struct orl_study *study, const char *title,
     if (code == 0)
         code = orl_canvas_open(kind, path, chart.width, chart.height, png_scale, &pen.canvas, err);
     if (code == 0) {
-        draw(&pen);
+        draw_chart(&pen);
         code = orl_canvas_close(pen.canvas, 0, err);
     }
     free(pen.index);

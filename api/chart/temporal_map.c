@@ -18,7 +18,7 @@ static const unsigned char ink[3] = {26, 26, 26}, faint[3] = {150, 150, 150},
 struct sheet {
     const struct orl_temporal_map *map;
     struct orl_canvas *canvas;
-    double x0, y0, x1, y1; /* the carpet */
+    double x0, y0, x1, y1; /* corners of the carpet */
     double top;
     uint32_t days, per_day;
 };
@@ -46,7 +46,7 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The next of 1, 1.5, 2, 3, 5 and 7.5 times powers of ten. */
+/* Rounds up to 1, 1.5, 2, 3, 5 or 7.5 times a power of ten. */
 static double round_up(double value)
 {
     static const double digits[] = {1, 1.5, 2, 3, 5, 7.5, 10};
@@ -106,8 +106,8 @@ static double y_of(const struct sheet *s, double hour)
     return s->y1 - (s->y1 - s->y0) * hour / HOURS;
 }
 
-/* Steps of one colour that follow each other are one box, a hair larger than they are, lest viewers
- * show what is below between two. */
+/* Draws a day. Successive steps of one colour are one box, slightly enlarged so that viewers
+ * show no gaps between boxes. */
 static void draw_day(const struct sheet *s, uint32_t day)
 {
     const uint32_t first = day * s->per_day;
@@ -132,7 +132,7 @@ static void draw_day(const struct sheet *s, uint32_t day)
     }
 }
 
-/* ---- Around it ------------------------------------------------------------------------------- */
+/* ---- Axes and legend ------------------------------------------------------------------------- */
 
 static void draw_months(const struct sheet *s)
 {
@@ -161,7 +161,7 @@ static void draw_hours(const struct sheet *s)
     }
 }
 
-/* Where on more than half of the days that have any marks these begin or end. */
+/* Draws lines at the hours where marks begin or end on more than half of the days with marks. */
 static void draw_use(const struct sheet *s)
 {
     uint32_t used_days = 0;
@@ -181,7 +181,7 @@ static void draw_use(const struct sheet *s)
     }
 }
 
-/* A number of the legend, at its place. The last one has the unit. */
+/* Draws a number of the legend at its place. The last one has the unit. */
 static void draw_tick(const struct sheet *s, double x, double value, bool last)
 {
     char text[48];
@@ -192,7 +192,8 @@ static void draw_tick(const struct sheet *s, double x, double value, bool last)
     write_text(s, x + 7, y + letters_size / 2, ORL_CANVAS_LEFT, letters_size, text);
 }
 
-/* At fifths of the scale, or at its top and at 1 and 3 of every decade that keep clear of that. */
+/* Draws ticks at fifths of the scale. A logarithmic scale has them at its top and at 1 and 3 of
+ * every decade that are far enough from the top. */
 static void draw_ticks(const struct sheet *s, double x)
 {
     enum { TICKS = 5 };

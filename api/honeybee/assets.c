@@ -7,7 +7,7 @@
 
 enum { NAME_SIZE = 256 };
 
-/* "GROUP/IDENTIFIER", or the identifier alone; groups may lie in groups. */
+/* Reads "GROUP/IDENTIFIER", or the identifier alone; groups may be nested. */
 static int read_name(struct orl_hb *hb, const json_t *asset, const struct orl_hb_at *at,
                      char ret_name[NAME_SIZE])
 {
@@ -42,7 +42,7 @@ static int read_name(struct orl_hb *hb, const json_t *asset, const struct orl_hb
 
 struct grid {
     char name[NAME_SIZE];
-    size_t index; /* in the document */
+    size_t index; /* index in the document */
 };
 
 static int compare_grids(const void *a, const void *b)
@@ -81,7 +81,7 @@ static int put_sensors(struct orl_hb *hb, const json_t *sensors, const struct or
     return rc;
 }
 
-/* In the middle of every face. */
+/* Puts a sensor in the middle of every face. */
 static int put_mesh_sensors(struct orl_hb *hb, const json_t *mesh, const struct orl_hb_at *at,
                             struct orl_hb_file *file)
 {
@@ -121,7 +121,7 @@ static int put_grid(struct orl_hb *hb, const json_t *grid, const struct orl_hb_a
                                                  : put_sensors(hb, sensors, at, file);
 }
 
-/* Grids from *from on that have its name; moves it behind them. */
+/* Writes all grids with the name of grid *from as one file, and moves *from past them. */
 static int write_grid(struct orl_hb *hb, const json_t *list, const struct grid *grids, size_t n,
                       const struct orl_hb_at *at, size_t *from)
 {
@@ -215,7 +215,7 @@ static int put_view(struct orl_hb *hb, const json_t *view, const struct orl_hb_a
     return rc;
 }
 
-/* Maps each name to the index of the last view that has it. */
+/* Maps each name to the index of the last view with that name. */
 static int list_names(struct orl_hb *hb, const json_t *views, const struct orl_hb_at *list,
                       json_t *ret_last)
 {

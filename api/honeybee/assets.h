@@ -1,4 +1,4 @@
-/* A model's sensor grids and views, each in a file by its name. */
+/* Writes a model's sensor grids and views, each to a file with its name. */
 #ifndef ORL_API_HONEYBEE_ASSETS_H
 #define ORL_API_HONEYBEE_ASSETS_H
 

@@ -14,7 +14,7 @@ static size_t folder_of(const struct orl_hb_group *group)
     return !group->shades ? 0 : group->inside ? 2 : 1;
 }
 
-/* ---- Gathering ------------------------------------------------------------------------------- */
+/* ---- Collecting ------------------------------------------------------------------------------ */
 
 void orl_hb_groups_done(struct orl_hb_groups *groups)
 {
@@ -24,7 +24,7 @@ void orl_hb_groups_done(struct orl_hb_groups *groups)
     json_decref(groups->places);
 }
 
-/* Doubles an array that is full. */
+/* Doubles the capacity of a full array. */
 static int make_room(struct orl_hb *hb, void **items, size_t *room, size_t count, size_t size)
 {
     if (count < *room)
@@ -107,7 +107,7 @@ static size_t count_states(const struct orl_hb_group *group)
     return most;
 }
 
-/* A polygon with its modifier; void is none. */
+/* Writes a polygon with its modifier; a void surface is not written. */
 static int write_surface(struct orl_hb *hb, const struct orl_hb_member *surface,
                          const struct orl_hb_at *at, struct orl_hb_polygon *polygon,
                          struct orl_hb_file *file)
@@ -124,7 +124,7 @@ static int write_surface(struct orl_hb *hb, const struct orl_hb_member *surface,
                                      name ? name : "unnamed", file);
 }
 
-/* What belongs to a state besides: louvres, a film of snow. */
+/* Writes the additional shades of a state, such as louvres or a film of snow. */
 static int write_state_shades(struct orl_hb *hb, const json_t *state, const struct orl_hb_at *at,
                               struct orl_hb_polygon *polygon, struct orl_hb_file *file)
 {
@@ -143,7 +143,7 @@ static int write_state_shades(struct orl_hb *hb, const json_t *state, const stru
     return rc;
 }
 
-/* The last state stays where an object has no more of them. */
+/* Writes an object in one of its group's states. If it has fewer states, its last one is used. */
 static int write_member(struct orl_hb *hb, const struct orl_hb_member *member, size_t number,
                         struct orl_hb_polygon *polygon, struct orl_hb_file *file)
 {

@@ -13,7 +13,7 @@ bool orl_hbjson_is_model(const json_t *document)
     return type && strcmp(type, "Model") == 0;
 }
 
-/* Honeybee's own, by unit, where the model says none. */
+/* Reads the tolerance; the default is Honeybee's for the model's unit. */
 static int read_tolerance(struct orl_hb *hb)
 {
     static const struct {
@@ -39,7 +39,7 @@ static int read_tolerance(struct orl_hb *hb)
     return rc;
 }
 
-/* Dragonfly's models call themselves so, too: storeys, out of which rooms are still to be made. */
+/* Refuses Dragonfly models, which have the same type but storeys instead of rooms. */
 static int refuse_dragonfly(struct orl_hb *hb)
 {
     if (!json_object_get(hb->model, "buildings"))
@@ -51,7 +51,7 @@ static int refuse_dragonfly(struct orl_hb *hb)
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* Grids and views alone are no scene. */
+/* Refuses a model without surfaces: grids and views alone are no scene. */
 static int refuse_empty(struct orl_hb *hb)
 {
     static const char *const members[] = {"rooms",          "orphaned_faces",  "orphaned_apertures",

@@ -2,16 +2,16 @@
 
 #include <string.h>
 
-/* Luminaires under way: one of them, and the file that places them. */
+/* State for writing luminaires: the current one, and the file that places all of them. */
 struct writing {
     struct orl_hb *hb;
     struct orl_hb_file *rad;
     const json_t *json;
     const struct orl_hb_at *at;
-    char name[160]; /* of its own files, less their endings */
+    char name[160]; /* name of the luminaire's own files, without ending */
 };
 
-/* A factor above 0, 1 where there is none. */
+/* Reads a factor above 0; 1 if absent. */
 static int read_factor(struct writing *w, const json_t *of, const struct orl_hb_at *at,
                        const char *member, double *ret_factor)
 {
@@ -24,7 +24,7 @@ static int read_factor(struct writing *w, const json_t *of, const struct orl_hb_
     return rc;
 }
 
-/* Numbers from 0 to 1; *ret_given: there are any. */
+/* Reads n numbers from 0 to 1. *ret_given is true if the member is present. */
 static int read_shares(struct writing *w, const json_t *lamp, const struct orl_hb_at *at,
                        const char *member, double *ret_shares, size_t n, bool *ret_given)
 {
@@ -53,8 +53,8 @@ static int write_file(struct writing *w, const char *ending, const char *text, s
     return orl_hb_end(w->hb, &file, "%s.%s", w->name, ending);
 }
 
-/* Options of ies2rad for a lamp in a colour of its own. Honeybee counts the depreciation of a white
- * one twice, as a factor and in its table. */
+/* Makes ies2rad's options for a lamp with its own colour. As in Honeybee, the depreciation of a
+ * white lamp counts twice: as a factor and in its table. */
 static int read_lamp(struct writing *w, char *ret_options, size_t size, double *ret_factor)
 {
     const struct orl_hb_at at = {w->at, "custom_lamp", 0};
@@ -84,7 +84,7 @@ static int read_lamp(struct writing *w, char *ret_options, size_t size, double *
     return write_file(w, "tab", table, strlen(table));
 }
 
-/* {"x": 1, "y": 2, "z": 3}, or three numbers. */
+/* Reads {"x": 1, "y": 2, "z": 3}, or three numbers. */
 static int read_place(struct writing *w, const json_t *value, const struct orl_hb_at *at,
                       struct orl_vec3 *ret_place)
 {

@@ -1,6 +1,6 @@
 /*
- * Luminaires of a model: IES files, and where each of them hangs, as Honeybee has ies2rad and xform
- * place them. All of them are in model/ies/luminaires.rad.
+ * Writes a model's luminaires: IES files and their placements, by ies2rad and xform as in
+ * Honeybee. All are in model/ies/luminaires.rad.
  */
 #ifndef ORL_API_HONEYBEE_LUMINAIRES_H
 #define ORL_API_HONEYBEE_LUMINAIRES_H

@@ -1,4 +1,4 @@
-/* Meshes of shades: a polygon for each of their faces. */
+/* Writes shade meshes, one polygon per mesh face. */
 #ifndef ORL_API_HONEYBEE_MESHES_H
 #define ORL_API_HONEYBEE_MESHES_H
 
@@ -6,10 +6,10 @@
 
 int orl_hb_meshes_write(struct orl_hb *hb);
 
-/* A mesh's corners (Mesh3D), the caller's. at: of the mesh. */
+/* Reads a mesh's corners (Mesh3D), which the caller owns. at: place of the mesh in the document. */
 int orl_hb_mesh_corners(struct orl_hb *hb, const json_t *mesh, const struct orl_hb_at *at,
                         struct orl_vec3 **ret_corners, size_t *ret_count);
-/* The corners of one of its faces, three or four. */
+/* Reads the three or four corners of one mesh face. */
 int orl_hb_mesh_face(struct orl_hb *hb, const json_t *face, const struct orl_hb_at *at,
                      const struct orl_vec3 *corners, size_t count, struct orl_vec3 ret_face[4],
                      size_t *ret_n);

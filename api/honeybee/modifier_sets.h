@@ -1,13 +1,13 @@
 /*
- * Which modifier an object without one of its own has: by what it is, that of its room's set, or
- * the generic one (modifiers.h).
+ * Chooses the modifier of an object without one of its own: that of its room's set for the
+ * object's use, or the generic one (modifiers.h).
  */
 #ifndef ORL_API_HONEYBEE_MODIFIER_SETS_H
 #define ORL_API_HONEYBEE_MODIFIER_SETS_H
 
 #include "honeybee/modifiers.h"
 
-/* What a surface is; of pairs the second is of surfaces inside: between rooms, or in them. */
+/* Use of a surface. The second of a pair is for interior surfaces: between rooms, or in them. */
 enum orl_hb_use {
     ORL_HB_WALL,
     ORL_HB_WALL_INSIDE,
@@ -26,15 +26,15 @@ enum orl_hb_use {
     ORL_HB_OVERHEAD_DOOR,
     ORL_HB_SHADE,
     ORL_HB_SHADE_INSIDE,
-    ORL_HB_CONTEXT /* in no set: generic */
+    ORL_HB_CONTEXT /* in no set; always generic */
 };
 
-/* The model's sets by identifier, once its modifiers are read. */
+/* Reads the model's sets by identifier, after its modifiers are read. */
 int orl_hb_sets_read(struct orl_hb *hb);
-/* The set of a room; NULL: it has none. */
+/* Finds the set of a room; NULL if it has none. */
 int orl_hb_set_of_room(struct orl_hb *hb, const json_t *room, const struct orl_hb_at *at,
                        const json_t **ret_set);
-/* set may be NULL. */
+/* Finds the modifier for a use. set may be NULL. */
 int orl_hb_set_modifier(struct orl_hb *hb, const json_t *set, enum orl_hb_use use,
                         size_t *ret_place);
 

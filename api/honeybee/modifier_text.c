@@ -1,4 +1,4 @@
-/* Modifiers in Radiance's words. */
+/* Writes modifiers in Radiance's syntax. */
 #include "honeybee/modifiers.h"
 
 #include <string.h>
@@ -6,7 +6,7 @@
 
 enum { DEPTH = 16, NUMBERS = 9 };
 
-/* Numbers of a type, in Radiance's order; what is left out has the schema's value. */
+/* Numeric argument of a type, in Radiance's order, with the schema's default. */
 struct field {
     const char *name;
     double otherwise;
@@ -68,7 +68,8 @@ struct writing {
 
 static int write_one(struct writing *w, size_t place, const struct orl_hb_at *at);
 
-/* One that another names: written in front of it. NULL, null and Void: "void". */
+/* Writes a modifier that another names, before it. For NULL, null and Void, *ret_identifier is
+ * "void". */
 static int write_needed(struct writing *w, const json_t *value, const struct orl_hb_at *at,
                         const char **ret_identifier)
 {
@@ -115,7 +116,8 @@ static int read_numbers(struct writing *w, const struct kind *kind, const json_t
     return 0;
 }
 
-/* Three numbers of each that is given; those behind one that is not are not heeded. */
+/* Reads three numbers per reflectance or transmittance, up to the first that is absent. Later
+ * ones are ignored. */
 static int read_diffuse(struct writing *w, const json_t *json, const struct orl_hb_at *at,
                         double values[NUMBERS], size_t *ret_count)
 {
@@ -139,7 +141,7 @@ static int read_diffuse(struct writing *w, const json_t *json, const struct orl_
     return 0;
 }
 
-/* The XML that the model holds becomes a file. */
+/* Writes the XML in the model to a file. */
 static int write_bsdf_file(struct writing *w, struct orl_hb_modifier *modifier,
                            const struct orl_hb_at *at)
 {
@@ -159,7 +161,7 @@ static int write_bsdf_file(struct writing *w, struct orl_hb_modifier *modifier,
     return orl_hb_end(w->hb, &file, "model/bsdf/%s.xml", modifier->identifier);
 }
 
-/* Words of xform's options: Radiance reads them one by one. */
+/* Counts the words of xform's options, as Radiance splits them. */
 static int count_words(const char *text, size_t length, size_t *ret_count)
 {
     bool inside = false;
@@ -173,7 +175,7 @@ static int count_words(const char *text, size_t length, size_t *ret_count)
     return 0;
 }
 
-/* The strings of a BSDF: thickness (of BSDF alone), file, up, function file, transform. */
+/* Writes the strings of a BSDF: thickness (only of BSDF), file, up, function file, transform. */
 static int write_bsdf_strings(struct writing *w, struct orl_hb_modifier *modifier,
                               const struct orl_hb_at *at)
 {
@@ -207,7 +209,7 @@ static int write_bsdf_strings(struct writing *w, struct orl_hb_modifier *modifie
     return 0;
 }
 
-/* What stands behind the modifier's name. */
+/* Writes the string arguments after the modifier's name. */
 static int write_strings(struct writing *w, struct orl_hb_modifier *modifier,
                          const struct orl_hb_at *at, const char *alternate)
 {
@@ -221,7 +223,7 @@ static int write_strings(struct writing *w, struct orl_hb_modifier *modifier,
     return 0;
 }
 
-/* Glass may have an index of refraction. */
+/* Appends the optional index of refraction of glass. */
 static int add_index(struct writing *w, const json_t *json, const struct orl_hb_at *at,
                      double values[NUMBERS], size_t *count)
 {
@@ -304,7 +306,7 @@ static int write_one(struct writing *w, size_t place, const struct orl_hb_at *at
     else
         orl_hb_generic_write(modifier, w->file->stream);
     w->depth--;
-    modifier = &w->hb->modifiers[place]; /* the array may have moved */
+    modifier = &w->hb->modifiers[place]; /* reloaded because the array may have been reallocated */
     modifier->under_way = false;
     modifier->written = w->file->number;
     return rc;

@@ -31,9 +31,10 @@ static const struct {
     {"white_glow", "glow", 4, {1, 1, 1, 0}},
 };
 
-/* ---- Finding them ---------------------------------------------------------------------------- */
+/* ---- Look-up --------------------------------------------------------------------------------- */
 
-static int add(struct orl_hb *hb, const char *identifier, const json_t *json, size_t *ret_place)
+static int add_modifier(struct orl_hb *hb, const char *identifier, const json_t *json,
+                        size_t *ret_place)
 {
     if (hb->n_modifiers == hb->modifier_room) {
         const size_t room = hb->modifier_room > 0 ? 2 * hb->modifier_room : 32;
@@ -52,7 +53,8 @@ static int add(struct orl_hb *hb, const char *identifier, const json_t *json, si
                : 0;
 }
 
-/* One of the document's. Of several by one identifier the first counts that stands at an object. */
+/* Adds a modifier of the document. If an identifier occurs several times outside the list, the
+ * first modifier counts. */
 static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at *at, bool in_list,
                    size_t *ret_place)
 {
@@ -65,7 +67,7 @@ static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at
         return rc;
     const json_t *known = json_object_get(hb->modifier_places, identifier);
     if (!known)
-        return add(hb, identifier, json, ret_place);
+        return add_modifier(hb, identifier, json, ret_place);
     *ret_place = (size_t)json_integer_value(known);
     if (!json_equal(hb->modifiers[*ret_place].json, json))
         orl_hb_warn(hb,
@@ -88,11 +90,11 @@ int orl_hb_modifiers_read(struct orl_hb *hb)
     for (const json_t *modifier; rc == 0 && (modifier = orl_hb_next(&modifiers));) {
         rc = add_own(hb, modifier, &modifiers.here, true, &place);
         if (rc == 0)
-            hb->modifiers[place].json = modifier; /* of several the last, as in Honeybee */
+            hb->modifiers[place].json = modifier; /* the last in the list counts, as in Honeybee */
     }
     for (size_t i = 0; i < sizeof generics / sizeof *generics && rc == 0; i++)
         if (!json_object_get(hb->modifier_places, generics[i].identifier))
-            rc = add(hb, generics[i].identifier, NULL, &place);
+            rc = add_modifier(hb, generics[i].identifier, NULL, &place);
     return rc;
 }
 

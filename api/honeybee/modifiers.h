@@ -4,8 +4,8 @@
  * 0.5, floors 0.2, ceilings and roofs 0.8, outdoor shades 0.35, context 0.2; transmittances at
  * normal incidence: exterior windows 0.64, interior ones 0.88.
  *
- * Written are Plastic, Metal, Trans, Glass, Mirror, Glow, Light, BSDF and aBSDF, with the modifiers
- * that they depend on in front. Others are refused by name.
+ * Supported types are Plastic, Metal, Trans, Glass, Mirror, Glow, Light, BSDF and aBSDF. Modifiers
+ * that they depend on are written before them. Other types are refused by name.
  */
 #ifndef ORL_API_HONEYBEE_MODIFIERS_H
 #define ORL_API_HONEYBEE_MODIFIERS_H
@@ -14,30 +14,31 @@
 
 struct orl_hb_modifier {
     const char *identifier;
-    const json_t *json; /* NULL: a generic one */
-    uint32_t written;   /* the last file that has it */
-    bool under_way;     /* being written: a modifier that depends on itself meets it again */
-    bool has_file;      /* its BSDF is among the files */
+    const json_t *json; /* NULL for a generic modifier */
+    uint32_t written;   /* number of the last file that has it */
+    bool under_way;     /* true while it is being written, to detect circular dependencies */
+    bool has_file;      /* true if its BSDF file is written */
 };
 
-/* All of the model, and the generic ones. */
+/* Reads all modifiers of the model, and adds the generic ones. */
 int orl_hb_modifiers_read(struct orl_hb *hb);
 void orl_hb_modifiers_done(struct orl_hb *hb);
 
-/* An identifier of the model's, or the modifier itself: where it is in hb->modifiers. */
+/* Finds a modifier given by an identifier of the model or by itself. *ret_place: its index in
+ * hb->modifiers. */
 int orl_hb_modifier_find(struct orl_hb *hb, const json_t *value, const struct orl_hb_at *at,
                          size_t *ret_place);
-/* A generic one. */
+/* Returns the index of a generic modifier. */
 size_t orl_hb_modifier_generic(const struct orl_hb *hb, const char *identifier);
 bool orl_hb_modifier_is_void(const struct orl_hb *hb, size_t place);
-/* Into the file, unless it is there. */
+/* Writes the modifier to the file, unless the file has it. */
 int orl_hb_modifier_write(struct orl_hb *hb, size_t place, struct orl_hb_file *file);
 
 /* ---- Shared by modifiers.c and modifier_text.c ----------------------------------------------- */
 
-/* "type", or "". */
+/* Returns the object's "type", or "". */
 const char *orl_hb_type_of(const json_t *json);
-/* One of the generic ones. */
+/* Writes a generic modifier. */
 void orl_hb_generic_write(const struct orl_hb_modifier *modifier, FILE *stream);
 
 #endif

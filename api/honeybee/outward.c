@@ -5,38 +5,40 @@
 
 enum { MOST_FACES = 256, MOST_CORNERS_TRIED = 64 };
 
-/* A face, and two axes in which it has an area. */
+/* A face, its normal, and two axes; the face's projection onto their plane has an area. */
 struct side {
     struct orl_hb_polygon polygon;
     struct orl_vec3 normal;
     int u, v;
 };
 
-static double along(struct orl_vec3 p, int axis)
+static double coordinate_of(struct orl_vec3 p, int axis)
 {
     return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
 }
 
-/* Of a point in its plane; holes are outside. */
+/* Returns true if a point in the face's plane is inside the face; holes are outside. */
 static bool is_inside(const struct side *side, struct orl_vec3 point)
 {
     const struct orl_hb_polygon *polygon = &side->polygon;
-    const double u = along(point, side->u), v = along(point, side->v);
+    const double u = coordinate_of(point, side->u), v = coordinate_of(point, side->v);
     bool inside = false;
     for (size_t loop = 0, from = 0; loop < polygon->n_loops; from = polygon->ends[loop++])
         for (size_t i = from, before = polygon->ends[loop] - 1; i < polygon->ends[loop];
              before = i++) {
             const struct orl_vec3 a = polygon->points[before], b = polygon->points[i];
-            const double av = along(a, side->v), bv = along(b, side->v);
+            const double av = coordinate_of(a, side->v), bv = coordinate_of(b, side->v);
             if ((av > v) != (bv > v) &&
-                u < along(a, side->u) +
-                        (v - av) / (bv - av) * (along(b, side->u) - along(a, side->u)))
+                u < coordinate_of(a, side->u) +
+                        (v - av) / (bv - av) *
+                            (coordinate_of(b, side->u) - coordinate_of(a, side->u)))
                 inside = !inside;
         }
     return inside;
 }
 
-/* In one of its ears, and not in the middle, lest lines meet edges of faces that are alike. */
+/* Finds a point inside the face, near a corner and off the centre, so that lines through it
+ * miss edges of similar faces. */
 static bool find_inside(const struct side *side, struct orl_vec3 *ret_point)
 {
     const struct orl_vec3 *p = side->polygon.points;

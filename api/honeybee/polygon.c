@@ -63,7 +63,7 @@ int orl_hb_polygon_cut(struct orl_hb *hb, const json_t *geometry, const struct o
     return add_loop(hb, json_object_get(geometry, "boundary"), &boundary, polygon);
 }
 
-/* As its plane's normal says, if it has one. */
+/* Orders the corners by the plane's normal, if there is one. */
 static int turn_by_plane(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *here,
                          struct orl_hb_polygon *polygon)
 {
@@ -92,15 +92,15 @@ int orl_hb_polygon_read(struct orl_hb *hb, const json_t *geometry, const struct 
     return rc;
 }
 
-/* ---- Where loops lie ------------------------------------------------------------------------- */
+/* ---- Geometry of loops ----------------------------------------------------------------------- */
 
 static size_t begin_of(const struct orl_hb_polygon *p, size_t loop)
 {
     return loop > 0 ? p->ends[loop - 1] : 0;
 }
 
-/* Twice the area, along the normal: Newell's sum, from the first corner, lest far away places cost
- * digits. */
+/* Returns twice the area along the normal (Newell's sum). Corners are relative to the first
+ * one, so that distant coordinates lose no digits. */
 static struct orl_vec3 area_of(const struct orl_hb_polygon *p, size_t loop)
 {
     const size_t from = begin_of(p, loop), to = p->ends[loop];
@@ -118,7 +118,7 @@ struct orl_vec3 orl_hb_polygon_normal(const struct orl_hb_polygon *polygon)
     return length > 0 ? orl_scale(area, 1 / length) : orl_v3(0, 0, 0);
 }
 
-/* Holes are written against the boundary, whichever way they turn. */
+/* Reverses the boundary only: holes are written in the opposite order to it anyway. */
 void orl_hb_polygon_turn(struct orl_hb_polygon *polygon, struct orl_vec3 front)
 {
     if (!(orl_dot(area_of(polygon, 0), front) < 0))
@@ -140,7 +140,7 @@ void orl_hb_polygon_move(struct orl_hb_polygon *polygon, struct orl_vec3 by)
 
 struct hole {
     size_t loop;
-    double at[2]; /* of its first corner, in two of the axes */
+    double at[2]; /* first corner, in two of the axes */
     long strip;
 };
 
@@ -150,7 +150,7 @@ static int compare_along(const void *a, const void *b)
     return x->at[0] < y->at[0] ? -1 : x->at[0] > y->at[0];
 }
 
-/* Up in one strip, down in the next. */
+/* Orders upwards in one strip, downwards in the next. */
 static int compare_strips(const void *a, const void *b)
 {
     const struct hole *x = a, *y = b;
@@ -161,7 +161,7 @@ static int compare_strips(const void *a, const void *b)
                                 : -order;
 }
 
-/* As many strips as holes in a strip. */
+/* Orders holes in strips; there are about as many strips as holes in a strip. */
 static void order_holes(const struct orl_hb_polygon *p, struct hole *holes, size_t n)
 {
     const struct orl_vec3 area = area_of(p, 0);
@@ -195,7 +195,7 @@ void orl_hb_put_name(const char *name, FILE *stream)
     }
 }
 
-/* All of its corners, and the first once more; backwards from it when it turns as the boundary. */
+/* Writes all corners of a hole and the first again, in the opposite direction to the boundary. */
 static void put_hole(const struct orl_hb_polygon *p, size_t loop, FILE *stream)
 {
     const size_t from = begin_of(p, loop), n = p->ends[loop] - from;
@@ -218,8 +218,9 @@ int orl_hb_polygon_write(struct orl_hb *hb, const struct orl_hb_polygon *polygon
                          const char *modifier, const char *name, struct orl_hb_file *file)
 {
     const size_t holes = polygon->n_loops - 1;
-    /* To every hole and back: the boundary's first corner, and each hole's but the last's, and the
-     * first of each that closes it. */
+    /* The outline visits every hole and returns. Repeated corners: the boundary's first, the
+     * closing corner of each hole, and on the way back the first corner of each hole but the
+     * last. */
     const size_t corners = polygon->n_points + (holes > 0 ? 2 * holes : 0);
     struct hole *order = NULL;
     if (holes > 0) {

@@ -8,10 +8,10 @@
 #include "decode.h"
 #include "honeybee/project_parts.h"
 
-/* Whether the name ends here by what the folders of a model hold; folder: "scene/" and the like. */
+/* Returns true if folder, such as "scene/x.rad", names a file that a model folder has. */
 static bool is_of_model(const char *folder)
 {
-    /* Of a model without faces there are these alone. */
+    /* the only such files of a model without faces */
     static const char *const alone[] = {"aperture/aperture.rad", "aperture_group/states.json",
                                         "scene_dynamic/states.json",
                                         "scene_dynamic/indoor/states.json"};
@@ -22,7 +22,7 @@ static bool is_of_model(const char *folder)
            orl_project_ends_with(folder, ".rad");
 }
 
-/* The shortest "" or "a/b/" in front of such a file. */
+/* Finds the shortest prefix, "" or "a/b/", of such a file. */
 static bool find_root(struct orl_project_finding *f)
 {
     f->root = NULL;
@@ -41,7 +41,7 @@ static bool find_root(struct orl_project_finding *f)
     return f->root;
 }
 
-/* A folder "scene" alone makes no project. */
+/* Returns true if there is more than a folder "scene", which alone makes no project. */
 static bool has_more(const struct orl_project_finding *f)
 {
     static const char *const more[] = {"aperture/", "aperture_group/", "scene_dynamic/",
@@ -59,7 +59,7 @@ static bool has_more(const struct orl_project_finding *f)
 
 /* ---- The scene ------------------------------------------------------------------------------- */
 
-/* "ies/__NAME__.rad", where "ies/NAME.rad" puts it in its places. */
+/* Returns true for "ies/__NAME__.rad" if there is an "ies/NAME.rad", which places it. */
 static bool is_put_by_another(const struct orl_project_finding *f, size_t file)
 {
     const char *own = orl_project_below(f, f->names[file], "ies/__");
@@ -86,7 +86,7 @@ static int add_static(struct orl_project_finding *f, const char *ending)
 
 /* ---- States ---------------------------------------------------------------------------------- */
 
-/* "./FILE" beside states.json. */
+/* Finds the file "./FILE" beside states.json. */
 static int find_state_file(const struct orl_project_finding *f, const char *list, const char *file,
                            const char *group, size_t *ret_place)
 {
@@ -104,7 +104,7 @@ static int find_state_file(const struct orl_project_finding *f, const char *list
     return ORL_ERR_INVALID;
 }
 
-/* Which of the states; all of them are told, with the files that add_group finds. */
+/* Chooses a group's state. *ret_told lists all states; add_group adds their files. */
 static int choose_state(const struct orl_project_finding *f, const char *list, const char *group,
                         const json_t *states, size_t *ret_chosen, json_t **ret_told)
 {
@@ -152,7 +152,7 @@ static int add_group(struct orl_project_finding *f, const char *list, const char
         if (rc == 0 && i == chosen)
             rc = orl_project_add_main(f, place);
         else if (rc == 0)
-            f->used[place] = true; /* told of under states */
+            f->used[place] = true; /* listed under "states" */
     }
     return rc;
 }
@@ -192,7 +192,7 @@ static int check_wishes(const struct orl_project_finding *f)
     return 0;
 }
 
-/* ---- What is left ---------------------------------------------------------------------------- */
+/* ---- Files left out -------------------------------------------------------------------------- */
 
 static const char *why_left_out(const struct orl_project_finding *f, const char *name)
 {
@@ -214,8 +214,9 @@ static const char *why_left_out(const struct orl_project_finding *f, const char 
     return sensors || surfaces ? "nothing names it" : NULL;
 }
 
-/* BSDFs are found by those that name them; lists and settings are no part of a scene. */
-static int tell_rest(struct orl_project_finding *f)
+/* Lists the unused files. BSDFs are found by the files that name them; lists and settings are
+ * not part of a scene. */
+static int list_unused(struct orl_project_finding *f)
 {
     for (size_t i = 0; i < f->count; i++) {
         const char *why = f->used[i] ? NULL : why_left_out(f, f->names[i]);
@@ -226,7 +227,7 @@ static int tell_rest(struct orl_project_finding *f)
     return 0;
 }
 
-/* ---- All ------------------------------------------------------------------------------------- */
+/* ---- Project --------------------------------------------------------------------------------- */
 
 static int find_parts(struct orl_project_finding *f)
 {
@@ -245,10 +246,10 @@ static int find_parts(struct orl_project_finding *f)
         rc = orl_project_add_views(f);
     if (rc == 0)
         rc = orl_project_add_warnings(f);
-    return rc ? rc : tell_rest(f);
+    return rc ? rc : list_unused(f);
 }
 
-static int begin(struct orl_project_finding *f, const char *const *names)
+static int init_finding(struct orl_project_finding *f, const char *const *names)
 {
     f->names = calloc(f->count + 1, sizeof *f->names);
     f->used = calloc(f->count + 1, sizeof *f->used);
@@ -268,7 +269,7 @@ static int begin(struct orl_project_finding *f, const char *const *names)
     return 0;
 }
 
-static json_t *pack(const struct orl_project_finding *f)
+static json_t *pack_project(const struct orl_project_finding *f)
 {
     json_t *project =
         json_pack("{s:O, s:O, s:O, s:O, s:O, s:O}", "files", f->main, "grids", f->grids, "views",
@@ -286,12 +287,12 @@ int orl_project_find(const char *const *names, size_t count, const struct orl_fi
                      struct orl_error *err)
 {
     struct orl_project_finding f = {.count = count, .files = files, .choice = choice, .err = err};
-    int rc = begin(&f, names);
+    int rc = init_finding(&f, names);
     *ret_project = NULL;
     if (rc == 0 && find_root(&f) && has_more(&f)) {
         rc = find_parts(&f);
         if (rc == 0) {
-            *ret_project = pack(&f);
+            *ret_project = pack_project(&f);
             rc = *ret_project ? 0 : orl_project_no_memory(&f);
         }
     }

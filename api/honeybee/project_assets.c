@@ -1,4 +1,4 @@
-/* A project's grids, views and skies, and what its model's translation warns of. */
+/* Finds a project's grids, views and skies, and reads the warnings of its model's translation. */
 #include "honeybee/project_parts.h"
 
 #include <ctype.h>
@@ -9,7 +9,8 @@
 
 #include "decode.h"
 
-/* The file's path below its folder without the ending, as jobs name things. */
+/* Makes a name from the file's path below its folder without ending, with the characters that
+ * jobs allow. */
 static void name_after(const char *path, const char *more, char ret_name[ORL_PROJECT_NAME])
 {
     const char *dot = strrchr(path, '.');
@@ -26,8 +27,8 @@ static void name_after(const char *path, const char *more, char ret_name[ORL_PRO
     ret_name[i] = '\0';
 }
 
-/* The names in the list that Honeybee writes beside grids, as members of an object; NULL: there is
- * no list, and every grid counts. */
+/* Reads the list that Honeybee writes beside grids, as an object with the names as members.
+ * NULL if there is no list: then every grid counts. */
 static int index_info(const struct orl_project_finding *f, json_t **ret_listed)
 {
     static const char *const members[] = {"full_id", "identifier"};
@@ -93,7 +94,7 @@ int orl_project_add_views(struct orl_project_finding *f)
     return 0;
 }
 
-/* sky/ in the model, or beside it. */
+/* Returns the path below sky/, in the model folder or beside it; else NULL. */
 static const char *below_sky(const struct orl_project_finding *f, const char *name)
 {
     const char *path = orl_project_below(f, name, "sky/");
@@ -152,7 +153,7 @@ static bool is_printable(struct orl_slice line)
     return line.length > 0;
 }
 
-/* Lines that are no plain text are passed over: the file may be anybody's. */
+/* Appends the lines that are plain text; skips others, because the file is untrusted. */
 static int list_lines(const struct orl_project_finding *f, const char *name,
                       const struct orl_file *file)
 {

@@ -7,7 +7,7 @@
 #include "honeybee/modifier_sets.h"
 #include "honeybee/outward.h"
 
-/* Surfaces of a kind, and their modifiers. */
+/* Output files for surfaces of one kind, and for their modifiers. */
 struct part {
     struct orl_hb_file mat, rad;
 };
@@ -17,15 +17,15 @@ struct surfaces {
     struct orl_hb_groups *groups;
     struct part envelope, apertures, shades;
     struct orl_hb_polygon polygon; /* scratch */
-    json_t *seconds;               /* identifiers of what has its other side written */
+    json_t *seconds;               /* identifiers of objects whose counterpart is already written */
 };
 
-/* Where an object is: its room's set, or NULL, and whether it stands between rooms. */
+/* Context of an object: its room's set (or NULL), and its place between rooms. */
 struct context {
     const json_t *set;
-    bool inside, in_wall;  /* of apertures and doors */
-    bool second;           /* the face's other side has them */
-    struct orl_vec3 front; /* which way the face looks; zero without one */
+    bool inside, in_wall;  /* true if between rooms; true if in a wall */
+    bool second;           /* true if the face's counterpart has the openings */
+    struct orl_vec3 front; /* direction of the face's front; zero without a face */
 };
 
 static int begin_part(struct orl_hb *hb, struct part *part)
@@ -46,7 +46,7 @@ static void drop_part(struct part *part)
     orl_hb_drop(&part->rad);
 }
 
-/* The scratch polygon, by the object's name. */
+/* Writes the scratch polygon with the object's name. */
 static int write_polygon(struct surfaces *s, const json_t *object, size_t modifier,
                          struct part *part)
 {
@@ -59,7 +59,7 @@ static int write_polygon(struct surfaces *s, const json_t *object, size_t modifi
                                      name ? name : "unnamed", &part->rad);
 }
 
-/* The object's own modifier, or what the set has for its use. */
+/* Chooses the object's own modifier, or the set's for its use. */
 static int choose_modifier(struct surfaces *s, const json_t *object, const struct orl_hb_at *at,
                            const json_t *set, enum orl_hb_use use, size_t *ret_place)
 {
@@ -89,7 +89,7 @@ static int write_shade(struct surfaces *s, const json_t *shade, const struct orl
     return rc ? rc : write_polygon(s, shade, modifier, &s->shades);
 }
 
-/* Those of a room, face, aperture or door. */
+/* Writes the shades of a room, face, aperture or door. */
 static int write_shades_of(struct surfaces *s, const json_t *object, const struct orl_hb_at *at,
                            const json_t *set)
 {
@@ -183,7 +183,7 @@ static int use_of_face(struct surfaces *s, const json_t *face, const char *type,
     return 0;
 }
 
-/* Cuts out what is in the face. */
+/* Cuts the face's openings out of it. */
 static int cut_openings(struct surfaces *s, const json_t *face, const struct orl_hb_at *at)
 {
     static const char *const members[] = {"apertures", "doors"};
@@ -198,7 +198,8 @@ static int cut_openings(struct surfaces *s, const json_t *face, const struct orl
     return rc;
 }
 
-/* Of two faces or orphaned openings that bound each other, the first to come notes the second. */
+/* Notes the second of two faces or orphaned openings that bound each other, when the first is
+ * met. */
 static int note_pair(struct surfaces *s, const json_t *face, struct context *context)
 {
     const json_t *bound = orl_hb_get(face, "boundary_condition");
@@ -237,7 +238,7 @@ static int write_face_itself(struct surfaces *s, const json_t *face, const char 
     return write_polygon(s, face, modifier, &s->envelope);
 }
 
-/* inward: its front is to be turned. */
+/* inward: true if the face is to be turned. */
 static int write_face(struct surfaces *s, const json_t *face, const struct orl_hb_at *at,
                       const json_t *set, bool inward)
 {
@@ -257,7 +258,7 @@ static int write_face(struct surfaces *s, const json_t *face, const struct orl_h
     return rc ? rc : write_face_itself(s, face, type, at, &context);
 }
 
-/* inward: which of them are to be turned; NULL: none. */
+/* inward: flags of faces to be turned; NULL: none. */
 static int write_faces(struct surfaces *s, const json_t *object, const struct orl_hb_at *at,
                        const char *member, const json_t *set, const bool *inward)
 {
@@ -268,7 +269,7 @@ static int write_faces(struct surfaces *s, const json_t *object, const struct or
     return rc;
 }
 
-/* ---- All ------------------------------------------------------------------------------------- */
+/* ---- The model ------------------------------------------------------------------------------- */
 
 static int write_rooms(struct surfaces *s)
 {
@@ -296,7 +297,7 @@ static int write_orphaned_shades(struct surfaces *s)
     return rc;
 }
 
-/* Without a face; two that bound each other are one, as in rooms. */
+/* Writes openings without a face. Two that bound each other are written as one, as in rooms. */
 static int write_orphaned_openings(struct surfaces *s, const char *member, bool door)
 {
     struct orl_hb_walk openings;

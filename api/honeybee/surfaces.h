@@ -1,6 +1,6 @@
 /*
- * Rooms, faces, apertures, doors and shades of a model into its scene and aperture files; those
- * that move, into groups.
+ * Writes a model's rooms, faces, apertures, doors and shades to its scene and aperture files,
+ * and collects dynamic ones in groups.
  */
 #ifndef ORL_API_HONEYBEE_SURFACES_H
 #define ORL_API_HONEYBEE_SURFACES_H

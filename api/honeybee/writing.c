@@ -13,12 +13,12 @@ enum { IDENTIFIER_MAX_BYTES = 100, NAME_SIZE = 512 };
 
 /* ---- Places ---------------------------------------------------------------------------------- */
 
-/* From the document on; what does not fit is left out at the end. */
-static size_t tell_place(const struct orl_hb_at *at, char *text, size_t size)
+/* Writes the path from the document down; cuts it off at the end if it does not fit. */
+static size_t write_path(const struct orl_hb_at *at, char *text, size_t size)
 {
     if (!at)
         return 0;
-    const size_t before = tell_place(at->up, text, size);
+    const size_t before = write_path(at->up, text, size);
     if (before >= size)
         return size;
     const int more = at->member ? snprintf(text + before, size - before, "%s%.60s",
@@ -31,7 +31,7 @@ int orl_hb_fail(const struct orl_hb_at *at, struct orl_error *err, int code, con
 {
     char path[ORL_JSON_PATH_MAX] = "model", message[400];
     va_list args;
-    tell_place(at, path, sizeof path);
+    write_path(at, path, sizeof path);
     va_start(args, what);
     vsnprintf(message, sizeof message, what, args);
     va_end(args);

@@ -14,8 +14,8 @@ extern char **environ;
 
 enum { MOST = ORL_COMMAND_OUTPUT - 1, TURN_MS = 50 };
 
-/* Its standard input is empty, and what it prints goes to the end of a pipe. It ignores no signals
- * and blocks none, whatever the thread that starts it does. */
+/* Starts a program with empty standard input; its output goes to a pipe (ends). It ignores and
+ * blocks no signals, regardless of the calling thread. */
 static int spawn(char *const argv[], const int ends[2], pid_t *ret_pid)
 {
     posix_spawn_file_actions_t actions;
@@ -41,7 +41,7 @@ static int spawn(char *const argv[], const int ends[2], pid_t *ret_pid)
     return rc;
 }
 
-/* Reads until its end; 0, or why not. */
+/* Reads output until its end. Returns 0 or a negative orl_err. */
 static int read_output(int from, double limit_s, const atomic_bool *cancel, char *output)
 {
     const int turns = (int)(limit_s * 1000 / TURN_MS) + 1;
@@ -64,7 +64,7 @@ static int read_output(int from, double limit_s, const atomic_bool *cancel, char
     return ORL_ERR_IO;
 }
 
-static int end(pid_t pid)
+static int wait_for_exit(pid_t pid)
 {
     int status = 0;
 
@@ -93,7 +93,7 @@ int orl_command_run(char *const argv[], double limit_s, const atomic_bool *cance
     close(ends[0]);
     if (rc)
         kill(pid, SIGKILL);
-    status = end(pid);
+    status = wait_for_exit(pid);
     if (rc == 0)
         return status;
     ret_output[0] = '\0';

@@ -1,4 +1,4 @@
-/* SHA-256 of files' bytes, in hexadecimal. */
+/* SHA-256 digests of files, in hexadecimal. */
 #ifndef ORL_PARTS_FILE_DIGEST_H
 #define ORL_PARTS_FILE_DIGEST_H
 
@@ -7,10 +7,10 @@
 
 enum { ORL_DIGEST_TEXT = 65 };
 
-/* What was added to hash, as text. */
+/* Ends hash and returns its digest as text. */
 void orl_digest_end(struct orl_sha256 *hash, char ret_digest[ORL_DIGEST_TEXT]);
 
-/* Of a file's bytes. */
+/* Computes the digest of a file's bytes. */
 int orl_digest_file(const char *path, char ret_digest[ORL_DIGEST_TEXT], struct orl_error *err);
 
 #endif

@@ -28,7 +28,8 @@ int orl_join_path(const char *folder, const char *name, char *ret_path, size_t s
     return 0;
 }
 
-/* Devices and pipes are written to, and never replaced: /dev/null, /dev/stdout. */
+/* Returns false for devices and pipes, such as /dev/null and /dev/stdout, which are written to
+ * in place. */
 static bool is_replaced(const char *target)
 {
     struct stat info;
@@ -156,7 +157,7 @@ int orl_write_json(const char *path, const json_t *json, struct orl_error *err)
 
     if (rc)
         return rc;
-    /* 17 digits bring every double back exactly: the file is compared by its bytes. */
+    /* 17 digits reproduce every double exactly; files are compared by their bytes. */
     if (json_dumpf(json, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) != 0 ||
         fputc('\n', file.stream) == EOF) {
         rc = io_error(err, path, "write");

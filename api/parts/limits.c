@@ -3,12 +3,12 @@
 #include <math.h>
 #include <sys/resource.h>
 
-/* A guess of seconds is right within a factor of several; the slowest node of a cluster takes twice
- * as long as the others. */
+/* Factors for time and memory. Time estimates may be wrong by several times, and a cluster's
+ * slowest node takes twice as long as the others. */
 static const double time_margin = 8, memory_margin = 1.5;
-/* Of any part: until it has its files, and until what it has written is seen. */
+/* Overhead of any part: until its files are read, and until its output is visible. */
 static const double start_s = 120;
-/* Of a load on a node that has much else to do. */
+/* Factor for the load time on a busy node. */
 static const double load_margin = 4;
 enum { MIB_STEP = 64, MOST_MINUTES = 60 * 24 * 365 };
 

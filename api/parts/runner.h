@@ -1,10 +1,10 @@
 /*
- * Who runs the parts of a shared job (sharing.h): processes of this machine, or Slurm. A part is a
- * file, WAVE-NUMBER.json in the shared folder, for `oriel part`; whether it is done, or failed, is
- * told by files beside it, and not by its runner, who only knows which are under way.
+ * Runners start the parts of a shared job (sharing.h): as processes on this machine, or by Slurm. A
+ * part is a file WAVE-NUMBER.json in the shared folder, for `oriel part`. Files beside it record
+ * that it is done or has failed. The runner only knows which parts are active.
  *
- * Slurm's tasks go by a name, made of the job and the wave: a run that has lost its memory finds
- * those of the run before it again.
+ * Slurm tasks have a name made of job and wave, so that a run after a crash finds the tasks of the
+ * run before it.
  */
 #ifndef ORL_PARTS_RUNNER_H
 #define ORL_PARTS_RUNNER_H
@@ -18,76 +18,76 @@
 enum { ORL_WAVE_NAME = 64 };
 
 enum orl_part_state {
-    ORL_PART_UNKNOWN, /* who would know does not answer */
+    ORL_PART_UNKNOWN, /* the scheduler does not answer */
     ORL_PART_WAITING,
     ORL_PART_RUNNING,
-    ORL_PART_GONE /* not under way: ended, or lost */
+    ORL_PART_GONE /* not active: ended or lost */
 };
 
-/* What Slurm is to hold a part to; 0: to nothing but its own. */
+/* Limits for Slurm to enforce; 0: Slurm's own default. */
 struct orl_part_limits {
     uint32_t minutes, mib;
 };
 
-/* A part to be started. */
+/* A part to start. */
 struct orl_part_order {
     uint32_t number;
     struct orl_part_limits limits;
 };
 
-/* What its runner knows of one. */
+/* A part as seen by its runner. */
 struct orl_part_seen {
     enum orl_part_state state;
-    uint32_t task; /* of Slurm: the number of its array job; 0: none, or not known */
-    struct orl_part_limits limits; /* that it was handed in with: no more than Slurm gives */
+    uint32_t task;                 /* Slurm's array job number; 0: none or unknown */
+    struct orl_part_limits limits; /* limits it was submitted with, within Slurm's bounds */
 };
 
-/* How one that is gone has ended, as far as that is known. */
+/* Reason for the end of a part, as far as known. */
 enum orl_part_end { ORL_PART_ENDED, ORL_PART_OUT_OF_TIME, ORL_PART_OUT_OF_MEMORY };
 
 struct orl_runner {
     void *ctx;
-    double settle_s; /* what a part that is gone has written may take so long to be seen */
-    /* Starts these parts of a wave, numbers below n_all. */
+    double settle_s; /* longest time until the files of an ended part are visible, seconds */
+    /* Starts parts of a wave; their numbers are below n_all. */
     int (*start)(void *ctx, const char *wave, const struct orl_part_order *orders, size_t n,
                  size_t n_all, struct orl_error *err);
-    /* Of each of so many parts of the wave, by number. */
+    /* Fills in ret_seen for the n parts of the wave, by number. */
     int (*look)(void *ctx, const char *wave, struct orl_part_seen *ret_seen, size_t n,
                 struct orl_error *err);
-    /* Of one that is gone. NULL: of this runner nobody knows. */
+    /* Returns why an ended part ended. NULL: the runner does not know. */
     enum orl_part_end (*end)(void *ctx, const char *wave, uint32_t number);
-    /* Ends all of the wave that are under way; an error: some may still be. */
+    /* Ends all active parts of the wave. After an error some may still be active. */
     int (*cancel)(void *ctx, const char *wave, struct orl_error *err);
     void (*done)(void *ctx);
 };
 
-/* All borrowed. */
+/* Configuration of a runner; all pointers are borrowed. */
 struct orl_runner_spec {
-    const char *folder;        /* the shared one */
-    const char *job;           /* a digest of it */
-    const char *program;       /* oriel, by its path */
-    uint32_t threads, most;    /* of a part; parts at once */
-    const char *const *words;  /* more of sbatch's options */
-    size_t n_words;            /* of them */
-    const atomic_bool *cancel; /* nobody waits for an answer any more */
+    const char *folder;        /* the shared folder */
+    const char *job;           /* digest of the job */
+    const char *program;       /* path of the oriel program */
+    uint32_t threads, most;    /* threads per part; parts at once */
+    const char *const *words;  /* additional options for sbatch */
+    size_t n_words;            /* number of words */
+    const atomic_bool *cancel; /* set when an answer is no longer needed */
     double (*now_s)(void *ctx);
-    double patience_s; /* Slurm may be away so long; 0: ORL_SLURM_PATIENCE_S */
-    double command_s;  /* and one of its commands take so long; 0: ORL_SLURM_COMMAND_S */
+    double patience_s; /* seconds that Slurm may be unavailable; 0: ORL_SLURM_PATIENCE_S */
+    double command_s;  /* time limit for a Slurm command, seconds; 0: ORL_SLURM_COMMAND_S */
 };
 
 enum { ORL_SLURM_WORDS = 64, ORL_SLURM_PATIENCE_S = 1800, ORL_SLURM_COMMAND_S = 30 };
 
-/* Processes of the program. */
+/* Creates a runner that starts processes of the program. */
 int orl_runner_local(const struct orl_runner_spec *spec, struct orl_runner *ret_runner,
                      struct orl_error *err);
-/* Array jobs by sbatch. */
+/* Creates a runner that submits array jobs by sbatch. */
 int orl_runner_slurm(const struct orl_runner_spec *spec, struct orl_runner *ret_runner,
                      struct orl_error *err);
 
-/* Ends what Slurm has of a wave; as cancel above. Of spec: job and clock. */
+/* Ends all Slurm tasks of a wave; errors as for cancel above. Uses spec's job and clock. */
 int orl_slurm_cancel(const struct orl_runner_spec *spec, const char *wave, struct orl_error *err);
 
-/* The path of this program's own file. */
+/* Returns the path of this program's file. */
 int orl_own_program(char ret_path[4096], struct orl_error *err);
 
 #endif

@@ -16,13 +16,13 @@ extern char **environ;
 
 struct task {
     uint32_t number;
-    pid_t pid; /* 0: it waits */
+    pid_t pid; /* 0: waiting */
 };
 
 struct local {
     struct orl_runner_spec spec;
     char wave[ORL_WAVE_NAME];
-    struct task *tasks; /* waiting or running, in the order in which they came */
+    struct task *tasks; /* waiting or running, in order of arrival */
     size_t n_tasks;
 };
 
@@ -48,8 +48,8 @@ static int spawn(const struct local *local, struct task *task, struct orl_error 
                          local->spec.program, strerror(rc));
 }
 
-/* Those that have ended go, and others take their place. */
-static int turn_over(struct local *local, struct orl_error *err)
+/* Removes ended tasks and starts waiting ones in their place. */
+static int replace_ended_tasks(struct local *local, struct orl_error *err)
 {
     size_t kept = 0, running = 0;
     int rc = 0;
@@ -84,16 +84,16 @@ static int local_start(void *ctx, const char *wave, const struct orl_part_order 
     snprintf(local->wave, sizeof local->wave, "%s", wave);
     for (size_t i = 0; i < n; i++)
         local->tasks[local->n_tasks++] = (struct task){orders[i].number, 0};
-    return turn_over(local, err);
+    return replace_ended_tasks(local, err);
 }
 
 static int local_look(void *ctx, const char *wave, struct orl_part_seen *ret_seen, size_t n,
                       struct orl_error *err)
 {
     struct local *local = ctx;
-    const int rc = turn_over(local, err);
+    const int rc = replace_ended_tasks(local, err);
 
-    (void)wave; /* there is one at a time */
+    (void)wave; /* there is only one wave at a time */
     for (size_t i = 0; i < n; i++)
         ret_seen[i] = (struct orl_part_seen){.state = ORL_PART_GONE};
     for (size_t i = 0; i < local->n_tasks; i++)

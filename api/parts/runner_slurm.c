@@ -1,9 +1,9 @@
 /*
- * Slurm by its own commands (22.05 and later), each started with an argument vector: sbatch, squeue
- * and scancel. What they are given of a user's is words of options; the script has none of it.
+ * Runs Slurm's commands (22.05 and later), each with an argument vector: sbatch, squeue and
+ * scancel. User input reaches them only as option words; the script contains none.
  *
- * The name of a wave's tasks is all that has to be known of them: what sbatch may or may not have
- * handed in before it was cut off is looked for by it, and not handed in twice.
+ * A wave's tasks are identified by their name alone. If an sbatch was cut off, its tasks are looked
+ * up by name before anything is submitted again, so that none is submitted twice.
  */
 #include "parts/runner.h"
 
@@ -20,12 +20,12 @@
 #include "parts/files.h"
 #include "parts/slurm_facts.h"
 
-/* Slurm is asked about a wave after so many seconds, at first, and then ever more rarely: after
- * a share of its age, which bounds how often it is asked in all. */
+/* Interval of queries to Slurm about a wave, in seconds. It grows with the wave's age
+ * (asked_share of it), which bounds the total number of queries. */
 static const double asked_least_s = 1, asked_most_s = 30, asked_share = 0.02;
-/* Tasks that are cancelled may take so long to go. */
+/* Seconds that cancelled tasks may take to end. */
 static const double cancel_s = 60;
-/* An sbatch that was cut off may so long still hand in what it was to. */
+/* Seconds in which an interrupted sbatch may still submit its tasks. */
 static const double doubt_s = 5;
 
 static const char script[] = "#!/bin/sh\n"
@@ -33,9 +33,9 @@ static const char script[] = "#!/bin/sh\n"
                              "exec \"$1\" part \"$2/$3-$SLURM_ARRAY_TASK_ID.json\"\n";
 
 struct slurm_part {
-    struct orl_part_seen seen;     /* as it stood when Slurm was asked last */
-    struct orl_part_limits limits; /* that are asked for */
-    bool unsent;                   /* Slurm is still to be given it */
+    struct orl_part_seen seen;     /* state at the last query */
+    struct orl_part_limits limits; /* requested limits */
+    bool unsent;                   /* true until it is submitted */
 };
 
 struct slurm {
@@ -44,10 +44,10 @@ struct slurm {
     char wave[ORL_WAVE_NAME];
     double began_s, asked_s, answered_s;
     struct orl_slurm_bounds bounds;
-    struct slurm_part *parts; /* of the wave */
+    struct slurm_part *parts; /* parts of the wave */
     size_t n;
-    bool known;    /* how they stand: Slurm was asked since the last was handed in */
-    bool in_doubt; /* whether sbatch has handed in what is unsent */
+    bool known;    /* true if Slurm was queried since the last submission */
+    bool in_doubt; /* true if sbatch may have submitted unsent parts */
 };
 
 static double now_s(const struct slurm *slurm)
@@ -55,13 +55,13 @@ static double now_s(const struct slurm *slurm)
     return slurm->spec.now_s(NULL);
 }
 
-/* The name of a wave's tasks. */
+/* Makes the name of a wave's tasks. */
 static void name_tasks(const char *job, const char *wave, char ret_name[128])
 {
     snprintf(ret_name, 128, "oriel-%.12s-%.*s", job, ORL_WAVE_NAME, wave);
 }
 
-/* Room for a wave, should it be another than before. */
+/* Allocates state for a wave, unless it is the current one. */
 static int begin_wave(struct slurm *slurm, const char *wave, size_t n, struct orl_error *err)
 {
     if (slurm->parts && strcmp(slurm->wave, wave) == 0)
@@ -76,7 +76,7 @@ static int begin_wave(struct slurm *slurm, const char *wave, size_t n, struct or
     return slurm->parts ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
-/* Its first line that is no warning, for messages. */
+/* Cuts the text after its first line and returns it, for messages. */
 static const char *first_line(char *text)
 {
     char *end = strchr(text, '\n');
@@ -86,20 +86,20 @@ static const char *first_line(char *text)
     return text;
 }
 
-/* ---- Handing in ------------------------------------------------------------------------------ */
+/* ---- Submission ------------------------------------------------------------------------------ */
 
 static bool is_same(struct orl_part_limits a, struct orl_part_limits b)
 {
     return a.minutes == b.minutes && a.mib == b.mib;
 }
 
-/* Goes with those that are asked for with these limits. */
+/* Returns true if part i is unsent and is requested with these limits. */
 static bool is_next(const struct slurm *slurm, size_t i, struct orl_part_limits limits)
 {
     return i < slurm->n && slurm->parts[i].unsent && is_same(slurm->parts[i].limits, limits);
 }
 
-/* "--array=0-7,9%64": owned. */
+/* Returns "--array=0-7,9%64", owned by the caller. */
 static char *list_unsent(const struct slurm *slurm, struct orl_part_limits limits)
 {
     const size_t room = 12 * (slurm->n + 3);
@@ -123,7 +123,7 @@ static char *list_unsent(const struct slurm *slurm, struct orl_part_limits limit
     return text;
 }
 
-/* limits: as Slurm gives them. */
+/* Runs sbatch. limits: within Slurm's bounds. */
 static int run_sbatch(const struct slurm *slurm, char *array, struct orl_part_limits limits,
                       char ret_output[ORL_COMMAND_OUTPUT], struct orl_error *err)
 {
@@ -161,11 +161,11 @@ static int run_sbatch(const struct slurm *slurm, char *array, struct orl_part_li
     argv[n++] = folder;
     argv[n++] = wave;
     argv[n] = NULL;
-    /* Cut off by a cancel it might hand them in behind that. */
+    /* Not cancellable: an interrupted sbatch might submit the tasks later. */
     return orl_command_run(argv, slurm->spec.command_s, NULL, ret_output, err);
 }
 
-/* The number that Slurm gave it, for who looks into a cluster's log. */
+/* Records Slurm's job number in WAVE.slurm, for users who read the cluster's log. */
 static uint32_t note_number(const struct slurm *slurm, char *output)
 {
     char path[4300];
@@ -181,7 +181,7 @@ static uint32_t note_number(const struct slurm *slurm, char *output)
     return (uint32_t)strtoul(output, NULL, 10);
 }
 
-/* They have become tasks of that number. */
+/* Marks the parts as submitted under that task number. */
 static void mark_sent(struct slurm *slurm, struct orl_part_limits asked,
                       struct orl_part_limits given, uint32_t task)
 {
@@ -192,8 +192,8 @@ static void mark_sent(struct slurm *slurm, struct orl_part_limits asked,
         }
 }
 
-/* Those that are asked for with these limits. */
-static int hand_in_group(struct slurm *slurm, struct orl_part_limits limits, struct orl_error *err)
+/* Submits the unsent parts with these limits. */
+static int submit_group(struct slurm *slurm, struct orl_part_limits limits, struct orl_error *err)
 {
     const struct orl_part_limits given = orl_slurm_bounded(&slurm->bounds, limits);
     char *array = list_unsent(slurm, limits), output[ORL_COMMAND_OUTPUT] = "";
@@ -214,8 +214,9 @@ static int hand_in_group(struct slurm *slurm, struct orl_part_limits limits, str
     return rc;
 }
 
-/* All that are unsent, in as many arrays as they have limits. Where Slurm is away they stay so. */
-static int hand_in(struct slurm *slurm, struct orl_error *err)
+/* Submits all unsent parts, one array for each set of limits. If Slurm is unavailable they stay
+ * unsent. */
+static int submit_unsent(struct slurm *slurm, struct orl_error *err)
 {
     int rc = 0;
 
@@ -223,7 +224,7 @@ static int hand_in(struct slurm *slurm, struct orl_error *err)
         orl_slurm_bounds_ask(&slurm->spec, &slurm->bounds);
     for (size_t i = 0; i < slurm->n && rc == 0 && !slurm->in_doubt; i++)
         if (slurm->parts[i].unsent)
-            rc = hand_in_group(slurm, slurm->parts[i].limits, err);
+            rc = submit_group(slurm, slurm->parts[i].limits, err);
     return rc;
 }
 
@@ -240,13 +241,13 @@ static int slurm_start(void *ctx, const char *wave, const struct orl_part_order 
         slurm->parts[orders[i].number].limits = orders[i].limits;
     }
     if (!slurm->in_doubt)
-        rc = hand_in(slurm, err);
-    slurm->asked_s = now_s(slurm); /* it takes a moment until Slurm tells of them */
+        rc = submit_unsent(slurm, err);
+    slurm->asked_s = now_s(slurm); /* submitted tasks take a moment to appear */
     slurm->known = false;
     return rc;
 }
 
-/* ---- Looking --------------------------------------------------------------------------------- */
+/* ---- Queries --------------------------------------------------------------------------------- */
 
 static enum orl_part_state state_of(const char *code)
 {
@@ -260,7 +261,7 @@ static enum orl_part_state state_of(const char *code)
                : ORL_PART_GONE;
 }
 
-/* Lines "NUMBER|STATE|TASK". What is there was handed in. */
+/* Reads lines "NUMBER|STATE|TASK". A part that is listed was submitted. */
 static void read_states(struct slurm *slurm, char *text)
 {
     char *rest = text, *line;
@@ -285,7 +286,7 @@ static void read_states(struct slurm *slurm, char *text)
     }
 }
 
-/* Tasks of that name that are under way. The status of squeue, or a negative orl_err. */
+/* Lists active tasks of that name. Returns squeue's exit status, or a negative orl_err. */
 static int run_squeue(const char *tasks, double limit_s, const atomic_bool *cancel,
                       char ret_output[ORL_COMMAND_OUTPUT], struct orl_error *err)
 {
@@ -302,8 +303,8 @@ static int run_squeue(const char *tasks, double limit_s, const atomic_bool *canc
     return orl_command_run(argv, limit_s, cancel, ret_output, err);
 }
 
-/* Where Slurm does not answer nothing is known, and that only for so long. */
-static int be_patient(struct slurm *slurm, const char *says, struct orl_error *err)
+/* Marks all states unknown because Slurm does not answer; fails after patience_s. */
+static int check_patience(struct slurm *slurm, const char *says, struct orl_error *err)
 {
     const double patience = slurm->spec.patience_s;
 
@@ -317,7 +318,7 @@ static int be_patient(struct slurm *slurm, const char *says, struct orl_error *e
     return ORL_ERR_IO;
 }
 
-static int ask(struct slurm *slurm, struct orl_error *err)
+static int query_slurm(struct slurm *slurm, struct orl_error *err)
 {
     struct orl_error why = {0};
     char tasks[128], output[ORL_COMMAND_OUTPUT];
@@ -332,7 +333,7 @@ static int ask(struct slurm *slurm, struct orl_error *err)
         if (rc == ORL_ERR_CANCELLED || rc == ORL_ERR_NOT_FOUND || rc == ORL_ERR_NOMEM)
             rc = orl_error_set(err, rc, "%s", why.message);
         else
-            rc = be_patient(slurm, says, err);
+            rc = check_patience(slurm, says, err);
         return rc;
     }
     for (size_t i = 0; i < slurm->n; i++)
@@ -353,12 +354,12 @@ static bool any_unsent(const struct slurm *slurm)
     return any;
 }
 
-static int look_again(struct slurm *slurm, struct orl_error *err)
+static int refresh_states(struct slurm *slurm, struct orl_error *err)
 {
-    int rc = ask(slurm, err);
+    int rc = query_slurm(slurm, err);
 
     if (rc == 0 && !slurm->in_doubt && any_unsent(slurm))
-        rc = hand_in(slurm, err);
+        rc = submit_unsent(slurm, err);
     slurm->asked_s = now_s(slurm);
     return rc;
 }
@@ -376,7 +377,7 @@ static int slurm_look(void *ctx, const char *wave, struct orl_part_seen *ret_see
                          : share > asked_most_s ? asked_most_s
                                                 : share;
     if (now - slurm->asked_s >= every)
-        rc = look_again(slurm, err);
+        rc = refresh_states(slurm, err);
     for (size_t i = 0; i < n; i++) {
         const struct slurm_part *part = &slurm->parts[i];
 
@@ -402,14 +403,15 @@ static enum orl_part_end slurm_end(void *ctx, const char *wave, uint32_t number)
 
 /* ---- Cancelling ------------------------------------------------------------------------------ */
 
-static void rest(void)
+static void sleep_briefly(void)
 {
     const struct timespec moment = {.tv_nsec = 200000000};
 
     nanosleep(&moment, NULL);
 }
 
-/* Until none is left, and so long at least: what comes late is met by the next try. */
+/* Cancels until no task is left, and for at least least_s seconds, so that tasks submitted late
+ * are cancelled too. */
 static int cancel_tasks(const struct orl_runner_spec *spec, const char *wave, double least_s,
                         struct orl_error *err)
 {
@@ -426,7 +428,7 @@ static int cancel_tasks(const struct orl_runner_spec *spec, const char *wave, do
         gone = run_squeue(tasks, limit_s, NULL, output, NULL) == 0 && output[0] == '\0';
         gone = gone && spec->now_s(NULL) - began >= least_s;
         if (!gone)
-            rest();
+            sleep_briefly();
     }
     if (gone)
         return 0;

@@ -17,7 +17,7 @@
 #include "parts/file_digest.h"
 #include "parts/files.h"
 
-/* ---- Laying out ------------------------------------------------------------------------------ */
+/* ---- Creation -------------------------------------------------------------------------------- */
 
 static int copy_file(const char *from, const char *to, struct orl_error *err)
 {
@@ -53,9 +53,9 @@ static int write_in(const char *folder, const char *name, const json_t *json, st
     return orl_write_json(path, json, err);
 }
 
-/* Into FOLDER/files, and their digests. */
-static int lay_out_files(const char *folder, const struct orl_shared_file *files, size_t n_files,
-                         json_t *digests, struct orl_error *err)
+/* Copies the files to FOLDER/files and collects their digests. */
+static int copy_files(const char *folder, const struct orl_shared_file *files, size_t n_files,
+                      json_t *digests, struct orl_error *err)
 {
     int rc = 0;
 
@@ -79,8 +79,8 @@ static int make_folder(const char *path, struct orl_error *err)
                                                   "cannot make '%s': %s", path, strerror(errno));
 }
 
-static int lay_out(const char *folder, const json_t *doc, const struct orl_shared_file *files,
-                   size_t n_files, struct orl_error *err)
+static int create_folder(const char *folder, const json_t *doc, const struct orl_shared_file *files,
+                         size_t n_files, struct orl_error *err)
 {
     char store[4200];
     json_t *digests = json_object();
@@ -90,7 +90,7 @@ static int lay_out(const char *folder, const json_t *doc, const struct orl_share
     if (rc == 0)
         rc = make_folder(store, err);
     if (rc == 0)
-        rc = lay_out_files(folder, files, n_files, digests, err);
+        rc = copy_files(folder, files, n_files, digests, err);
     if (rc == 0)
         rc = write_in(folder, "job.json", doc, err);
     if (rc == 0)
@@ -99,9 +99,9 @@ static int lay_out(const char *folder, const json_t *doc, const struct orl_share
     return rc;
 }
 
-/* ---- What is there already ------------------------------------------------------------------- */
+/* ---- Existing folder ------------------------------------------------------------------------- */
 
-/* Whether a run has made it, rather than someone else. */
+/* Returns true if the folder was created by a run. */
 static bool is_ours(const char *folder)
 {
     char store[8400], files[8400];
@@ -182,7 +182,7 @@ int orl_shared_folder_verify(const char *folder, char ret_job[ORL_PIECE_KEY], js
     return rc;
 }
 
-/* ---- Both ------------------------------------------------------------------------------------ */
+/* ---- Replacement ----------------------------------------------------------------------------- */
 
 static void remove_aside(const char *path)
 {
@@ -194,9 +194,9 @@ static void remove_aside(const char *path)
         orl_remove_folder(aside);
 }
 
-/* Takes the place of what is there, unless that is of the same job. */
-static int settle(const char *fresh, const char *path, const char *job, size_t *ret_earlier,
-                  struct orl_error *err)
+/* Moves the folder fresh to path, unless path has the same job; then path is kept. */
+static int install_folder(const char *fresh, const char *path, const char *job, size_t *ret_earlier,
+                          struct orl_error *err)
 {
     char there[ORL_PIECE_KEY] = "", store[4200];
     json_t *doc = NULL;
@@ -212,7 +212,7 @@ static int settle(const char *fresh, const char *path, const char *job, size_t *
         return 0;
     }
     json_decref(doc);
-    if (is_ours(path)) /* at once, lest half of it is met by the next */
+    if (is_ours(path)) /* renamed first, so that the next run never sees it half removed */
         remove_aside(path);
     else if (stat(path, &st) == 0)
         return orl_error_set(err, ORL_ERR_INVALID,
@@ -234,12 +234,12 @@ int orl_shared_folder_make(const char *path, const json_t *doc, const struct orl
     if (snprintf(fresh, sizeof fresh, "%s.oriel-new", path) >= (int)sizeof fresh)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path '%.100s...' is too long", path);
     orl_remove_folder(fresh);
-    rc = lay_out(fresh, doc, files, n_files, err);
+    rc = create_folder(fresh, doc, files, n_files, err);
     if (rc == 0)
         rc = orl_shared_folder_verify(fresh, ret_job, &read, err);
     json_decref(read);
     if (rc == 0)
-        rc = settle(fresh, path, ret_job, ret_earlier, err);
+        rc = install_folder(fresh, path, ret_job, ret_earlier, err);
     if (rc)
         orl_remove_folder(fresh);
     return rc;

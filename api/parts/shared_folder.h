@@ -1,13 +1,13 @@
 /*
- * The folder of a shared job (sharing.h), as it lies on disk:
+ * The folder of a shared job (sharing.h) on disk:
  *
  *     job.json, files.json ({"NAME": "SHA-256"}), files/NAME   the job
- *     store/KIND-KEY.opm                                       what was made of it
- *     WAVE-NUMBER.json, and of each .done or .error            parts
+ *     store/KIND-KEY.opm                                       pieces made
+ *     WAVE-NUMBER.json, each with .done or .error              parts
  *     WAVE.wave                                                a wave that has not ended
- *     WAVE.slurm                                               what numbers Slurm gave it
+ *     WAVE.slurm                                               Slurm's job numbers
  *
- * It is the owner's alone.
+ * Only its owner has access.
  */
 #ifndef ORL_PARTS_SHARED_FOLDER_H
 #define ORL_PARTS_SHARED_FOLDER_H
@@ -19,24 +19,25 @@
 #include <oriel/pieces.h>
 
 struct orl_shared_file {
-    const char *name, *path; /* what the job calls it, and where it is */
+    const char *name, *path; /* name in the job, and path of the file */
 };
 
 /*
- * Lays the job out in path, and what lies there of another job goes; of the same job, by the same
- * version of this program, all stays. What no run has made is left alone: an error. *ret_job: a
- * digest of it all; *ret_earlier: how many pieces of an earlier run are there.
+ * Creates the job's folder at path. It replaces the folder of another job, but keeps one of the
+ * same job by the same program version. A folder that no run created is left alone: an error.
+ * *ret_job: digest of the document and files. *ret_earlier: number of pieces from an earlier
+ * run.
  */
 int orl_shared_folder_make(const char *path, const json_t *doc, const struct orl_shared_file *files,
                            size_t n_files, char ret_job[ORL_PIECE_KEY], size_t *ret_earlier,
                            struct orl_error *err);
 
-/* The digest of a document and its files, by what lies in such a folder; files are held against
+/* Computes the digest of the document and files in such a folder, and checks the files against
  * their digests. */
 int orl_shared_folder_verify(const char *folder, char ret_job[ORL_PIECE_KEY], json_t **ret_doc,
                              struct orl_error *err);
 
-/* Network file systems look again for what was not there. */
+/* Makes a network file system look again for files that were absent. */
 void orl_shared_folder_look(const char *folder);
 
 #endif

@@ -10,7 +10,7 @@
 #include "parts/wave.h"
 #include "parts/wave_files.h"
 
-/* Those that are not made yet, in their order. */
+/* Makes the pieces that are not made yet, in their order. */
 static int run_rest(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,
                     const bool *made, struct orl_error *err)
 {
@@ -28,9 +28,9 @@ static int run_rest(struct orl_sharing *sharing, const struct orl_piece *pieces,
     return rc;
 }
 
-/* Of a run that hands all pieces to others. */
-static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                  const struct orl_pieces_watch *watch, struct orl_error *err)
+/* Callback of a run that hands out all its pieces. */
+static int distribute_pieces(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                             const struct orl_pieces_watch *watch, struct orl_error *err)
 {
     struct orl_sharing *sharing = ctx;
     bool *made = calloc(n + 1, sizeof *made);
@@ -81,7 +81,7 @@ int orl_sharing_open(struct orl_sharing *sharing, const struct orl_sharing_spec 
     snprintf(sharing->in_folder.folder, sizeof sharing->in_folder.folder, "%.4000s/store",
              sharing->folder);
     orl_shared_store_init(&sharing->in_folder, &sharing->store);
-    sharing->pieces = (struct orl_pieces){sharing, sharing->job, divide, NULL};
+    sharing->pieces = (struct orl_pieces){sharing, sharing->job, distribute_pieces, NULL};
     return start_runner(sharing, err);
 }
 
@@ -101,7 +101,8 @@ int orl_sharing_abandon(const char *folder, double (*now_s)(void *ctx), struct o
     json_t *doc = NULL;
     int rc = 0;
 
-    /* Without its files no task of it comes to anything. */
+    /* If verification fails, there is nothing to cancel: tasks cannot succeed without the job's
+     * files. */
     if (orl_shared_folder_verify(folder, job, &doc, NULL) == 0)
         while (rc == 0 && orl_wave_find(folder, wave)) {
             rc = orl_slurm_cancel(&spec, wave, err);

@@ -1,15 +1,15 @@
 /*
- * A job that is shared (oriel/pieces.h): a folder that all who work on it see (shared_folder.h), in
- * which lie the document, its files by their names and digests, the pieces that are made, and
- * parts, each a file that names the pieces it is to make. `oriel part` does one, on any machine.
+ * A job shared between processes (oriel/pieces.h). All of them see its folder (shared_folder.h),
+ * which has the document, its files by name and digest, the pieces already made, and the parts. A
+ * part is a file that names the pieces to make. `oriel part` executes one part, on any machine.
  *
- * A wave is what a run asks for at a time: its pieces are shared out to parts of about equal work,
- * by their order, which is a function of the job and the number of parts alone. A part that is
- * lost, or fails, is tried three times; then the job ends with that part's own error. One that
- * comes up against Slurm's limit of time or memory is started with twice as much, five times at the
- * most, which are no tries (limits.h). A run that
- * was stopped leaves the folder: the next one of the same job, by the same version, takes up its
- * pieces, and waits for those of its parts that are still under way.
+ * A wave is the set of pieces that a run requests at one time. They are divided, in order, into
+ * parts of about equal work. The division depends only on the job and the number of parts. A part
+ * that is lost or fails is tried three times; then the job ends with that part's error. A part
+ * that exceeds Slurm's limit of time or memory is restarted with twice as much, at most five
+ * times. These restarts do not count as tries (limits.h). A stopped run leaves the folder. The
+ * next run of the same job, by the same version, reuses its pieces and waits for its parts that
+ * are still active.
  */
 #ifndef ORL_PARTS_SHARING_H
 #define ORL_PARTS_SHARING_H
@@ -26,45 +26,45 @@
 
 enum { ORL_PARTS_MOST = 1000, ORL_PARTS_USUAL = 64 };
 
-/* How the parts of a run stand. */
+/* Counts of a run's parts by state. */
 struct orl_parts_count {
     uint64_t waiting, running, done;
-    uint64_t again; /* that were started once more, by us or by Slurm */
-    double lost_s;  /* what these had run for */
-    uint64_t held;  /* of those that wait: until the shared folder's disk has room */
+    uint64_t again; /* restarts, by this program or by Slurm */
+    double lost_s;  /* seconds that the restarted parts had run */
+    uint64_t held;  /* waiting parts held back until the shared folder's disk has room */
     uint32_t waves;
 };
 
-/* What becomes of a part, for a log. All borrowed. */
+/* An event of a part, for a log. All pointers are borrowed. */
 struct orl_part_news {
     const char *what; /* "start", "end", "again", "failed" */
     const char *wave;
-    uint32_t part, task; /* task: Slurm's number of its array job; 0: none, or not known */
-    double ran_s;        /* as long as it was seen to run */
+    uint32_t part, task; /* task: Slurm's array job number; 0: none or unknown */
+    double ran_s;        /* seconds that it was seen running */
     struct orl_part_limits limits;
-    const char *why; /* again, or failed; else NULL */
+    const char *why; /* reason for "again" or "failed"; else NULL */
 };
 
-/* All borrowed, until the end of it. */
+/* Configuration; all pointers are borrowed until orl_sharing_done. */
 struct orl_sharing_spec {
-    const char *folder; /* its own: made, or taken up */
-    const json_t *doc;  /* names its scene's files by their names here */
+    const char *folder; /* the job's own folder: created, or reused */
+    const json_t *doc;  /* the document; it names the scene's files by their names in files */
     const struct orl_shared_file *files;
     size_t n_files;
-    uint32_t threads;         /* of a part */
-    uint32_t most;            /* parts of a wave, and at once */
-    uint64_t memory_bytes;    /* that the job is thought to take; 0: not known (limits.h) */
-    const char *program;      /* oriel */
-    bool slurm;               /* else processes of this machine, */
-    uint32_t abreast;         /* so many at once */
-    const char *const *words; /* more of sbatch's options */
+    uint32_t threads;         /* threads per part */
+    uint32_t most;            /* most parts of a wave, and at once */
+    uint64_t memory_bytes;    /* estimated memory of the job; 0: unknown (limits.h) */
+    const char *program;      /* path of the oriel program */
+    bool slurm;               /* true: by Slurm; false: as processes on this machine */
+    uint32_t abreast;         /* number of these processes at once */
+    const char *const *words; /* additional options for sbatch */
     size_t n_words;
     const atomic_bool *cancel;
-    const atomic_bool *leaves;  /* NULL, or: when it is set what is under way outlives a cancel */
-    double (*now_s)(void *ctx); /* a steady clock, of any ctx */
+    const atomic_bool *leaves;  /* NULL, or a flag: if set, active parts outlive a cancel */
+    double (*now_s)(void *ctx); /* a monotonic clock; accepts any ctx */
     /* Called by the lead when the count has changed. May be NULL. */
     void (*told)(void *ctx, const struct orl_parts_count *count);
-    /* Likewise, of each part. May be NULL. */
+    /* Called by the lead for each event of a part. May be NULL. */
     void (*part_told)(void *ctx, const struct orl_part_news *news);
     void *ctx;
 };
@@ -76,23 +76,23 @@ struct orl_sharing {
     struct orl_runner runner;
     struct orl_sharing_spec spec;
     char folder[4096], job[ORL_PIECE_KEY];
-    size_t earlier; /* pieces of an earlier run that serve again */
+    size_t earlier; /* reused pieces of an earlier run */
     time_t began;
     struct orl_parts_count count, told;
-    const struct orl_pieces_watch *watch; /* of the wave under way; or NULL */
-    uint64_t parts;                       /* that were started, each time counted */
-    double opened_s, load_s;   /* when; and how long until the first wave; 0: there was none */
-    double foreseen_s, took_s; /* of parts that have ended, and how long those did run */
+    const struct orl_pieces_watch *watch; /* for the active wave; or NULL */
+    uint64_t parts;                       /* parts started, including restarts */
+    double opened_s, load_s;   /* time of opening; seconds until the first wave, 0: none yet */
+    double foreseen_s, took_s; /* estimated and actual seconds of ended parts */
 };
 
-/* Lays it all out. The caller ends it with orl_sharing_done, after an error, too. */
+/* Creates the folder and the runner. Call orl_sharing_done afterwards, also after an error. */
 int orl_sharing_open(struct orl_sharing *sharing, const struct orl_sharing_spec *spec,
                      struct orl_error *err);
-/* remove: the folder goes, with all pieces. */
+/* Ends sharing. remove: also removes the folder with all pieces. */
 void orl_sharing_done(struct orl_sharing *sharing, bool remove);
 
-/* Of a job that nobody wants any more: ends what Slurm has of it, and removes its folder. May take
- * a minute. An error: some of it may be left. */
+/* Ends an abandoned job: cancels its Slurm tasks and removes its folder. May take a minute.
+ * After an error some of it may be left. */
 int orl_sharing_abandon(const char *folder, double (*now_s)(void *ctx), struct orl_error *err);
 
 #endif

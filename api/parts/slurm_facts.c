@@ -9,9 +9,9 @@
 
 #include "parts/command.h"
 
-/* ---- What there is at the most --------------------------------------------------------------- */
+/* ---- Bounds ---------------------------------------------------------------------------------- */
 
-/* "minutes", "minutes:seconds", "hours:minutes:seconds", "days-hours..."; 0: no bound. */
+/* Parses "minutes", "minutes:seconds", "hours:minutes:seconds" or "days-hours..."; 0: no bound. */
 static uint32_t minutes_of(const char *text)
 {
     unsigned long fields[3] = {0}, days = 0;
@@ -35,7 +35,7 @@ static uint32_t minutes_of(const char *text)
     return all < UINT32_MAX ? (uint32_t)all : 0;
 }
 
-/* Whether the options set it: "--mem=4G", "--mem-per-cpu=1G", "-t60". */
+/* Returns true if an option sets it: "--mem=4G", "--mem-per-cpu=1G", "-t60". */
 static bool has_word(const struct orl_runner_spec *spec, const char *name, const char *letter)
 {
     for (size_t i = 0; i < spec->n_words; i++)
@@ -59,7 +59,7 @@ static const char *partition_of(const struct orl_runner_spec *spec)
     return partition;
 }
 
-/* Lines "PARTITION|TIME|MIB": of several the most counts. */
+/* Reads lines "PARTITION|TIME|MIB"; the largest values count. */
 static void read_bounds(char *text, bool usual_only, struct orl_part_limits *ret_most)
 {
     char *rest = text, *line;
@@ -80,7 +80,7 @@ static void read_bounds(char *text, bool usual_only, struct orl_part_limits *ret
     }
     if (endless || !any)
         ret_most->minutes = UINT32_MAX;
-    if (ret_most->mib == 1) /* what Slurm says where slurm.conf says nothing */
+    if (ret_most->mib == 1) /* Slurm's value if slurm.conf sets none */
         ret_most->mib = 0;
 }
 
@@ -113,9 +113,9 @@ struct orl_part_limits orl_slurm_bounded(const struct orl_slurm_bounds *bounds,
                                     limits.mib < most.mib ? limits.mib : most.mib};
 }
 
-/* ---- Whether it is away ---------------------------------------------------------------------- */
+/* ---- Temporary failures ---------------------------------------------------------------------- */
 
-/* What sbatch says where another try may go better. Its exit status is always the same. */
+/* Recognises sbatch's messages about temporary failures; its exit status is always the same. */
 bool orl_slurm_is_passing(const char *output)
 {
     static const char *const passing[] = {"Unable to contact",
@@ -136,9 +136,9 @@ bool orl_slurm_is_passing(const char *output)
     return false;
 }
 
-/* ---- How one has ended ----------------------------------------------------------------------- */
+/* ---- Reason of an end ------------------------------------------------------------------------ */
 
-/* Lines "NUMBER|STATE|TASK". */
+/* Finds the part in lines "NUMBER|STATE|TASK". */
 static enum orl_part_end find_end(char *text, uint32_t task, uint32_t number)
 {
     char *rest = text, *line;
@@ -157,7 +157,7 @@ static enum orl_part_end find_end(char *text, uint32_t task, uint32_t number)
     return ORL_PART_ENDED;
 }
 
-/* What slurmstepd writes there, in lines of its own. */
+/* Looks for slurmstepd's messages in the task's log. */
 static enum orl_part_end end_in_log(const struct orl_runner_spec *spec, uint32_t task,
                                     uint32_t number)
 {
@@ -199,7 +199,8 @@ enum orl_part_end orl_slurm_end(const struct orl_runner_spec *spec, const char *
     if (task == 0)
         return ORL_PART_ENDED;
     end =
-        end_in_log(spec, task, number); /* many fail at once: each line of it is a question less */
+        end_in_log(spec, task,
+                   number); /* the log first: many parts may fail at once, and this saves queries */
     if (end == ORL_PART_ENDED &&
         orl_command_run(argv, spec->command_s, spec->cancel, output, NULL) == 0)
         end = find_end(output, task, number);

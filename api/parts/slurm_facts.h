@@ -1,6 +1,6 @@
 /*
- * What a cluster says of itself, for the runner of Slurm: how much of time and memory a part may be
- * given at the most, and what a part that is gone has come up against.
+ * Facts about a cluster for the Slurm runner: the largest time and memory for a part, and the
+ * limit that an ended part exceeded.
  */
 #ifndef ORL_PARTS_SLURM_FACTS_H
 #define ORL_PARTS_SLURM_FACTS_H
@@ -11,25 +11,25 @@
 
 struct orl_slurm_bounds {
     bool known;
-    struct orl_part_limits most; /* 0: parts are given no such limit */
+    struct orl_part_limits most; /* 0: no limit is requested */
 };
 
 /*
- * By sinfo: of the partition that the options name, or of the usual one. What the options set
- * themselves, and memory that the cluster does not tell of, parts are given no limit of. Where
- * Slurm does not answer nothing is known yet.
+ * Gets the bounds from sinfo, for the partition in the options or else the default one. A bound
+ * is 0 if the options set that limit or the cluster does not report its memory. If Slurm does
+ * not answer, bounds stay unknown.
  */
 void orl_slurm_bounds_ask(const struct orl_runner_spec *spec, struct orl_slurm_bounds *bounds);
 
-/* No more than that. */
+/* Returns limits reduced to the bounds. */
 struct orl_part_limits orl_slurm_bounded(const struct orl_slurm_bounds *bounds,
                                          struct orl_part_limits limits);
 
-/* Whether another try may go better than the sbatch that said that. */
+/* Returns true if sbatch's output means a temporary failure, so that a retry may succeed. */
 bool orl_slurm_is_passing(const char *output);
 
-/* Of a task of that name that is gone: by what Slurm has written into its log, and by squeue, as
- * long as that tells of it. */
+/* Returns why a task of that name ended: from its log, and from squeue while that still lists
+ * it. */
 enum orl_part_end orl_slurm_end(const struct orl_runner_spec *spec, const char *tasks,
                                 uint32_t task, uint32_t number);
 

@@ -14,9 +14,9 @@
 
 enum { MOST_TRIES = 3, MOST_RAISED = 5 };
 
-/* How often parts are looked at: ever more rarely, after a share of the wave's age. */
+/* Interval between looks at the parts, in seconds. It grows with the wave's age. */
 static const double look_least_s = 0.05, look_most_s = 1, look_share = 0.005;
-/* A disk that is full is looked at again after so long. */
+/* Seconds until a full disk is checked again. */
 static const double full_s = 10;
 
 static double now_s(const struct orl_sharing *sharing)
@@ -38,8 +38,9 @@ static void count_lost(struct orl_sharing *sharing, struct orl_wave *wave, size_
     part->told = false;
 }
 
-/* What its runner tells of a part. One that ran and waits was put back by Slurm. */
-static void take_state(struct orl_sharing *sharing, struct orl_wave *wave, size_t i)
+/* Takes over the state reported by the runner. A part that ran and now waits was requeued by
+ * Slurm. */
+static void update_state(struct orl_sharing *sharing, struct orl_wave *wave, size_t i)
 {
     struct orl_part *part = &wave->parts[i];
     const enum orl_part_state state = wave->seen[i].state;
@@ -61,7 +62,7 @@ static bool is_same(const struct orl_parts_count *a, const struct orl_parts_coun
            a->held == b->held && a->again == b->again && a->waves == b->waves;
 }
 
-static void tell(struct orl_sharing *sharing)
+static void report_count(struct orl_sharing *sharing)
 {
     if (is_same(&sharing->count, &sharing->told))
         return;
@@ -70,8 +71,8 @@ static void tell(struct orl_sharing *sharing)
         sharing->spec.told(sharing->spec.ctx, &sharing->count);
 }
 
-static void tell_wave(struct orl_sharing *sharing, const struct orl_wave *wave,
-                      uint64_t done_before)
+static void report_wave(struct orl_sharing *sharing, const struct orl_wave *wave,
+                        uint64_t done_before)
 {
     struct orl_parts_count *count = &sharing->count;
 
@@ -85,12 +86,12 @@ static void tell_wave(struct orl_sharing *sharing, const struct orl_wave *wave,
         count->waiting += !part->done && part->state != ORL_PART_RUNNING;
         count->held += part->held_s > 0;
     }
-    tell(sharing);
+    report_count(sharing);
 }
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
 
-/* Of its first try: by what is known of the job by now. */
+/* Returns the limits for a part's first try, from what is known of the job by now. */
 static struct orl_part_limits first_limits(const struct orl_sharing *sharing,
                                            const struct orl_part *part)
 {
@@ -103,7 +104,7 @@ static struct orl_part_limits first_limits(const struct orl_sharing *sharing,
     return orl_part_limits(&part->needs, &basis);
 }
 
-/* Those that are due, all at once. */
+/* Starts all due parts at once. */
 static int start_due(struct orl_sharing *sharing, struct orl_wave *wave, struct orl_error *err)
 {
     size_t n = 0;
@@ -127,7 +128,7 @@ static int start_due(struct orl_sharing *sharing, struct orl_wave *wave, struct 
                                           err);
 }
 
-/* What a part that failed says. */
+/* Reads the error of a failed part. */
 static void read_error(const char *path, struct orl_error *ret_said)
 {
     json_t *problem = json_load_file(path, 0, NULL);
@@ -140,14 +141,15 @@ static void read_error(const char *path, struct orl_error *ret_said)
     json_decref(problem);
 }
 
-/* Until there is room again; it is not the part's fault. */
-static void hold(const struct orl_sharing *sharing, struct orl_part *part)
+/* Holds a part back until the disk has room. This does not count as a failure of the part. */
+static void hold_part(const struct orl_sharing *sharing, struct orl_part *part)
 {
     part->held_s = now_s(sharing) + full_s;
     part->state = ORL_PART_WAITING;
 }
 
-/* Whether it came up against a limit that was ours to raise, and is: it is started with more. */
+/* Raises the exceeded limit if this program had set it. Returns true if it did; the part is
+ * then restarted. */
 static bool raise_limits(struct orl_part *part, const struct orl_part_seen *seen,
                          enum orl_part_end end)
 {
@@ -163,10 +165,10 @@ static bool raise_limits(struct orl_part *part, const struct orl_part_seen *seen
     return true;
 }
 
-/* Why there is nothing of a part. */
-static void say_end(const struct orl_sharing *sharing, const struct orl_part *part,
-                    const struct orl_part_seen *seen, enum orl_part_end end,
-                    struct orl_error *ret_said)
+/* Describes why a part has no result. */
+static void describe_end(const struct orl_sharing *sharing, const struct orl_part *part,
+                         const struct orl_part_seen *seen, enum orl_part_end end,
+                         struct orl_error *ret_said)
 {
     if (end == ORL_PART_OUT_OF_TIME)
         orl_error_set(ret_said, ORL_ERR_LIMIT,
@@ -183,7 +185,7 @@ static void say_end(const struct orl_sharing *sharing, const struct orl_part *pa
                       part->tries, sharing->folder);
 }
 
-/* One that has left an error, or nothing: once more, or never again. */
+/* Restarts a part that left an error or nothing, or fails if its tries are used up. */
 static int try_again(struct orl_sharing *sharing, struct orl_wave *wave, size_t i,
                      const char *error_path, struct orl_error *err)
 {
@@ -196,13 +198,13 @@ static int try_again(struct orl_sharing *sharing, struct orl_wave *wave, size_t 
     if ((!error_path || said.code == ORL_ERR_CANCELLED) && sharing->runner.end)
         end = sharing->runner.end(sharing->runner.ctx, wave->name, (uint32_t)i);
     if (!error_path || end != ORL_PART_ENDED)
-        say_end(sharing, part, &wave->seen[i], end, &said);
+        describe_end(sharing, part, &wave->seen[i], end, &said);
     if (error_path)
         unlink(error_path);
     if (said.code == ORL_ERR_FULL || !orl_wave_has_room(sharing->folder)) {
         count_lost(sharing, wave, i, "the shared folder's disk is full");
         part->tries--;
-        hold(sharing, part);
+        hold_part(sharing, part);
         return 0;
     }
     part->due = raise_limits(part, &wave->seen[i], end) || part->tries < MOST_TRIES;
@@ -221,7 +223,7 @@ static void look_at_held(const struct orl_sharing *sharing, struct orl_part *par
         return;
     part->due = orl_wave_has_room(sharing->folder);
     if (!part->due)
-        hold(sharing, part);
+        hold_part(sharing, part);
 }
 
 static void end_well(struct orl_sharing *sharing, struct orl_wave *wave, size_t i)
@@ -250,7 +252,7 @@ static int look_at(struct orl_sharing *sharing, struct orl_wave *wave, size_t i,
     }
     if (orl_part_file(sharing->folder, wave->name, i, "error", path))
         return try_again(sharing, wave, i, path, err);
-    take_state(sharing, wave, i);
+    update_state(sharing, wave, i);
     if (wave->seen[i].state != ORL_PART_GONE) {
         part->gone_s = 0;
         return 0;
@@ -265,7 +267,7 @@ static int look_at(struct orl_sharing *sharing, struct orl_wave *wave, size_t i,
 
 /* ---- The wave -------------------------------------------------------------------------------- */
 
-static void rest(const struct orl_sharing *sharing, const struct orl_wave *wave)
+static void sleep_between_looks(const struct orl_sharing *sharing, const struct orl_wave *wave)
 {
     const double share = look_share * (now_s(sharing) - wave->began_s);
     const double wait = share < look_least_s  ? look_least_s
@@ -292,18 +294,18 @@ static int wait_for(struct orl_sharing *sharing, struct orl_wave *wave, struct o
         }
         if (rc == 0)
             rc = start_due(sharing, wave, err);
-        tell_wave(sharing, wave, done_before);
+        report_wave(sharing, wave, done_before);
         if (rc == 0)
             orl_wave_tell_share(sharing, wave);
         if (rc == 0 && left > 0 && atomic_load(sharing->spec.cancel))
             rc = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while others made parts of it");
         if (left > 0 && rc == 0)
-            rest(sharing, wave);
+            sleep_between_looks(sharing, wave);
     }
     return rc;
 }
 
-/* What is under way ends with the run, unless a run after it is to find it. */
+/* Ends a wave. Active parts end with the run, unless a later run is to find them. */
 static void end_wave(struct orl_sharing *sharing, struct orl_wave *wave, int rc,
                      struct orl_error *err)
 {
@@ -337,7 +339,7 @@ static int make_tables(struct orl_sharing *sharing, struct orl_wave *wave, struc
     return 0;
 }
 
-/* Its files, once the disk has room for them. */
+/* Writes the wave's files, and waits while the disk is full. */
 static int write_wave(struct orl_sharing *sharing, struct orl_wave *wave,
                       const struct orl_piece *pieces, size_t n, struct orl_error *err)
 {
@@ -348,9 +350,9 @@ static int write_wave(struct orl_sharing *sharing, struct orl_wave *wave,
         const double until_s = now_s(sharing) + full_s;
 
         sharing->count.held = 1;
-        tell(sharing);
+        report_count(sharing);
         while (now_s(sharing) < until_s && !atomic_load(sharing->spec.cancel))
-            rest(sharing, wave);
+            sleep_between_looks(sharing, wave);
         rc = orl_wave_write(sharing, wave->name, pieces, n, &wave->n, err);
     }
     sharing->count.held = 0;
@@ -365,7 +367,7 @@ int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, si
 
     if (sharing->load_s <= 0)
         sharing->load_s = now_s(sharing) - sharing->opened_s;
-    /* Tasks of an earlier run may still leave their files here. */
+    /* A unique name: tasks of an earlier run may still write files here. */
     snprintf(wave.name, sizeof wave.name, "%lx.%lx-wave%u", (long)sharing->began, (long)getpid(),
              ++sharing->count.waves);
     rc = write_wave(sharing, &wave, pieces, n, err);
@@ -385,7 +387,8 @@ int orl_wave_run(struct orl_sharing *sharing, const struct orl_piece *pieces, si
 
 /* ---- Waves of an earlier run ----------------------------------------------------------------- */
 
-/* Its parts count as tried once: whether they are under way will be seen. */
+/* Finishes a wave of an earlier run. Its parts count as tried once; the runner reports which
+ * are active. */
 static int finish_wave(struct orl_sharing *sharing, struct orl_wave *wave, struct orl_error *err)
 {
     int rc = make_tables(sharing, wave, err);

@@ -23,7 +23,7 @@ static int write_in(const struct orl_sharing *sharing, const char *name, json_t 
     return rc;
 }
 
-/* Which part a piece belongs to: by the work before the middle of it. */
+/* Returns the part of a piece, by the cumulated work at the middle of the piece. */
 static uint32_t part_of(double before, double work, double all, uint32_t n)
 {
     const double at = floor((before + 0.5 * work) / all * n);
@@ -60,7 +60,7 @@ static json_t *part_to_json(const struct orl_sharing *sharing, const struct orl_
                      (json_int_t)needs.bytes, "pieces", list);
 }
 
-/* Writes the wave's parts; *ret_n: how many there are, for empty ones are none. */
+/* Writes the wave's parts. *ret_n: their number; parts without pieces are not written. */
 static int write_parts(const struct orl_sharing *sharing, const char *wave,
                        const struct orl_piece *pieces, size_t n, size_t *ret_n,
                        struct orl_error *err)
@@ -175,7 +175,8 @@ struct orl_part_needs orl_wave_needs(const char *folder, const char *wave, size_
     return (struct orl_part_needs){core_s > 0 ? core_s : 0, bytes > 0 ? (uint64_t)bytes : 0};
 }
 
-static void mark(const json_t *part, const struct orl_piece *pieces, size_t n, bool *ret_made)
+static void mark_pieces_of_part(const json_t *part, const struct orl_piece *pieces, size_t n,
+                                bool *ret_made)
 {
     const json_t *own;
     size_t i;
@@ -197,7 +198,7 @@ void orl_wave_mark(const char *folder, const char *wave, size_t n_parts,
         json_t *part =
             orl_part_file(folder, wave, i, "json", path) ? json_load_file(path, 0, NULL) : NULL;
 
-        mark(part, pieces, n, ret_made);
+        mark_pieces_of_part(part, pieces, n, ret_made);
         json_decref(part);
     }
 }

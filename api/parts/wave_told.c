@@ -9,8 +9,8 @@ double orl_part_ran_s(const struct orl_sharing *sharing, const struct orl_part *
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
 
-static void tell(const struct orl_sharing *sharing, const struct orl_wave *wave, size_t i,
-                 const char *what, const char *why)
+static void report_event(const struct orl_sharing *sharing, const struct orl_wave *wave, size_t i,
+                         const char *what, const char *why)
 {
     const struct orl_part_seen *seen = &wave->seen[i];
     const struct orl_part_news news = {.what = what,
@@ -28,7 +28,7 @@ static void tell(const struct orl_sharing *sharing, const struct orl_wave *wave,
 void orl_part_tell_start(const struct orl_sharing *sharing, struct orl_wave *wave, size_t i)
 {
     if (!wave->parts[i].told)
-        tell(sharing, wave, i, "start", NULL);
+        report_event(sharing, wave, i, "start", NULL);
     wave->parts[i].told = true;
 }
 
@@ -36,13 +36,15 @@ void orl_part_tell(const struct orl_sharing *sharing, struct orl_wave *wave, siz
                    const char *what, const char *why)
 {
     orl_part_tell_start(sharing, wave, i);
-    tell(sharing, wave, i, what, why);
+    report_event(sharing, wave, i, what, why);
 }
 
 /* ---- The wave -------------------------------------------------------------------------------- */
 
-/* What it counts among its wave: seconds of the machine that it runs on, or all parts alike. */
-static double weight(const struct orl_sharing *sharing, const struct orl_part *part, bool known)
+/* Returns a part's weight in its wave: estimated seconds on one node, or 1 if estimates are
+ * missing. */
+static double part_weight(const struct orl_sharing *sharing, const struct orl_part *part,
+                          bool known)
 {
     return known ? part->needs.core_s / fmax(sharing->spec.threads, 1) : 1;
 }
@@ -63,17 +65,17 @@ void orl_wave_learn(struct orl_sharing *sharing, struct orl_wave *wave, const st
     if (!(took_s > 0))
         return;
     wave->ended_s += took_s;
-    wave->ended += weight(sharing, part, is_known(wave));
+    wave->ended += part_weight(sharing, part, is_known(wave));
     if (!(part->needs.core_s > 0))
         return;
     sharing->took_s += took_s;
-    sharing->foreseen_s += weight(sharing, part, true);
+    sharing->foreseen_s += part_weight(sharing, part, true);
 }
 
 /*
- * Parts that have ended, and of those that run as much as time has gone by of what others took for
- * as much work, or, before any has ended, of what was foreseen. One that overruns is never thought
- * to be all but done.
+ * Returns the fraction of the wave's work that is done. A running part counts by its elapsed
+ * time over its estimated time. The estimate is scaled by the pace of ended parts, if any. An
+ * overrunning part counts as at most 90 % done.
  */
 static double share_made(const struct orl_sharing *sharing, const struct orl_wave *wave)
 {
@@ -85,7 +87,7 @@ static double share_made(const struct orl_sharing *sharing, const struct orl_wav
 
     for (size_t i = 0; i < wave->n; i++) {
         const struct orl_part *part = &wave->parts[i];
-        const double own = weight(sharing, part, known), thought_s = pace * own;
+        const double own = part_weight(sharing, part, known), thought_s = pace * own;
 
         all += own;
         if (part->done)

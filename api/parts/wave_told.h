@@ -1,6 +1,6 @@
 /*
- * A wave (wave.h) as it stands, and what is told of it while it is under way: of each part when it
- * starts, ends or is lost, and how much of the whole is made.
+ * State of a wave (wave.h), and its progress reports: when a part starts, ends or is lost, and
+ * the fraction done.
  */
 #ifndef ORL_PARTS_WAVE_TOLD_H
 #define ORL_PARTS_WAVE_TOLD_H
@@ -9,43 +9,43 @@
 #include "parts/sharing.h"
 
 struct orl_part {
-    bool done, due;         /* due: to be started */
-    bool told;              /* that it has started */
-    unsigned tries, raised; /* raised: times that its limits were */
+    bool done, due;         /* due: true if it is to be started */
+    bool told;              /* true if its start was reported */
+    unsigned tries, raised; /* raised: number of times that its limits were raised */
     enum orl_part_state state;
     struct orl_part_needs needs;
-    struct orl_part_limits limits; /* that are asked for */
-    double gone_s;                 /* since when its runner has had it no more; 0: it has */
-    double runs_s;                 /* since when it runs; 0: it does not */
-    double held_s;                 /* until when it is held back; 0: it is not */
+    struct orl_part_limits limits; /* requested limits */
+    double gone_s;                 /* time when the runner stopped listing it; 0: it is listed */
+    double runs_s;                 /* start time; 0: not running */
+    double held_s;                 /* time until which it is held back; 0: not held */
 };
 
-/* Parts of a wave, and how they stand. */
+/* The parts of a wave and their states. */
 struct orl_wave {
     char name[ORL_WAVE_NAME];
     size_t n;
     struct orl_part *parts;
-    struct orl_part_seen *seen;    /* as its runner tells */
-    struct orl_part_order *orders; /* room for all */
+    struct orl_part_seen *seen;    /* states reported by the runner */
+    struct orl_part_order *orders; /* room for all parts */
     double began_s;
-    double share;          /* that is made, as it was told */
-    double ended_s, ended; /* of parts that were seen to run, and have ended: seconds, and work */
+    double share;          /* reported fraction done */
+    double ended_s, ended; /* for ended parts that were seen running: seconds and work */
 };
 
-/* Seconds that it runs by now; 0: it does not. */
+/* Returns the seconds that the part has been running; 0 if it is not. */
 double orl_part_ran_s(const struct orl_sharing *sharing, const struct orl_part *part);
 
-/* "start", once of each try, however short that was. */
+/* Reports "start" once per try, even if the try was short. */
 void orl_part_tell_start(const struct orl_sharing *sharing, struct orl_wave *wave, size_t i);
-/* "end", "again" or "failed", and why; the start before it. */
+/* Reports "end", "again" or "failed", with the reason, and before it the start. */
 void orl_part_tell(const struct orl_sharing *sharing, struct orl_wave *wave, size_t i,
                    const char *what, const char *why);
 
-/* It has ended well: what it took is a measure of the others. */
+/* Records a part that has ended well; its time scales the estimates for others. */
 void orl_wave_learn(struct orl_sharing *sharing, struct orl_wave *wave,
                     const struct orl_part *part);
 
-/* How much is made, to whom it may concern (oriel/pieces.h). */
+/* Reports the fraction done to the run's watch (oriel/pieces.h). */
 void orl_wave_tell_share(const struct orl_sharing *sharing, struct orl_wave *wave);
 
 #endif
