@@ -27,7 +27,7 @@ static const struct orl_map_store *store_of(const struct orl_run_state *state)
 }
 
 /* Opens the stored map; without a store there is none. A damaged file is dropped and requested once
- * more, then for building. */
+ * more; the store then asks this run to build it. */
 static int acquire_map(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
                        struct orl_error *err)
 {

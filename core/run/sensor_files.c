@@ -25,7 +25,7 @@ static int name_file(const struct orl_run_state *state, const char *name, char *
 
 /* ---- Tables ---------------------------------------------------------------------------------- */
 
-/* Ends a line with the names of what makes the value unreliable. */
+/* Ends a line with the reasons why the value is unreliable. */
 static void write_doubts(unsigned doubts, FILE *stream)
 {
     const char *space = "";

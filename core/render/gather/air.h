@@ -1,16 +1,16 @@
 /*
  * Caustics at sensors in mid-air, where no photon lands: light of suns and lamps that mirrors,
  * lobes and dielectrics have redirected. sensor.c samples suns seen by flat mirrors or by one
- * pane's lobes. All other caustics (off rough metal, through two panes, down a light pipe, out of a
- * lens, of lamps) are measured by photons that pass through a disc about the sensor
- * (photon/flight/discs.h).
+ * pane's lobes. Photons that pass through a disc about the sensor measure all other caustics
+ * (photon/flight/discs.h): off rough metal, through two panes, down a light pipe, out of a lens, of
+ * lamps.
  *
- * These photons are emitted for this purpose, in rounds. Rounds end when more photons would change
- * the sensors' errors little, when no sensor's estimate changes by more than its error, or at a
- * number of emissions. Each disc is read at several widths at once, and the width with the least
- * sum of scatter and bias is used. Bias is in proportion to the area, so that the next width shows
- * it. For this choice the scatter is at least the widest disc's, scaled by area: a width that few
- * photons crossed has a small scatter by chance. The standard error is that of batches, but at
+ * These photons are emitted for this purpose, in rounds. Rounds end if more photons would change
+ * the sensors' errors little, or if no sensor's estimate changes by more than its error. They also
+ * end at a number of emissions. Each disc is read at several widths at once, and the width with the
+ * least sum of scatter and bias is used. Bias is in proportion to the area, so that the next width
+ * shows it. For this choice the scatter is at least the widest disc's, scaled by area: a width that
+ * few photons crossed has a small scatter by chance. The standard error is that of batches, but at
  * least that of one more photon: a disc that no photon crossed may still receive rare light.
  *
  * Any member of the crew may make a sensor's disc, each sensor once; all other calls are for the

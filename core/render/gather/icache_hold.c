@@ -2,8 +2,8 @@
  * Neighbour clamping (icache.h) as a nearest-neighbour search: a record's radius becomes the least
  * "radius of a neighbour + distance to it" among the neighbours within its reach. The neighbours
  * are sorted along the Morton curve. A binary tree over blocks of them stores the box of each node
- * and the least radius in it, so that nodes which cannot lower a radius are skipped. For equal
- * radii, such as a thousand records in one place, the search ends at the root.
+ * and the least radius in it. Nodes which cannot lower a radius are skipped. For equal radii, such
+ * as a thousand records in one place, the search ends at the root.
  */
 #include <stdlib.h>
 
