@@ -159,6 +159,13 @@ static void compare_documents(struct verifying *v)
         printf("differs: result.json: \"%s\"\n", key);
         v->differing++;
     }
+    json_object_foreach(both[1], key, value)
+    {
+        if (json_object_get(both[0], key))
+            continue;
+        printf("differs: result.json: \"%s\" was not there\n", key);
+        v->differing++;
+    }
     v->same += v->differing == before;
 }
 

@@ -108,20 +108,24 @@ struct local {
     struct orl_map_store store;
     struct orl_progress_line progress;
     struct orl_run_env env;
-    char *warnings; /* warnings printed so far, one per line */
+    char *warnings; /* warnings printed so far, one per line, behind an empty line */
 };
 
 /* Prints each warning once, as soon as it is known, if possible before rendering. */
 static void on_warned(void *ctx, const char *warning)
 {
     struct local *local = ctx;
-    const char *told = local->warnings ? local->warnings : "";
-    char *grown = NULL;
+    const char *const printed = local->warnings ? local->warnings : "\n";
+    char *grown = NULL, *line = NULL;
 
-    if (strstr(told, warning))
+    if (asprintf(&line, "\n%s\n", warning) < 0)
+        return;
+    const bool known = strstr(printed, line) != NULL;
+    free(line);
+    if (known)
         return;
     orl_progress_note(&local->progress, "warning: %s", warning);
-    if (asprintf(&grown, "%s%s\n", told, warning) >= 0) {
+    if (asprintf(&grown, "%s%s\n", printed, warning) >= 0) {
         free(local->warnings);
         local->warnings = grown;
     }

@@ -69,7 +69,12 @@ static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at
     if (!known)
         return add_modifier(hb, identifier, json, ret_place);
     *ret_place = (size_t)json_integer_value(known);
-    if (!json_equal(hb->modifiers[*ret_place].json, json))
+    if (!hb->modifiers[*ret_place].json)
+        orl_hb_warn(hb,
+                    "modifier '%.100s': an object defines one with the identifier of Honeybee's "
+                    "generic one, which is taken",
+                    identifier);
+    else if (!json_equal(hb->modifiers[*ret_place].json, json))
         orl_hb_warn(hb,
                     "modifier '%.100s': several different ones have this identifier: %s is taken "
                     "for all",

@@ -73,9 +73,7 @@ struct swapping {
 static int check_up(const struct orl_surface *surface, const struct orl_material *m,
                     struct orl_error *err)
 {
-    const double up = orl_length(m->up);
-    if (m->kind != ORL_MATERIAL_BSDF || surface->kind != ORL_SURFACE_POLYGON ||
-        orl_length(orl_cross(m->up, surface->normal)) > 1e-9 * up)
+    if (!orl_bsdf_up_is_undefined(m, surface))
         return 0;
     orl_error_set(err, ORL_ERR_RANGE,
                   "the up vector of BSDF '%.100s' is parallel to the normal of '%.100s'", m->name,

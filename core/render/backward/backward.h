@@ -1,5 +1,5 @@
 /*
- * The backward technique (xxx in Schregle et al. 2015): unbiased, without a cache or a density
+ * The backward technique (xxx in Grobe 2019): unbiased, without a cache or a density
  * estimate. Irradiance at a place is the mean of samples. Each sample adds up
  * - direct light: one shadow ray to every sun and lamp, and to their images in flat mirrors;
  * - importance-sampled rays (aim.h): they see sky and glow, and suns and lamps through the lobes of

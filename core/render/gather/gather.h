@@ -4,7 +4,7 @@
  *              also by flat mirrors);
  *   caustic    from suns and lights after a mirror, a lobe or a BSDF: density of caustic photons;
  *   rest       all other light. At a surface that a view sees, or that a sensor lies on, it is
- *     gathered   (technique gather, GCx in Schregle et al. 2015) by a hemisphere of rays that see
+ *     gathered   (technique gather, GCx in Grobe 2019) by a hemisphere of rays that see
  *                the domes, glow, and the radiance of diffuse surfaces by the density of global
  *                photons;
  *     density    (direct) by the local density of global photons, whose bandwidth is chosen to

@@ -368,11 +368,7 @@ static int check_up(struct orl_parser *parser, const struct orl_scope *scope,
                     const struct orl_surface *surface, struct orl_error *err)
 {
     const struct orl_material *material = parser->out->materials + surface->material;
-    const struct orl_vec3 n = surface->normal;
-    const bool flat = surface->kind == ORL_SURFACE_POLYGON || surface->kind == ORL_SURFACE_RING;
-    if (material->kind != ORL_MATERIAL_BSDF || !flat)
-        return 0;
-    if (orl_length(orl_cross(orl_normalize(material->up), n)) > 1e-6)
+    if (!orl_bsdf_up_is_undefined(material, surface))
         return 0;
     orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                     "the up vector (%g %g %g) of BSDF '%.100s' is parallel to the surface's normal",
