@@ -32,12 +32,12 @@ struct orl_slice {
 };
 
 enum orl_scanner_option {
-    ORL_SCANNER_COMMENTS =
-        1, /* '#' where a word may begin starts a comment, up to the line's end */
+    /* '#' where a word may begin starts a comment, up to the line's end. */
+    ORL_SCANNER_COMMENTS = 1,
     ORL_SCANNER_CONTINUATIONS = 2, /* a backslash at a line's end continues it on the next line */
     ORL_SCANNER_TEXT_HEADER = 4,   /* only the header is text: see orl_scanner_rest_is_text */
-    ORL_SCANNER_COMMENTS_IN_WORDS =
-        8, /* with REMARKS: '#' within a word starts a comment as well */
+    /* With ORL_SCANNER_COMMENTS: '#' within a word starts a comment as well. */
+    ORL_SCANNER_COMMENTS_IN_WORDS = 8,
 };
 
 struct orl_scanner {
@@ -161,10 +161,10 @@ struct orl_slice orl_slice_take_word(struct orl_slice *rest);
 bool orl_slice_take_cell(struct orl_slice *rest, char separator, struct orl_slice *ret_cell);
 
 /*
- * Numbers that blanks, commas or semicolons separate. Two commas or semicolons with nothing between
- * them, and one at either end of the line, have an empty cell beside them. Where blanks or
- * semicolons alone separate other words of the line, "0,5" is one cell, for orl_scanner_number to
- * refuse.
+ * Iterator over numbers that are separated by blanks, commas or semicolons. Two commas or
+ * semicolons with nothing between them enclose an empty cell; one at either end of the line has an
+ * empty cell beside it. If only blanks or semicolons separate the other words of the line, "0,5" is
+ * one cell, which orl_scanner_number rejects.
  */
 struct orl_cells {
     struct orl_slice line;
