@@ -49,7 +49,8 @@ static struct block *add_block(struct orl_arena *arena, size_t bytes)
     return block;
 }
 
-/* Sees to room for a small piece in the newest block; a large one gets a block of its own. */
+/* Makes room for a small piece in the newest block, or allocates a separate block for a large
+ * piece. */
 static bool make_room(struct orl_arena *arena, size_t bytes, void **ret_own)
 {
     *ret_own = NULL;
@@ -67,7 +68,7 @@ static bool make_room(struct orl_arena *arena, size_t bytes, void **ret_own)
     return true;
 }
 
-/* From the front; bytes is rounded up to keep what follows aligned. */
+/* Takes bytes from the front of the block; `bytes` is a multiple of the alignment. */
 static void *take(struct orl_arena *arena, size_t bytes)
 {
     void *taken;
@@ -87,7 +88,7 @@ void *orl_arena_take(struct orl_arena *arena, size_t size)
     return take(arena, (size + align - 1) / align * align);
 }
 
-/* From the back, where nothing has to be aligned. */
+/* Takes bytes from the back of the block, which needs no alignment. */
 char *orl_arena_letters(struct orl_arena *arena, size_t size)
 {
     void *taken;

@@ -3,7 +3,7 @@
 #include <link.h>
 #include <string.h>
 
-/* What is looked for in the notes of the program itself, which come first. */
+/* State of the search through the notes of the main program, which is the first object. */
 struct search {
     struct orl_sha256 *hash;
     bool found;
@@ -40,7 +40,7 @@ static int look_at_object(struct dl_phdr_info *info, size_t size, void *ctx)
         if (info->dlpi_phdr[i].p_type == PT_NOTE)
             look_through(ctx, (const char *)(info->dlpi_addr + info->dlpi_phdr[i].p_vaddr),
                          info->dlpi_phdr[i].p_memsz);
-    return 1; /* no further one */
+    return 1; /* stop after the first object */
 }
 
 bool orl_build_add(struct orl_sha256 *hash)

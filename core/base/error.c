@@ -26,7 +26,7 @@ int orl_error_set(struct orl_error *err, int code, const char *format, ...)
 
 void orl_error_at(struct orl_error *err, const char *file, int line, const char *primitive)
 {
-    if (!err || err->code == ORL_ERR_CANCELLED) /* wherever it was seen, it is no fault of that */
+    if (!err || err->code == ORL_ERR_CANCELLED) /* a cancellation has no place */
         return;
     if (file)
         snprintf(err->file, sizeof err->file, "%s", file);
@@ -64,7 +64,8 @@ const char *orl_err_name(int code)
     return index >= 0 && index < (int)(sizeof names / sizeof *names) ? names[index] : "unknown";
 }
 
-/* Appends to text, which holds size bytes of which *used are taken; cuts what does not fit. */
+/* Appends part to text, a buffer of size bytes of which *used are in use; truncates if it is
+ * full. */
 static void append(char *text, unsigned long size, unsigned long *used, const char *part)
 {
     const unsigned long length = strlen(part);
@@ -75,7 +76,7 @@ static void append(char *text, unsigned long size, unsigned long *used, const ch
     text[*used] = '\0';
 }
 
-/* Mistakes in JSON documents have their path in the sentence as well: once is enough. */
+/* Returns true if the message already begins with the path, as errors in JSON documents do. */
 static bool begins_with_place(const struct orl_error *err)
 {
     const unsigned long length = strlen(err->primitive);

@@ -9,13 +9,13 @@
 
 #include <oriel/crew.h>
 
-static _Thread_local bool reading, refused; /* an allocation of jansson's, in this thread */
+static _Thread_local bool reading, refused; /* flags while jansson parses in this thread */
 
 /*
- * jansson's buffer for a token: where that cannot grow it goes on without the byte, which an
- * assertion may find later and end the process. So there is a reserve for it, in which it comes to
- * the token's end; whatever else is asked for then is refused, and reading ends. Its sizes are
- * powers of two. One thread has the reserve at a time.
+ * Reserve for jansson's token buffer. If the buffer cannot grow, jansson continues without the
+ * byte, and an assertion may fail later and end the process. The reserve lets jansson finish the
+ * token. All other allocations then fail, and parsing ends. The buffer's sizes are powers of two.
+ * One thread uses the reserve at a time.
  */
 enum { RESERVE = 512 << 10, BUFFER_LEAST = 32 };
 static _Alignas(16) char reserve[RESERVE];
@@ -60,7 +60,7 @@ static void give_back(void *memory)
     pthread_mutex_unlock(&reserve_mutex);
 }
 
-/* Once, before any thread is there: what malloc gave is given back to free. */
+/* Runs once, before any thread exists. Blocks allocated earlier by malloc are freed by free. */
 __attribute__((constructor)) static void watch_allocations(void)
 {
     json_set_alloc_funcs(allocate, give_back);
@@ -68,8 +68,8 @@ __attribute__((constructor)) static void watch_allocations(void)
 
 uint64_t orl_json_weight(const char *text, size_t size)
 {
-    /* Bytes in jansson 2.14 on 64 bits, with malloc's own: of an object and an array without
-     * members, a member's key, and any value. */
+    /* Bytes in jansson 2.14 on 64 bits, including malloc's overhead: an empty object, an empty
+     * array, a member's key, and any value. */
     enum { OBJECT = 256, ARRAY = 144, KEY = 80, VALUE = 40 };
     uint64_t weight = size;
     bool quoted = false;
@@ -90,7 +90,7 @@ uint64_t orl_json_weight(const char *text, size_t size)
     return weight;
 }
 
-/* Text that jansson takes in small pieces, with a poll for cancellation now and then. */
+/* Text that jansson reads in small pieces, with regular polls for cancellation. */
 struct text_source {
     const char *text;
     size_t size, at, polled_at;

@@ -14,11 +14,11 @@ struct point {
     double x, y;
 };
 
-/* A stroke on its way, in the letter's units. */
+/* Stroke in progress, in the letter's units. */
 struct stroke {
     void (*to)(void *ctx, bool begins, struct point p);
     void *ctx;
-    struct point first, at, bend; /* bend: to be passed by */
+    struct point first, at, bend; /* bend: middle point of the next parabola */
     bool has_first, has_bend, is_closed;
 };
 
@@ -45,7 +45,8 @@ static void begin(struct stroke *s, struct point p)
     s->to(s->ctx, true, p);
 }
 
-/* A closed stroke may begin with points that it bends towards: it begins half way then. */
+/* Adds a point to the stroke. A closed stroke may begin with bend points; it then begins half way
+ * between the first two. */
 static void take_point(struct stroke *s, struct point p, bool is_bend)
 {
     if (!s->has_first && !is_bend) {
@@ -101,7 +102,7 @@ static void walk_letter(const struct orl_letter *letter, struct stroke *s)
 
 /* ---- Texts ----------------------------------------------------------------------------------- */
 
-/* The next character of UTF-8; bytes that are none count as U+FFFD, one by one. */
+/* Returns the next character of UTF-8. Each invalid byte counts as U+FFFD. */
 static uint32_t next_code(const char **text)
 {
     const unsigned char *at = (const unsigned char *)*text;
@@ -126,10 +127,10 @@ double orl_letters_width(const char *text, double size)
     return units * size / ORL_LETTER_HEIGHT;
 }
 
-/* Where the letter's units are on the picture. */
+/* Transform from the letter's units to pixels. */
 struct frame {
-    double x, y;        /* of its origin */
-    double along, down; /* of a unit to the right: along x and y */
+    double x, y;        /* position of the letter's origin */
+    double along, down; /* unit step to the right, along x and y */
 };
 
 static struct point place(const struct frame *f, struct point p)
@@ -165,12 +166,12 @@ struct line {
     struct point a, b;
 };
 
-/* What of a letter is drawn at once, so that strokes that meet are not darker there. */
+/* Strokes of one letter that are drawn together, so that they are not darker where they meet. */
 struct inking {
     const struct orl_raster *raster;
     const unsigned char *rgb;
     const struct frame *frame;
-    double half; /* of a stroke's width */
+    double half; /* half of a stroke's width */
     struct point last;
     size_t count;
     struct line lines[MOST_LINES];
@@ -192,7 +193,7 @@ static void blend(unsigned char *pixel, const unsigned char rgb[3], double share
         pixel[c] = (unsigned char)lrint(pixel[c] + share * (rgb[c] - pixel[c]));
 }
 
-/* The pixels from and to which something reaches along an axis. */
+/* Return the range of pixels, first and end, that an interval covers along an axis. */
 static uint32_t first_of(double low, uint32_t size)
 {
     return !(low > 0) ? 0 : low >= size ? size : (uint32_t)low;
@@ -203,15 +204,16 @@ static uint32_t last_of(double high, uint32_t size)
     return !(high > 0) ? 0 : high >= size ? size : (uint32_t)ceil(high);
 }
 
-/* Of a row of pixels the lines that reach it, and how far along it. */
+/* Lines that reach a row of pixels, with their extents along it. */
 struct inked_row {
-    double y; /* of the pixels' middles */
+    double y; /* middle of the row's pixels */
     size_t count;
     const struct line *lines[MOST_LINES];
     double from[MOST_LINES], to[MOST_LINES];
 };
 
-/* Whether line l comes within reach of the row, and where along it at the most. */
+/* Returns true if line l comes within `reach` of the row, with a bound on its extent along the
+ * row. */
 static bool reaches(const struct line *l, double y, double reach, double *ret_from, double *ret_to)
 {
     const bool rising = l->b.y >= l->a.y;
@@ -219,7 +221,7 @@ static bool reaches(const struct line *l, double y, double reach, double *ret_fr
     if (low.y > y + reach || high.y < y - reach)
         return false;
     const double height = high.y - low.y, slope = height > 0 ? (high.x - low.x) / height : 0;
-    /* Its ends, or where it leaves the band about the row; rounded outwards. */
+    /* The ends of the line, or of its part in the band about the row; rounded outwards. */
     const double x0 = low.y < y - reach ? low.x + (y - reach - low.y) * slope : low.x;
     const double x1 = high.y > y + reach ? low.x + (y + reach - low.y) * slope : high.x;
     *ret_from = (x0 < x1 ? x0 : x1) - reach - 0.01;

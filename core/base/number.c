@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* A decimal number taken apart: (negative ? - : +) digits * 10^exponent, if exact. */
+/* Parsed decimal number: (negative ? - : +) digits * 10^exponent, if exact. */
 struct decimal {
     uint64_t digits;
     int exponent;
@@ -19,7 +19,7 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* A run of digits; those past the 19th do not fit and make the number inexact. */
+/* Reads a run of digits. Digits past the 19th do not fit and make the number inexact. */
 static const char *read_digits(const char *at, const char *end, struct decimal *number, int step)
 {
     for (; at < end && is_digit(*at); at++) {
@@ -85,7 +85,7 @@ static bool names_no_number(const char *text, size_t length)
     return false;
 }
 
-/* The slow, exact way, for long mantissas and large exponents. */
+/* Reads the number by strtod: slower and exact, for long mantissas and large exponents. */
 static double read_slowly(const char *text, size_t length)
 {
     char buffer[512];

@@ -8,7 +8,7 @@
 
 enum { PATH_BYTES = 4096, NAME_BYTES = 256 };
 
-/* An entry of the folder by that name in any case; of several the first by name. */
+/* Finds an entry of the folder that matches the name in any case; of several the first by name. */
 static bool find_entry(const char *folder, const char *name, char ret_entry[NAME_BYTES])
 {
     DIR *const entries = opendir(folder);
@@ -23,7 +23,7 @@ static bool find_entry(const char *folder, const char *name, char ret_entry[NAME
     return ret_entry[0] != '\0';
 }
 
-/* Appends a part of a path. */
+/* Appends a component to a path. */
 static bool append(char *path, size_t size, const char *part)
 {
     const size_t length = strlen(path);

@@ -15,7 +15,7 @@ struct header {
     uint64_t shape;
     uint64_t size; /* of the file */
     unsigned char content[ORL_SEALED_CONTENT];
-    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* of all after the header */
+    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* of all data after the header */
     unsigned char reserved[32];                 /* 0 */
     unsigned char of_header[ORL_CHECKSUM_BYTES];
 };
@@ -95,7 +95,7 @@ int orl_sealed_end(struct orl_sealed_writer *writer,
     if (writer->error == 0 && lseek(writer->fd, 0, SEEK_SET) != 0)
         writer->error = errno;
     write_all(writer, (const char *)&h, sizeof h);
-    if (close(writer->fd) != 0 && writer->error == 0) /* a file system of others may tell now */
+    if (close(writer->fd) != 0 && writer->error == 0) /* may report a write error */
         writer->error = errno;
     *ret_bytes = h.size;
     if (writer->error == 0)
@@ -132,7 +132,8 @@ static int map_file(const struct orl_sealed_kind *kind, const char *path,
     return code;
 }
 
-/* Of a large file the pages are let go as they are read: what is asked of it comes back. */
+/* Computes the checksum of the body. Pages of a large file are released after reading; later
+ * accesses load them again. */
 static void sum_body(const struct orl_sealed_file *file, unsigned char ret_sum[ORL_CHECKSUM_BYTES])
 {
     struct orl_checksum sum;

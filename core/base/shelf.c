@@ -6,7 +6,7 @@
 #include <string.h>
 
 struct item {
-    struct item *next; /* put there earlier */
+    struct item *next; /* next older item */
     char key[ORL_SHELF_KEY];
     void *thing;
     uint64_t bytes;
@@ -31,7 +31,7 @@ struct orl_shelf *orl_shelf_new(uint64_t most_bytes)
     return shelf;
 }
 
-/* A list of items, and what they hold. */
+/* Frees a list of items and their contents. */
 static void free_items(struct item *items)
 {
     while (items) {
@@ -62,7 +62,7 @@ struct orl_shelf_totals orl_shelf_totals(struct orl_shelf *shelf)
     return totals;
 }
 
-/* Unhooks the item under that key; with the mutex held. */
+/* Removes the item under that key from the list; the mutex is held. */
 static struct item *unhook(struct orl_shelf *shelf, const char *key)
 {
     for (struct item **at = &shelf->latest; *at; at = &(*at)->next) {
@@ -79,7 +79,8 @@ static struct item *unhook(struct orl_shelf *shelf, const char *key)
     return NULL;
 }
 
-/* Unhooks what is beyond the shelf's room; with the mutex held. */
+/* Removes the oldest items beyond the capacity from the list, and returns them; the mutex is
+ * held. */
 static struct item *unhook_oldest(struct orl_shelf *shelf)
 {
     uint64_t bytes = 0, things = 0, shared = 0;
@@ -111,7 +112,7 @@ void *orl_shelf_take(struct orl_shelf *shelf, const char *key)
     return thing;
 }
 
-/* NULL: it is too large, or there is no shelf or no memory. */
+/* Creates an item. NULL: it is too large, or there is no shelf or no memory. */
 static struct item *item_for(const struct orl_shelf *shelf, const char *key, void *thing,
                              uint64_t bytes, void (*let_go)(void *thing))
 {
@@ -147,7 +148,7 @@ void orl_shelf_put(struct orl_shelf *shelf, const char *key, void *thing, uint64
     free_items(rest);
 }
 
-/* Held for the caller, and put in front; with the mutex held. */
+/* Adds a reference for the caller and moves the item to the front; the mutex is held. */
 static void *share(struct orl_shelf *shelf, const char *key,
                    const struct orl_shelf_sharing *sharing)
 {

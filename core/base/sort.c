@@ -5,8 +5,8 @@
 
 #include <oriel/error.h>
 
-/* Blocks that qsort takes, which is stable for so few: glibc's merges, and falls back to another
- * way only where a quarter of the memory would not do. */
+/* Block size for qsort. glibc's qsort is a merge sort, and stable, for blocks of this size; it uses
+ * another method only if they would need a quarter of the memory. */
 enum { BLOCK = 1 << 14 };
 
 struct merge {
@@ -15,7 +15,7 @@ struct merge {
     const atomic_bool *cancel;
 };
 
-/* Merges [from, middle) and [middle, to) of source into target; false: cancelled. */
+/* Merges [from, middle) and [middle, to) of source into target. Returns false if cancelled. */
 static bool merge(const struct merge *m, const char *source, char *target, size_t from,
                   size_t middle, size_t to)
 {

@@ -24,7 +24,7 @@ void orl_stream_fail(struct orl_stream *stream, int code)
         stream->code = code;
 }
 
-/* Whether so much is left to be read. */
+/* Returns true if so many items can still be read. */
 static bool has(struct orl_stream *stream, size_t count, size_t item)
 {
     if (item > 0 && count > (size_t)(stream->end - stream->at) / item)

@@ -2,7 +2,8 @@
 
 static const double enough = 0.98;
 
-/* One line of sight; *ret_held says whether the picture holds enough of what one sees there. */
+/* Evaluates one line of sight; *ret_held is true if the picture covers enough of the field of view
+ * there. */
 static int look(const struct orl_panorama *p, const struct orl_glare_settings *settings,
                 double turned_deg, double least_sr, struct orl_glare *ret_glare, bool *ret_held,
                 struct orl_error *err)

@@ -23,8 +23,9 @@ static int check_source(const struct orl_glare_source *s, size_t number, struct 
 }
 
 /*
- * log10(1 + sum). Luminances squared may be more than a double holds, and Ev^1.87 less: the
- * quotient is taken source by source, and what overflows is glare beyond measure, which 1 cuts off.
+ * Returns log10(1 + sum). Squared luminances may overflow a double, and Ev^1.87 may underflow.
+ * Therefore the quotient is computed for each source. A result that overflows is clamped to 1 by
+ * the caller.
  */
 static double contrast(double eye_lx, const struct orl_glare_source *sources, size_t n_sources)
 {

@@ -3,7 +3,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* The eye's axes: the view's, turned about its up. */
+/* Returns the eye's frame: the view's, rotated about its up. */
 static struct orl_frame eye_of(const struct orl_view *view, double turned_deg)
 {
     const struct orl_vec3 right = orl_normalize(orl_cross(view->direction, view->up));
@@ -21,7 +21,8 @@ static struct orl_frame eye_of(const struct orl_view *view, double turned_deg)
     return (struct orl_frame){aside, orl_cross(aside, turned), turned};
 }
 
-/* In the eye's axes; false where the view sees nothing. */
+/* Computes the direction of a point of the picture, in the eye's axes. Returns false if the view
+ * sees nothing there. */
 static bool look(const struct orl_field *f, double x, double y, struct orl_vec3 *ret_direction)
 {
     struct orl_vec3 origin, direction;
@@ -31,7 +32,7 @@ static bool look(const struct orl_field *f, double x, double y, struct orl_vec3 
     return true;
 }
 
-/* A corner of the picture's lattice, as it is seen. */
+/* Corner of the picture's pixel lattice. */
 struct corner {
     struct orl_vec3 direction;
     bool seen;

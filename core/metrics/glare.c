@@ -24,7 +24,7 @@ float *orl_film_luminances(const struct orl_film *film)
     return cd_m2;
 }
 
-/* Sums over all that counts. */
+/* Totals over all pixels that count. */
 struct totals {
     double eye_lx, average_cd_m2, most_cd_m2;
 };
@@ -46,7 +46,8 @@ static struct totals add_up(const struct orl_luminances *picture)
                            field->all_sr > 0 ? orl_sum_value(&all) / field->all_sr : 0, most};
 }
 
-/* Mean luminance of the task; of the view where there is none, or nothing of it counts. */
+/* Returns the mean luminance of the task, or of the view if there is no task or none of it
+ * counts. */
 static double task_luminance(const struct orl_luminances *picture,
                              const struct orl_glare_area *task, double average)
 {
@@ -80,7 +81,8 @@ static struct orl_source_rule rule_of(const struct orl_glare_settings *s, double
                                                                       : usual_peak};
 }
 
-/* Of sums of pixels, which may be more than all of the light at the eye by what was rounded off. */
+/* Returns the illuminance by the sources. Rounding of the sums could exceed the illuminance at the
+ * eye. */
 static double direct_illuminance(const struct orl_glare *glare, double eye_lx)
 {
     double direct = 0;
@@ -89,7 +91,8 @@ static double direct_illuminance(const struct orl_glare *glare, double eye_lx)
     return fmin(direct, eye_lx);
 }
 
-/* Correction for age: 1 / (1.1 - 0.5 age / 100), of 20 years 1 (evalglare 1.08 to 1.16). */
+/* Returns DGP's correction for age: 1 / (1.1 - 0.5 age / 100), 1 for 20 years (evalglare 1.08 to
+ * 1.16). */
 static double age_factor(double years)
 {
     return years > 0 ? 1 / (1.1 - 0.5 * years / 100) : 1;

@@ -5,18 +5,19 @@
 
 #include <oriel/crew.h>
 
-/* The part of the disc that a source has to fill. */
+/* Share of the disc that a source must fill. */
 static const double enough = 0.2;
 
 struct smoothing {
     const struct orl_field *field;
     const uint32_t *label;
-    double pixels;  /* the disc's radius */
-    double *filled; /* of the disc, by label; zero between pixels */
-    uint32_t *met;  /* the labels in the disc */
+    double pixels;  /* radius of the disc */
+    double *filled; /* solid angle in the disc, by label; zero between calls */
+    uint32_t *met;  /* labels in the disc */
 };
 
-/* Half the angle from the middle to ten pixels up and right of it, tenfold: a pixel's diagonal. */
+/* Returns the radius of the disc in pixels. The diagonal of a pixel is a tenth of the angle from
+ * the middle to the point ten pixels up and right of it. */
 static double disc_of(const struct orl_field *field, double radius_rad)
 {
     const double x = floor(field->width / 2.0) + 0.5;
@@ -25,7 +26,7 @@ static double disc_of(const struct orl_field *field, double radius_rad)
     const struct orl_vec3 beside = orl_field_towards(field, x + 10, y - 10);
     const double diagonal = acos(fmin(orl_dot(middle, beside), 1)) / 10;
     const double pixels = diagonal > 0 ? radius_rad / (2 * diagonal) / 1.75 : 0;
-    return fmin(pixels, (double)field->width + field->height); /* all of it */
+    return fmin(pixels, (double)field->width + field->height); /* covers the whole picture */
 }
 
 static void fill_row(struct smoothing *s, uint32_t y, int64_t from, int64_t to, double *all,
@@ -44,7 +45,7 @@ static void fill_row(struct smoothing *s, uint32_t y, int64_t from, int64_t to, 
     }
 }
 
-/* The source that fills most of the disc about a pixel, if it fills enough. */
+/* Returns the source that fills most of the disc about a pixel, or 0 if none fills enough. */
 static uint32_t claimed_by(struct smoothing *s, uint32_t x, uint32_t y)
 {
     const int64_t reach = (int64_t)s->pixels;

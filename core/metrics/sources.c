@@ -7,18 +7,18 @@
 #include "metrics/smooth.h"
 #include "metrics/unite.h"
 
-/* What is at work: labels of all pixels, and the list of those that are being put together. */
+/* State of a search: labels of all pixels, and the list of pixels to be grouped. */
 struct search {
     const struct orl_luminances *picture;
     const struct orl_source_rule *rule;
-    size_t count;     /* of the picture's pixels */
-    uint32_t *label;  /* the source that a pixel is of, from 1 on; 0: of none */
-    uint32_t *pixels; /* the list */
-    uint32_t *group;  /* of the pixels in it */
+    size_t count;     /* number of pixels in the picture */
+    uint32_t *label;  /* source of each pixel, from 1 on; 0: none */
+    uint32_t *pixels; /* list of pixels */
+    uint32_t *group;  /* group of each pixel in the list */
     uint32_t n_labels;
 };
 
-/* Lists what counts and is brighter than that; of peaks only what is of a source. */
+/* Lists the counting pixels brighter than cd_m2; for peaks, only pixels of sources. */
 static size_t list_brighter(struct search *s, double cd_m2, bool at_least, bool of_sources)
 {
     const float *sr = s->picture->field->solid_angle, *luminance = s->picture->cd_m2;
@@ -32,7 +32,7 @@ static size_t list_brighter(struct search *s, double cd_m2, bool at_least, bool 
     return n;
 }
 
-/* Puts the list's pixels together, under labels of their own. */
+/* Groups the pixels of the list under new labels. */
 static int label_groups(struct search *s, size_t n)
 {
     uint32_t groups = 0;
@@ -55,7 +55,8 @@ static int find(struct search *s)
     return code;
 }
 
-/* Adds a pixel to sums: of luminance by solid angle, and places weighted by that. */
+/* Adds a pixel to the sums of a source: luminance times solid angle, and positions weighted by
+ * that. */
 static void add_pixel(struct orl_glare_source *source, const struct orl_luminances *picture,
                       size_t pixel)
 {
@@ -72,8 +73,8 @@ static void add_pixel(struct orl_glare_source *source, const struct orl_luminanc
     source->most_cd_m2 = fmax(source->most_cd_m2, cd_m2);
 }
 
-/* As evalglare takes a direction's angle from upright: by the view's up itself, which need not be
- * upright to the line of sight. */
+/* Computes a direction as evalglare does: by the view's up itself, which need not be perpendicular
+ * to the line of sight. */
 static struct orl_vec3 by_tilted_up(const struct orl_field *field, struct orl_vec3 to)
 {
     const double upright = orl_dot(orl_normalize(field->view.up), field->eye.v);
@@ -81,12 +82,12 @@ static struct orl_vec3 by_tilted_up(const struct orl_field *field, struct orl_ve
     return orl_v3(sqrt(fmax(across * across - y * y, 0)), y, to.z);
 }
 
-/* Makes means of sums. x and y were the pixels' corners up to here. */
+/* Converts sums to means. Until here x and y referred to the pixels' corners. */
 static void settle(struct orl_glare_source *source, const struct search *s)
 {
     const struct orl_field *field = s->picture->field;
     double x = source->x / source->luminance_cd_m2, y = source->y / source->luminance_cd_m2;
-    if (s->rule->at_whole_pixels) { /* the lower left one of those that it lies between */
+    if (s->rule->at_whole_pixels) { /* the lower left of the pixels around it */
         x = floor(x);
         y = ceil(y);
     }

@@ -7,13 +7,13 @@
 
 static const uint32_t nobody = UINT32_MAX;
 
-/* A pixel at the edge, in its cube. */
+/* Pixel at the edge of a group, with its cube. */
 struct edge {
     int32_t cube[3];
-    uint32_t index; /* in the list of pixels */
+    uint32_t index; /* index in the list of pixels */
 };
 
-/* The edges' pixels of one cube: so many from first on. */
+/* Edge pixels of one cube: count entries from first on. */
 struct cube {
     size_t first, count;
 };
@@ -22,9 +22,9 @@ struct union_find {
     const struct orl_field *field;
     const uint32_t *pixels;
     size_t count;
-    double chord2;    /* the angle's chord, squared */
-    uint32_t *parent; /* of a pixel in the list: one before it, or itself */
-    uint32_t *listed; /* of a pixel of the picture: where it is in the list, or nobody */
+    double chord2;    /* squared chord of the angle */
+    uint32_t *parent; /* for each list entry: an earlier entry, or itself */
+    uint32_t *listed; /* for each pixel of the picture: its index in the list, or nobody */
 };
 
 static uint32_t root_of(struct union_find *u, uint32_t i)
@@ -36,7 +36,7 @@ static uint32_t root_of(struct union_find *u, uint32_t i)
     return i;
 }
 
-/* The earlier root stays, so that roots are groups' first pixels. */
+/* Joins two groups. The earlier root stays, so that roots are the groups' first pixels. */
 static void join(struct union_find *u, uint32_t a, uint32_t b)
 {
     a = root_of(u, a);
@@ -54,7 +54,8 @@ static bool are_close(const struct union_find *u, uint32_t a, uint32_t b)
     return orl_dot(apart, apart) <= u->chord2;
 }
 
-/* In the list, the pixel's neighbour there; nobody when it is none or outside the picture. */
+/* Returns the list index of the pixel's neighbour; nobody if it is not listed or outside the
+ * picture. */
 static uint32_t neighbour(const struct union_find *u, uint32_t pixel, int dx, int dy)
 {
     const uint32_t width = u->field->width;
@@ -64,7 +65,7 @@ static uint32_t neighbour(const struct union_find *u, uint32_t pixel, int dx, in
     return u->listed[(size_t)y * width + (size_t)x];
 }
 
-/* Joins a pixel with the neighbours that are close. Whether one of the eight is not. */
+/* Joins a pixel with its close neighbours. Returns true if one of the eight is not close. */
 static bool join_neighbours(struct union_find *u, uint32_t index)
 {
     bool at_edge = false;
@@ -88,7 +89,7 @@ static int by_cube(const void *a, const void *b)
     return (p->index > q->index) - (p->index < q->index);
 }
 
-/* Whatever shares a cube is close. */
+/* Sorts the edge pixels by cubes. Cubes are so small that all pixels within one are close. */
 static size_t sort_edges(struct union_find *u, struct edge *edges)
 {
     const double side = sqrt(u->chord2 / 3) * (1 - 1e-9);
@@ -134,7 +135,7 @@ static void join_cubes(struct union_find *u, const struct edge *edges, const str
             }
 }
 
-/* The first cube that is not before that one. */
+/* Returns the first cube that is not before that place. */
 static size_t seek(const struct edge *edges, const struct cube *cubes, size_t n,
                    const int32_t place[3])
 {
@@ -150,7 +151,8 @@ static size_t seek(const struct edge *edges, const struct cube *cubes, size_t n,
     return low;
 }
 
-/* With all cubes behind it in the order that are within reach: two apart along an axis. */
+/* Joins a cube with all later cubes in the order that are within reach: up to two apart along an
+ * axis. */
 static void join_around(struct union_find *u, const struct edge *edges, const struct cube *cubes,
                         size_t n, size_t at)
 {

@@ -4,7 +4,7 @@
 
 #include "base/estimate.h"
 
-/* Two batches as one, in the place of the first. */
+/* Merges two batches into the first. */
 static void unite(struct orl_view_batches *b, size_t first, size_t second)
 {
     const double all = b->effort[first] + b->effort[second];
@@ -59,7 +59,7 @@ static double effort_of_all(const struct orl_view_batches *b)
     return sum;
 }
 
-/* The mean of all batches but one; of all where that is no batch. */
+/* Computes the mean of all batches except one; of all batches if left_out is not an index. */
 static void mean_without(const struct orl_view_batches *b, uint32_t left_out, float *ret_cd_m2)
 {
     const double all = effort_of_all(b) - (left_out < b->count ? b->effort[left_out] : 0);
@@ -72,7 +72,7 @@ static void mean_without(const struct orl_view_batches *b, uint32_t left_out, fl
     }
 }
 
-/* What is found without each batch in turn, and, behind that, with all. */
+/* Metrics without each batch in turn, followed by those of all batches. */
 typedef double found_values[ORL_VIEW_BATCHES + 1][ORL_GLARE_METRICS];
 
 static int find_without(const struct orl_view_batches *b, const struct orl_field *field,
@@ -85,7 +85,7 @@ static int find_without(const struct orl_view_batches *b, const struct orl_field
     int code = 0;
     if (!cd_m2)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for errors of glare");
-    of_values.band_rad = 0; /* of parts no errors are told */
+    of_values.band_rad = 0; /* errors are not estimated for parts */
     for (uint32_t i = 0; i <= b->count && code == 0; i++) {
         struct orl_glare glare = {0};
         mean_without(b, i, cd_m2);
@@ -98,7 +98,8 @@ static int find_without(const struct orl_view_batches *b, const struct orl_field
     return code;
 }
 
-/* Of one metric. Where it has no value without some batch its error is not known. */
+/* Computes the errors of one metric. If it has no value without some batch, its error is not
+ * known. */
 static void judge(const struct orl_view_batches *b, found_values found, int metric,
                   struct orl_glare_value *value)
 {
@@ -124,7 +125,7 @@ static void judge(const struct orl_view_batches *b, found_values found, int metr
     value->interval_95[1] = value->value + margins.above;
 }
 
-/* No probability is below 0 or above 1, and no light below 0. */
+/* Clamps intervals: no probability is below 0 or above 1, and no light below 0. */
 static void keep_in_range(struct orl_glare_value values[ORL_GLARE_METRICS])
 {
     static const double most[ORL_GLARE_METRICS] = {[ORL_GLARE_DGP] = 1,

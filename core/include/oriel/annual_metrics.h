@@ -210,8 +210,7 @@ bool orl_annual_grows(enum orl_metric_kind kind); /* with E: all but UDI's lower
 
 /* Rows of several sensors as arrays, sensor by sensor. */
 struct orl_annual_rows {
-    const float *total_lx, *direct_lx, *total_error_lx,
-        *direct_error_lx;                                     /* as in orl_annual_light */
+    const float *total_lx, *direct_lx, *total_error_lx, *direct_error_lx;
     const float *overcast_lx, *overcast_error_lx, *coherence; /* one per sensor */
     const unsigned char *sunny;                               /* one per column */
     size_t n_sensors, n_columns;

@@ -9,7 +9,7 @@
  * Units: luminance cd/m2, illuminance lx, solid angles sr. Positions in a picture are in pixels
  * from its left and its lower edge, 0.5 in the middle of the first.
  *
- * Stated errors are sampling errors; ORL_GLARE_NO_ERROR where they are not known.
+ * Stated errors are sampling errors; NaN where they are not known.
  */
 #ifndef ORIEL_GLARE_H
 #define ORIEL_GLARE_H

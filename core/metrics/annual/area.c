@@ -1,4 +1,4 @@
-/* Figures of areas: shares that pass, averages, the worst sensor. */
+/* Figures of areas: passing shares, averages, the worst sensor. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,13 +48,13 @@ static int poll(const struct orl_annual_rows *rows)
 
 /* ---- Shares ---------------------------------------------------------------------------------- */
 
-/* Lists the sensors whose side of the bound is open, and sums up the area of the others that
- * passes. `harder` standard errors are added to each sensor's crossing. Returns the length of the
- * list. */
+/* Lists the sensors whose side of the bound is undecided, and sums the area of the other sensors
+ * that pass. `harder` standard errors are added to each sensor's crossing. Returns the length of
+ * the list. */
 static size_t sort_out(const double *crossing, double harder, const double *area, size_t n,
                        struct orl_area_part *ret_parts, struct orl_sum *sure)
 {
-    const double certain = 30; /* standard errors: 1e-14 on the other side */
+    const double certain = 30; /* standard errors; the probability of the other side is 1e-14 */
     size_t open = 0;
     for (size_t i = 0; i < n; i++) {
         const double mine = area_at(area, i);
@@ -68,13 +68,14 @@ static size_t sort_out(const double *crossing, double harder, const double *area
 }
 
 /*
- * The area that passes, with 2.5 % below and above. A sensor's chance takes its truth to lie
- * anywhere around its value alike. Where those of many lie on the same side of the bound, close to
- * it, more values cross it one way than the other, and no value tells: so the lower end is found as
- * if all sensors passed by `one_sided` standard errors less, and the upper one by as much more.
- * Measured with 48 sensors of 64 paths each in two rooms, over all thresholds: by 0, 93 and 94 % of
- * intervals held the truth (in the worst thresholds 71 %), and 3 and 1.2 % missed it by 3 % of the
- * area or more; by 0.35, 98 and 99 % (0.3 and 0.1 %).
+ * Computes bounds on the passing area, with 2.5 % below and above. A sensor's probability assumes
+ * that its true value lies on either side of its estimate alike. If many sensors lie on the same
+ * side of the bound, close to it, more values cross it one way than the other, and no single value
+ * shows it. Therefore the lower end is computed as if all sensors were `one_sided` standard errors
+ * lower, and the upper end as if they were as much higher. Measured with 48 sensors of 64 paths
+ * each in two rooms, over all thresholds: with 0, 93 and 94 % of intervals contained the truth (71
+ * % at the worst thresholds), and 3 and 1.2 % missed it by 3 % of the area or more; with 0.35, 98
+ * and 99 % (0.3 and 0.1 %).
  */
 static int find_bounds(const double *crossing, const double *area, size_t n,
                        const atomic_bool *cancel, double *ret_low, double *ret_high)
@@ -120,13 +121,13 @@ int orl_annual_share(const double *crossing, const double *area, size_t n, bool 
     return 0;
 }
 
-/* Sensors of a share, evaluated by a crew. */
+/* Crossings of the sensors of a share, evaluated by a crew. */
 struct crossings {
     const struct orl_annual_figure *figure;
     const struct orl_annual_period *period;
     const struct orl_annual_rows *rows;
-    double *crossing; /* of each sensor */
-    double *scratch;  /* of each member of the crew: room for the period's columns */
+    double *crossing; /* one per sensor */
+    double *scratch;  /* for each member of the crew: room for the period's columns */
     atomic_bool unknown, cancelled;
 };
 
@@ -164,7 +165,7 @@ static int share_of(const struct orl_annual_figure *figure, const struct orl_ann
 
 /* ---- Averages, and the worst ----------------------------------------------------------------- */
 
-/* Errors of sensors are independent: their squares add up. */
+/* Errors of sensors are independent, so their squares add up. */
 struct orl_annual_value orl_annual_average(const struct orl_annual_value *values,
                                            const double *area, size_t n)
 {
@@ -200,7 +201,8 @@ static int average(const struct orl_annual_metric *metric, const struct orl_annu
     return code < 0 ? failed(code, err) : 0;
 }
 
-/* Any of n may be the worst: below, all of them are held at once (Sidak 1967). */
+/* Computes the value of the worst sensor. Since any of n may be the worst, the lower end uses
+ * bounds that hold for all sensors at once (Sidak 1967). */
 static int worst(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
                  const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
                  struct orl_error *err)
@@ -227,8 +229,8 @@ static int worst(const struct orl_annual_metric *metric, const struct orl_annual
 
 /* ---- The mean as a sensor -------------------------------------------------------------------- */
 
-/* Computes the mean over sensors of values, or with `squares` of their standard errors, for each
- * column. Returns 0 or ORL_ERR_CANCELLED. */
+/* Computes for each column the mean of values over sensors, or, with `squares`, the standard error
+ * of that mean from their standard errors. Returns 0 or ORL_ERR_CANCELLED. */
 static int mean_columns(const float *values, const struct orl_annual_rows *rows, bool squares,
                         double *sums, float *ret_mean)
 {
@@ -248,7 +250,7 @@ static int mean_columns(const float *values, const struct orl_annual_rows *rows,
     return 0;
 }
 
-/* Sensors have independent errors: their squares are added. */
+/* Errors of sensors are independent, so their squares are added. */
 static float mean_coherence(const struct orl_annual_rows *rows)
 {
     double sum = 0, whole = 0;
@@ -327,7 +329,7 @@ int orl_annual_figure_of(const struct orl_annual_figure *figure,
     case ORL_OVER_LEAST:
         code = worst(&figure->metric, period, rows, &result.value, err);
         break;
-    case ORL_OVER_OF_MEAN: /* a mean DF is the DF of the mean */
+    case ORL_OVER_OF_MEAN: /* the mean of DFs is the DF of the mean */
         code = figure->metric.kind == ORL_METRIC_DF
                    ? average(&figure->metric, period, rows, &result.value, err)
                    : of_mean(&figure->metric, period, rows, &result.value, err);

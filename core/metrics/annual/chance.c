@@ -9,7 +9,7 @@
 #include <oriel/units.h>
 
 enum { PLACES = 1 << 14 };
-static const double nothing = 1e-18; /* of probability, not worth carrying on */
+static const double nothing = 1e-18; /* negligible probability; such places are dropped */
 
 double orl_student_above(double t)
 {
@@ -36,7 +36,7 @@ double orl_student_t(double share_above)
     return (low + high) / 2;
 }
 
-/* A distribution over places, of which those outside of first to last are empty. */
+/* Distribution over places; those outside first to last are empty. */
 struct spread {
     double *at;
     size_t first, last;

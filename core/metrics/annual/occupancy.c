@@ -1,4 +1,4 @@
-/* When a room is in use: by the clock, or by a file. */
+/* Hours of use of a room, by weekdays and hours or from a file. */
 #include <oriel/annual_metrics.h>
 
 #include <math.h>
@@ -14,7 +14,7 @@ void orl_occupancy_init(struct orl_occupancy *occupancy)
         .from_h = 8, .to_h = 18, .days = 0x7f, .first_day = ORL_FIRST_DAY_OF_WEATHER};
 }
 
-/* 0 Monday ... 6 Sunday */
+/* Returns 0 Monday ... 6 Sunday. */
 static unsigned weekday_of(const struct orl_occupancy *occupancy,
                            const struct orl_annual_steps *steps, uint32_t day)
 {
@@ -43,9 +43,9 @@ struct reading {
     struct orl_scanner scanner;
     const struct orl_annual_steps *steps;
     unsigned char *marks;
-    struct orl_annual_steps lines; /* the year in steps of a line each */
+    struct orl_annual_steps lines; /* year divided into one step per line */
     uint32_t count;
-    int fields; /* of a line, all alike; 0: none was read yet */
+    int fields; /* fields per line, the same in all lines; 0: no line was read yet */
     bool has_words;
     struct orl_error *err;
 };
@@ -56,7 +56,8 @@ static int complain(const struct reading *r, int code, const char *what)
     return code;
 }
 
-/* How fine the file is, by its first line's hour: 0.5, or 0.25 for half hours. */
+/* Finds the resolution of the file from the hour of its first line: 0.5 for hours, 0.25 for half
+ * hours. */
 static int find_resolution(struct reading *r, double hour)
 {
     const double per_hour = hour > 0 && hour < 0.5 ? round(0.5 / hour) : 1;
@@ -83,7 +84,7 @@ static int check_time(struct reading *r, const double values[MOST_FIELDS])
     return ORL_ERR_RANGE;
 }
 
-/* The first field is a number, maybe "nan" or "inf", or a misspelt one. */
+/* Returns true if the first field is a number, including "nan", "inf" and misspelt numbers. */
 static bool begins_number(struct orl_slice line)
 {
     struct orl_cells cells;
@@ -97,7 +98,8 @@ static bool begins_number(struct orl_slice line)
            orl_number_read(cell.text, cell.length, &value) != ORL_NUMBER_NOT_ONE;
 }
 
-/* The numbers of a line, between commas, semicolons or space; how many, or an error. */
+/* Splits a line into numbers separated by commas, semicolons or blanks. Returns their count, or an
+ * error. */
 static int split(struct reading *r, struct orl_slice line, double ret_values[MOST_FIELDS])
 {
     struct orl_cells cells;
@@ -144,7 +146,7 @@ static int read_line(struct reading *r, struct orl_slice line)
     return code;
 }
 
-/* Hours to the steps of each, from the last one on. */
+/* Copies hourly marks to the steps of each hour, from the last one on. */
 static void stretch(unsigned char *marks, const struct orl_annual_steps *steps)
 {
     for (uint32_t i = steps->count; i-- > 0;)

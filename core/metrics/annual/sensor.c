@@ -1,4 +1,4 @@
-/* Metrics of one sensor's year, and the error at which each would change sides. */
+/* Metrics of one sensor's year, and the error at which each would change sides of a bound. */
 #include "metrics/annual/sensor.h"
 
 #include <float.h>
@@ -16,11 +16,11 @@ static bool is_direct(enum orl_metric_kind kind)
     return kind == ORL_METRIC_DIRECT_HOURS;
 }
 
-/* What of a row a metric is made of. */
+/* Part of a row that a metric uses. */
 struct light {
     const float *value, *error, *factor;
-    const unsigned char *sunny; /* columns whose errors are coherent in part; NULL: none are */
-    double coherence;           /* of those */
+    const unsigned char *sunny; /* columns whose errors are partly coherent; NULL: none */
+    double coherence;           /* of the errors in sunny columns */
 };
 
 static struct light light_of_total(const struct orl_annual_light *row)
@@ -49,12 +49,12 @@ bool orl_annual_errors_known(const struct orl_annual_metric *metric,
 }
 
 /*
- * The standard error of a column as far as all columns share it, relative to its light.
+ * Returns the part of a column's relative standard error that all columns share.
  *
- * Light adds up from few bright paths and many dim ones: an estimate that comes out low thinks
- * itself surer than it is, as its error shrinks with it. In proportion, errors are even: values
- * move by factors, and no further than the error allows of means that are never below zero, which
- * is their own size.
+ * Light is a sum over few bright paths and many dim ones. An estimate that comes out low has too
+ * small a standard error, since the error shrinks with the value. Relative errors are more even, so
+ * values are moved by factors. For means that are never negative the error is at most the value
+ * itself.
  */
 static double proportion(const struct light *light, size_t column)
 {
@@ -81,7 +81,7 @@ void orl_annual_factors(const struct orl_annual_light *row, size_t n, float *ret
                              : 1;
 }
 
-/* Steps that are lit so that they count, as the metric weighs them; dark ones are the caller's. */
+/* Returns the weight of a step with that illuminance in the metric. */
 static double weigh(const struct orl_annual_metric *metric, double lx)
 {
     switch (metric->kind) {
@@ -134,7 +134,7 @@ bool orl_annual_grows(enum orl_metric_kind kind)
 
 /* ---- Intervals ------------------------------------------------------------------------------- */
 
-/* Of what grows or falls all the way. */
+/* Returns the interval of a metric that is monotonic in the light. */
 static struct orl_annual_value steady_within(const struct orl_annual_metric *metric,
                                              const struct orl_annual_period *period,
                                              const struct orl_annual_light *row, double z)
@@ -146,9 +146,9 @@ static struct orl_annual_value steady_within(const struct orl_annual_metric *met
 }
 
 /*
- * UDI is what has reached the lower bound less what has left by the upper one. With a common factor
- * the two move together and their difference less; with less in common they do not. Their squares
- * are added, which is wide enough for either.
+ * UDI is the share that has reached the lower bound less the share above the upper bound. With a
+ * common factor the two move together, and their difference varies less; with less coherence it
+ * varies more. Adding their squares is wide enough for either case.
  */
 static struct orl_annual_value range_within(const struct orl_annual_metric *metric,
                                             const struct orl_annual_period *period,
@@ -186,7 +186,7 @@ void orl_annual_evaluate(const struct orl_annual_metric *metric,
 
 /* ---- Crossings ------------------------------------------------------------------------------- */
 
-/* The z at which one step begins to count. */
+/* Returns the z at which one step begins to count. */
 static double step_crossing(const struct orl_annual_metric *metric, const struct light *light,
                             uint32_t column)
 {
@@ -198,10 +198,11 @@ static double step_crossing(const struct orl_annual_metric *metric, const struct
     if (!(share > 0))
         return (strict ? lx > metric->low_lx : lx >= metric->low_lx) ? -INFINITY : INFINITY;
     const double z = log(metric->low_lx / lx) / share;
-    return strict && lx <= metric->low_lx ? fmax(z, DBL_MIN) : z; /* met exactly is not more */
+    /* An exactly equal value is not more. */
+    return strict && lx <= metric->low_lx ? fmax(z, DBL_MIN) : z;
 }
 
-/* Of metrics that count hours: that of the last step they need. */
+/* Returns the crossing of a metric that counts hours: that of the last step it needs. */
 static double counting_crossing(const struct orl_annual_metric *metric, double needed_h,
                                 const struct orl_annual_period *period,
                                 const struct orl_annual_light *row, double *scratch)
@@ -218,12 +219,12 @@ static double counting_crossing(const struct orl_annual_metric *metric, double n
     return orl_find_kth(scratch, period->n_columns, (size_t)needed - 1);
 }
 
-/* Of the others, which grow steadily. */
+/* Returns the crossing of other metrics, which grow monotonically, by bisection. */
 static double sought_crossing(const struct orl_annual_metric *metric, double bound,
                               const struct orl_annual_period *period,
                               const struct orl_annual_light *row)
 {
-    const double reach = 38; /* beyond, a normal law has no chance left in a double */
+    const double reach = 38; /* beyond it a double holds no probability of a normal law */
     const double hair = 1e-12 * fabs(bound);
     double low = -reach, high = reach;
     if (orl_annual_at(metric, period, row, low) >= bound - hair)

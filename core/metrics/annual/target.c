@@ -1,4 +1,4 @@
-/* Targets in words, and verdicts on them. */
+/* Parser of targets, and verdicts on them. */
 #include <oriel/annual_metrics.h>
 
 #include <ctype.h>
@@ -29,7 +29,7 @@ static void skip_space(struct reading *r)
         r->at++;
 }
 
-/* A word, in either case, that no letter follows. */
+/* Takes a word, in either case, if no letter follows it. */
 static bool take(struct reading *r, const char *word)
 {
     const size_t length = strlen(word);
@@ -60,7 +60,7 @@ struct kind_name {
     double least;
 };
 
-/* Names, with the numbers that those without any have. Longer names first. */
+/* Names with default numbers. Longer names come first. */
 static const struct kind_name kind_names[] = {
     {"udi_lower", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_LOWER, ORL_WHEN_OCCUPIED, 100, 0}, 0},
     {"udi_part", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_PART, ORL_WHEN_OCCUPIED, 100, 300}, 0},
@@ -86,7 +86,7 @@ static const struct kind_name *take_kind(struct reading *r)
     return NULL;
 }
 
-/* The second number of "300/50", "300,50" and "100-3000", if it stands there. */
+/* Takes the second number of "300/50", "300,50" and "100-3000", if there is one. */
 static int take_second(struct reading *r, double *ret_value)
 {
     skip_space(r);
@@ -96,7 +96,7 @@ static int take_second(struct reading *r, double *ret_value)
     return take_number(r, ret_value) ? 0 : wanted(r, "a number");
 }
 
-/* "sDF2", "sDF2 %", "sDF300lx": a factor, or what it is to give. */
+/* Reads "sDF2", "sDF2 %" or "sDF300lx": a factor, or the illuminance that it must give. */
 static int read_factor(struct reading *r, struct orl_annual_figure *figure)
 {
     double number = 0;
@@ -144,7 +144,7 @@ static bool is_relation(char c)
     return c == '<' || c == '>' || c == '=';
 }
 
-/* All words up to the relation: names may hold spaces. */
+/* Reads all words up to the relation, since names may contain spaces. */
 static int read_grid(struct reading *r, char ret_grid[ORL_TARGET_GRID])
 {
     size_t length = 0;
