@@ -1,4 +1,5 @@
-/* Caustics: by what is lit (lit_specular.h), never by what a pilot happened to see. */
+/* Decides on caustics by the surfaces that are lit (lit_specular.h), never by chance hits of a
+ * pilot. */
 #include <stdio.h>
 
 #include "plan/decide.h"
@@ -16,7 +17,8 @@ static double map_s(const struct orl_survey *survey)
     return RAYS_A_PHOTON * (double)ORL_DEFAULT_PHOTONS * survey->ray_s;
 }
 
-/* A flat mirror doubles a sun, times what it reflects; what is curved may gather it to a point. */
+/* Returns a bound on the illuminance: a flat mirror doubles a sun, times its reflectance; a curved
+ * one may focus it to a point. */
 static double mirror_bound(const struct orl_survey *survey, const struct orl_lit *lit)
 {
     const struct orl_world *world = survey->world;
@@ -28,7 +30,8 @@ static double mirror_bound(const struct orl_survey *survey, const struct orl_lit
     return lit->classes[ORL_LIT_FLAT].share * (survey->sun_lx + survey->lamp_lx);
 }
 
-/* Panes seen from outside mirror suns onto what stands there, and so in by windows. */
+/* Returns true if panes may mirror suns onto outdoor surfaces, from where light enters by
+ * windows. */
 static bool may_light_outside(const struct orl_survey *survey)
 {
     const struct orl_world *world = survey->world;
@@ -37,8 +40,8 @@ static bool may_light_outside(const struct orl_survey *survey)
 }
 
 /*
- * What is lit only by way of something else that is lit counts too: where both mirrors and lobes
- * are there and one of them is lit, the other may be.
+ * Decides on mirrors. Surfaces that are lit only by way of other lit ones count too: if there are
+ * both mirrors and lobes and one of them is lit, the other may be.
  */
 static bool decide_mirrors(const struct orl_survey *survey, const struct orl_lit *lit,
                            struct orl_decision *decision)
@@ -118,7 +121,8 @@ static bool is_glass(const struct orl_material *m)
 static void decide_glass(const struct orl_survey *survey, struct orl_decision *decision)
 {
     const size_t panes = orl_survey_count(survey, is_glass);
-    /* Shadow rays pass panes anyway: it cannot be left out, and there is nothing to gain by it. */
+    /* Shadow rays pass panes in any case: leaving glass out is not possible, and would save
+     * nothing. */
     decision->simulated = true;
     const struct orl_finding finding = {.needed = panes > 0, .unit = ORL_BOUND_LX, .bound = 0};
     orl_settle(decision, &finding,
@@ -131,8 +135,8 @@ static void decide_glass(const struct orl_survey *survey, struct orl_decision *d
 }
 
 /*
- * Paths from sensors meet mirrors and lobes as they come: what is there they find, but for suns in
- * flat mirrors, which shadow rays look for.
+ * Overrides a skip for the backward technique. Its paths hit mirrors and lobes anyway and include
+ * their light, except for suns in flat mirrors, which only shadow rays find.
  */
 static void admit(struct orl_decision *decision)
 {
@@ -146,7 +150,7 @@ static void admit(struct orl_decision *decision)
     decision->saved_s = 0;
 }
 
-/* Whether there is anything for caustic photons to do; where it was forced they are to try. */
+/* Returns true if caustic photons have anything to do, or the job forces them. */
 static bool may_land(const struct orl_lit *lit, const struct orl_plan *plan, bool simulated)
 {
     const bool forced = plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].wish == ORL_WISH_FORCE ||
@@ -154,7 +158,7 @@ static bool may_land(const struct orl_lit *lit, const struct orl_plan *plan, boo
     return simulated && (any_lit(lit) || forced) && plan->technique != ORL_TECHNIQUE_BACKWARD;
 }
 
-/* Shadow rays look for no light in flat mirrors after this. */
+/* Removes virtual images of suns and lamps, so that shadow rays no longer search flat mirrors. */
 static void leave_out_images(struct orl_world *world)
 {
     orl_images_keep_suns(&world->images, NULL);

@@ -1,4 +1,4 @@
-/* Suns, skies and lamps: whether there are any, and what they can give at most. */
+/* Decides on suns, skies and lamps, by upper bounds of their light. */
 #include <stdio.h>
 
 #include "plan/decide.h"
@@ -12,7 +12,7 @@ static double shadow_rays_s(const struct orl_survey *survey, size_t lights)
     return places * (double)lights * survey->ray_s;
 }
 
-/* Four digits, or all before the point. */
+/* Formats with four digits, or with all digits before the decimal point. */
 static const char *in_lux(double lux, char ret_text[32])
 {
     if (lux < 1000)
@@ -23,8 +23,8 @@ static const char *in_lux(double lux, char ret_text[32])
 }
 
 /*
- * A sun counts by its own irradiance and what surfaces reflect of it; only one that is too dim to
- * matter however it is focused, pi L, goes by itself.
+ * Decides on suns. The bound is the sun's irradiance plus its reflections. Only pi L decides
+ * whether a sun is negligible, since that bounds it under any focusing.
  */
 static void decide_sun(struct orl_survey *survey, struct orl_plan *plan)
 {
@@ -61,7 +61,7 @@ static void decide_sky(struct orl_survey *survey, struct orl_plan *plan)
         world->n_domes = 0;
 }
 
-/* Lamps left out are black, so that rays which meet them see that too. */
+/* Lamps that are left out become black, so that rays that hit them see no light. */
 static void put_out_lamps(struct orl_world *world)
 {
     for (size_t i = 0; i < world->n_emitters; i++) {

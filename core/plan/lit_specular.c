@@ -9,15 +9,15 @@
 enum { MOST_RAYS = 1 << 18, MOST_SAMPLES = 256, LEAST_SAMPLES = 8, MOST_PANES = 64 };
 enum { WINDOW_SAMPLES = 1024, IMAGE_SAMPLES = 64, MOST_PLACES = 4096 };
 
-/* Facets times lights: beyond this a look would take seconds. */
+/* Limit of facets times lights; beyond it the search would take seconds. */
 static const double most_pairs = 2e5;
 
 struct look {
     const struct orl_world *world;
     struct orl_lit *lit;
     struct orl_sobol sobol;
-    const struct orl_crew *crew; /* whose cancellation is heard */
-    uint32_t samples;            /* a side of a facet */
+    const struct orl_crew *crew; /* polled for cancellation */
+    uint32_t samples;            /* per side of a facet */
 };
 
 static bool is_kind(enum orl_surface_kind shape, const struct orl_material *m,
@@ -32,7 +32,8 @@ static bool is_kind(enum orl_surface_kind shape, const struct orl_material *m,
     return flat && !bends && orl_material_is_mirror(m);
 }
 
-/* What that side sends on, other than straight, of light at 60 degrees. */
+/* Returns the share of light at 60 degrees that a side sends on in other directions than
+ * straight. */
 static double sent_on(const struct orl_material *m, bool front, enum orl_lit_kind kind)
 {
     if (kind == ORL_LIT_CURVED && orl_material_bends(m))
@@ -42,7 +43,7 @@ static double sent_on(const struct orl_material *m, bool front, enum orl_lit_kin
                : orl_material_mirrored_most(m, front, 0.5);
 }
 
-/* Whether a lit place of that side matters: in a sealed scene what is outside does not. */
+/* Returns true if a lit point of that side matters: in a sealed scene, points outside do not. */
 static bool counts(const struct look *look, uint32_t facet, bool front, struct orl_vec3 point,
                    enum orl_lit_kind kind)
 {
@@ -91,7 +92,7 @@ static void look_at(struct look *look, uint32_t facet, enum orl_lit_kind kind)
         }
 }
 
-/* In all of its places. */
+/* Checks all placements of a facet. */
 static void look_at_placed(struct look *look, const struct orl_kept_walk *walk,
                            enum orl_lit_kind kind)
 {
@@ -120,7 +121,7 @@ static void look_at_facets(struct look *look, enum orl_lit_kind kind)
     }
 }
 
-/* How many of its places matter: in a sealed scene those outside do not. */
+/* Returns the number of placements that matter: in a sealed scene, those outside do not. */
 static size_t count_places(const struct orl_world *world, const struct orl_kept_walk *walk)
 {
     const struct orl_geometry *const g = world->geometry;
@@ -176,7 +177,7 @@ static void note(struct look *look, uint32_t facet)
     }
 }
 
-/* A sun's rays in by a window, straight on to the first surface that is no pane. */
+/* Traces a sun's ray in by a window, straight on to the first surface that is no pane. */
 static void follow_sun_in(struct look *look, const struct orl_port *port, const struct orl_sun *sun,
                           uint32_t sample)
 {
@@ -196,7 +197,7 @@ static void follow_sun_in(struct look *look, const struct orl_port *port, const 
         .point = point, .normal = normal, .facet = port->facet, .front = port->outside_is_front};
     if (!(orl_rgb_max(orl_material_straight(orl_world_material(look->world, &pane), &pane,
                                             orl_neg(direction))) > 0))
-        return; /* what scatters is lit itself, and found so */
+        return; /* a scattering pane is itself lit, and is found as such */
     struct orl_path path =
         orl_path_from(orl_facet_leave(g, port->facet, point, normal, direction), direction);
     for (int i = 0; i < MOST_PANES; i++) {
@@ -210,7 +211,7 @@ static void follow_sun_in(struct look *look, const struct orl_port *port, const 
     }
 }
 
-/* A sun's image in flat mirrors outside, seen from a window. */
+/* Returns true if a sun's image in flat outdoor mirrors is visible from a window. */
 static bool image_reaches(const struct look *look, const struct orl_port *port,
                           const struct orl_image *image, uint32_t sample)
 {
@@ -253,7 +254,7 @@ static void look_from_windows(struct look *look)
     }
 }
 
-/* Where there is too much to look at, what cannot be ruled out is there. */
+/* Marks all existing classes as lit, if there are too many facets to check. */
 static void take_as_lit(struct orl_lit *lit)
 {
     for (int kind = 0; kind < ORL_LIT_KINDS; kind++)

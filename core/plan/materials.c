@@ -1,11 +1,11 @@
-/* What is done to materials: glossy parts folded into diffuse ones, clear solids. */
+/* Decides on glossy reflection, and on absorption and refraction of dielectrics. */
 #include "plan/decide.h"
 #include "scene/material/bounds.h"
 #include "scene/material/pattern.h"
 
 /* ---- Glossy reflection ----------------------------------------------------------------------- */
 
-/* Trans keeps its parts: they share one colour, and cannot be told apart any other way. */
+/* Trans is excluded: its parts share one colour, and no other material could represent them. */
 static bool is_glossy(const struct orl_material *m)
 {
     return (m->kind == ORL_MATERIAL_PLASTIC || m->kind == ORL_MATERIAL_METAL) &&
@@ -19,10 +19,10 @@ static double gloss(const struct orl_material *m)
 
 static const double least_pattern = 0.1;
 
-/* All that is reflected is reflected evenly: the energy stays. */
+/* Converts glossy reflection to diffuse reflection of the same energy. */
 static void fold(struct orl_material *m)
 {
-    /* Gloss has no pattern: what the pattern will take of it, on the whole, is made up for. */
+    /* Gloss has no pattern; the mean attenuation by the pattern is compensated. */
     const double left = m->pattern ? fmax(orl_luma(m->pattern->mean), least_pattern) : 1;
     if (m->kind == ORL_MATERIAL_PLASTIC)
         m->color =
@@ -102,7 +102,7 @@ static void decide_media(struct orl_survey *survey, struct orl_plan *plan)
     world->omit.media = count > 0;
 }
 
-/* Bent light can be focused: the bound is that of everything there is, focused. */
+/* Refraction may focus: the bound is that of all lights, focused. */
 static void decide_refraction(struct orl_survey *survey, struct orl_plan *plan)
 {
     struct orl_world *world = survey->world;

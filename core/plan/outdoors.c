@@ -3,9 +3,10 @@
 #include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"
 
-/* Facets times planes of ports: beyond this a look would take longer than it may save. */
+/* Limit of facets times port planes; beyond it the test would take longer than it may save. */
 static const double most_looks = 2e7;
-/* Of the scene's size: what reaches less far beyond a plane lies in it. Rays are floats. */
+/* Tolerance relative to the scene's size: a smaller distance counts as within the plane. Rays are
+ * floats. */
 static const double in_plane = 1e-7;
 
 static bool goes_on(const struct orl_crew *crew, size_t facet)
@@ -19,7 +20,7 @@ static double highest(struct orl_vec3 low, struct orl_vec3 high, struct orl_vec3
            fmax(low.z * d.z, high.z * d.z);
 }
 
-/* How far a facet reaches in a direction; a curved one, at most. */
+/* Returns the extent of a facet in a direction; for a curved one, an upper bound. */
 static double reach(const struct orl_geometry *g, const struct orl_facet *f, struct orl_vec3 d)
 {
     double most = -INFINITY;
@@ -47,14 +48,14 @@ static double reach(const struct orl_geometry *g, const struct orl_facet *f, str
     return INFINITY;
 }
 
-/* Where a port's pane ends outwards. */
+/* Returns the outer plane of a port's pane. */
 static double plane_of(const struct orl_world *world, const struct orl_port *port)
 {
     struct orl_facet own;
     return reach(world->geometry, orl_facet_own(world->geometry, port->facet, &own), port->outward);
 }
 
-/* In one of the scene's two geometries: what light meets, or what views see. */
+/* Tests a facet of one of the scene's two geometries: that for light, or that for views. */
 static bool reaches_beyond(const struct orl_geometry *g, size_t facet, struct orl_vec3 outward,
                            double plane)
 {
@@ -63,7 +64,7 @@ static bool reaches_beyond(const struct orl_geometry *g, size_t facet, struct or
     return f->area > 0 && reach(g, f, outward) > plane + in_plane * g->radius;
 }
 
-/* What stands in several places, by the box around each. */
+/* Tests a placed instance by its bounding box. */
 static bool is_placed_beyond(const struct orl_geometry *g, const struct orl_placed *placed,
                              struct orl_vec3 outward, double plane)
 {
@@ -87,7 +88,7 @@ static bool is_clear(const struct orl_world *world, const struct orl_port *port,
     return true;
 }
 
-/* At a port: a facet is one, or one for each four of its triangles. */
+/* Returns the number of tests per port; a facet counts as one, or as a quarter of its triangles. */
 static size_t count_looks(const struct orl_geometry *g)
 {
     const size_t of_triangles = orl_geometry_triangles_end(g) / 4;
@@ -98,7 +99,7 @@ static size_t count_looks(const struct orl_geometry *g)
     return n;
 }
 
-/* An earlier port in the same plane has the same outside. */
+/* Finds an earlier port in the same plane, which has the same outside. */
 static bool same_outside(const struct orl_world *world, size_t port, size_t *ret_same)
 {
     const struct orl_port *p = &world->ports[port];
@@ -142,7 +143,7 @@ static double sent_back(const struct orl_material *m)
     return orl_material_shines(m) ? fmax(most, 1) : most;
 }
 
-/* The most of a prototype's facets, if a place of it reaches beyond. */
+/* Returns the largest reflectance of a prototype's facets, if a placement of it reaches beyond. */
 static double sent_back_placed(const struct orl_world *world, const struct orl_geometry *prototype,
                                struct orl_vec3 outward, double plane)
 {

@@ -1,10 +1,10 @@
-/* Which classes of paths (oriel/paths.h) a scene has. */
+/* Finds the classes of paths (oriel/paths.h) of a scene. */
 #include <oriel/paths.h>
 
 #include "plan/decide.h"
 #include "scene/material/lobed.h"
 
-/* The largest share of the light of lamps in mirrors that may have no images. */
+/* Largest tolerable share of lamps' mirrored light without virtual images. */
 static const double tolerable_left_out = 0.02;
 
 static uint32_t set_if(bool present, enum orl_path_class class)
@@ -12,7 +12,7 @@ static uint32_t set_if(bool present, enum orl_path_class class)
     return present ? 1U << class : 0;
 }
 
-/* Returns true if there are lights that rays have to meet: skies and glows. */
+/* Returns true if there are lights that only rays can hit: skies and glow sources. */
 static bool has_wide_lights(const struct orl_world *world)
 {
     bool wide = world->n_domes > 0;

@@ -1,4 +1,4 @@
-/* Which technique, how deep light is followed, and by how many photons. */
+/* Chooses the technique, the number of reflections, and the number of photons. */
 #include <stdio.h>
 #include <string.h>
 
@@ -8,13 +8,13 @@
 
 enum { MOST_LAMPS = 4000000, DEEPEST = 1000 };
 enum { PHOTONS_A_WINDOW = 40000, LEAST_WINDOWS = 3 };
-/* Virtual lamps: for a sample of a sensor, in all and by window; of views. */
+/* Virtual lamps: per sample of a sensor, in total and per window; and for views. */
 enum { LAMPS_A_SAMPLE = 200, LAMPS_A_WINDOW = 8, LEAST_SAMPLES = 64 };
 enum { LAMPS_OF_VIEWS = 200000, LAMPS_OF_A_SAMPLE = 50, LAMPS_A_WINDOW_OF_VIEWS = 10000 };
 
 /* ---- Technique ------------------------------------------------------------------------------- */
 
-/* Surfaces of what stands in several places, counted in each. */
+/* Returns the number of surfaces of instances, counted in each placement. */
 static uint64_t count_placed(const struct orl_geometry *geometry)
 {
     uint64_t n = 0;
@@ -24,9 +24,9 @@ static uint64_t count_placed(const struct orl_geometry *geometry)
 }
 
 /*
- * The first of two techniques that finds all classes of paths, not some by chance only; if neither
- * does, paths, whose results say what they miss (run/chance.c). Fills in why if it is not the
- * first.
+ * Returns the first of two techniques that finds all classes of paths, not some by chance only. If
+ * neither does, returns the backward technique, whose results report missed light (run/chance.c).
+ * Fills ret_why if it is not the first.
  */
 static enum orl_technique finds_all(const enum orl_technique preferred[2], uint32_t paths,
                                     char ret_why[ORL_WHY_MAX])
@@ -71,7 +71,7 @@ static enum orl_technique for_sensors(size_t n, uint32_t paths, char ret_why[ORL
     return finds_all(preferred, paths, ret_why);
 }
 
-/* Returns the planner's technique of the views, or of the sensors. */
+/* Returns the planner's technique for the views, or for the sensors. */
 static enum orl_technique by_planner(const struct orl_survey *survey, uint32_t paths, bool views,
                                      char ret_why[ORL_WHY_MAX])
 {
@@ -87,7 +87,7 @@ static enum orl_technique by_planner(const struct orl_survey *survey, uint32_t p
                  : for_sensors(survey->request->n_sensors, paths, ret_why);
 }
 
-/* Returns the technique of the views, or of the sensors: the job's or the planner's. */
+/* Returns the technique for the views, or for the sensors: the job's or the planner's. */
 static enum orl_technique choose(const struct orl_survey *survey, uint32_t paths, bool views,
                                  char ret_why[ORL_WHY_MAX])
 {
@@ -110,9 +110,9 @@ static enum orl_technique choose(const struct orl_survey *survey, uint32_t paths
     return technique;
 }
 
-/* Sensors beside views get their own technique, unless the job names one for both or has a
- * deadline: rounds divide the time of a deadline between sensors and views, and have one technique.
- */
+/* Sensors beside views get a separate technique, unless the job names one for both or has a
+ * deadline. Rounds divide the time of a deadline between sensors and views, and have one
+ * technique. */
 static void decide_techniques(const struct orl_survey *survey, struct orl_plan *plan)
 {
     const struct orl_job *job = survey->request->job;
@@ -138,7 +138,8 @@ static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan
 
 /* ---- Interreflection ------------------------------------------------------------------------- */
 
-/* After how many reflections less than the tolerance is left, of light that nothing focuses. */
+/* Returns the number of reflections after which less than the tolerance is left, of light that
+ * nothing focuses. */
 static uint32_t depth(const struct orl_survey *survey, const struct orl_lit *lit)
 {
     const double rho = survey->rho_diffuse;
@@ -179,13 +180,15 @@ static void decide_interreflection(struct orl_survey *survey, const struct orl_l
                                                                 : n;
 }
 
-/* Where a map is seen directly, shadow rays and caustic photons are seen beside it. */
+/* Returns true if the technique reads the map by density; shadow rays and caustic photons are added
+ * to it. */
 static bool shows_map(enum orl_technique technique)
 {
     return technique == ORL_TECHNIQUE_DIRECT || technique == ORL_TECHNIQUE_PRECOMPUTED;
 }
 
-/* Of a surface that the map itself shows, the light that comes to it counts, not what it sends. */
+/* Returns the number of reflections of photons. Where the map itself is read, it counts the light
+ * that reaches a surface, not the light that the surface reflects. */
 static uint32_t reflections_of_photons(const struct orl_plan *plan)
 {
     const bool itself = shows_map(plan->technique);
@@ -194,10 +197,11 @@ static uint32_t reflections_of_photons(const struct orl_plan *plan)
 }
 
 /*
- * Photons that a technique needs, of what it takes where suns and lamps put bright edges into a
- * room. Under the sky alone light is smooth: there sensors come out alike (1.3 % of noise, mostly
- * of gather rays) from 100 000 photons and from 2 000 000, and 5 x 5 pixels differ by 1.5 %; and a
- * tenth of the virtual lamps adds a third to a standard error. Many windows light many rooms.
+ * Returns the number of photons that a technique needs. for_edges is the number for rooms in which
+ * suns and lamps make bright edges. Under the sky alone light is smooth. There sensors have the
+ * same noise (1.3 %, mostly of gather rays) with 100 000 photons and with 2 000 000, and blocks of
+ * 5 x 5 pixels differ by 1.5 %. A tenth of the virtual lamps adds a third to a standard error. Many
+ * windows light many rooms, so the number grows with the windows.
  */
 static uint64_t enough(const struct orl_survey *survey, uint64_t for_edges, uint64_t a_window)
 {
@@ -211,11 +215,12 @@ static uint64_t enough(const struct orl_survey *survey, uint64_t for_edges, uint
 }
 
 /*
- * A sample connects to eight of the virtual lamps, which all samples share. Of S samples and L
- * lamps a sensor's relative variance goes as 1 / S + b / L: b is 90 to 105 in the test office, 8 in
- * rooms under the sky alone. A sample of its sensors takes as long as some 5 lamps: the least time
- * for an error has about 200 lamps a sample there, and 50 here. Pixels are many: what they need at
- * the most costs them nothing.
+ * Returns the number of virtual lamps. A sample connects to eight of them, and all samples share
+ * them. With S samples and L lamps a sensor's relative variance is proportional to 1 / S + b / L. b
+ * is 90 to 105 in the test office, and 8 in rooms under the sky alone. A sample of its sensors
+ * takes as long as about 5 lamps. The time for a given error is least with about 200 lamps per
+ * sample there, and 50 here. Pixels are so many that the largest useful number of lamps costs them
+ * little.
  */
 static uint64_t lamps(const struct orl_survey *survey)
 {
@@ -262,7 +267,7 @@ void orl_decide_technique(struct orl_survey *survey, const struct orl_lit *lit,
     plan->photons_global = global_photons(survey, plan);
 }
 
-/* ---- What jobs may ask for ------------------------------------------------------------------- */
+/* ---- Requests of jobs ------------------------------------------------------------------------ */
 
 void orl_decide_requests(struct orl_survey *survey, struct orl_plan *plan)
 {
