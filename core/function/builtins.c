@@ -5,7 +5,8 @@
 
 #include "function/noise.h"
 
-/* A result of finite arguments that is not finite is no value. */
+/* Returns the value if it is finite. Otherwise the function is undefined there, and the value is
+ * 0. */
 static double defined(double value, bool *undefined)
 {
     if (isfinite(value))
@@ -125,7 +126,7 @@ static double at_max(const double *a, uint32_t n, bool *undefined)
     return most;
 }
 
-/* When all are evaluated, because they were given as a function. */
+/* Used when if() was passed as a function, so that all arguments are evaluated. */
 static double at_if(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;

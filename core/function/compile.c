@@ -6,10 +6,9 @@
 #include "base/grow.h"
 #include "function/program.h"
 
-/* ---- Compilation ------------------------------------------------------------------------------
- */
+/* ---- Compilation ----------------------------------------------------------------------------- */
 
-/* The expressions become the first bodies. */
+/* Parses the expressions, which become the first bodies. */
 static int read_expressions(struct orl_compiler *c)
 {
     const struct orl_function_request *const request = c->request;
@@ -39,7 +38,7 @@ static int read_expressions(struct orl_compiler *c)
     return 0;
 }
 
-/* Notes that a segment is a part of the program. */
+/* Marks a segment as part of the program. */
 static int use(struct orl_compiler *c, uint32_t slot)
 {
     if (c->segments[slot].is_used)
@@ -67,7 +66,8 @@ static int use_instruction(struct orl_compiler *c, const struct orl_instruction 
     return code;
 }
 
-/* Compiles the expressions and all that they use, as it turns out; the rest is left out. */
+/* Compiles the expressions and the bodies that their instructions use; other bodies are left
+ * out. */
 static int emit_all(struct orl_compiler *c)
 {
     int code = 0;
@@ -98,7 +98,7 @@ static void *copy(const void *from, size_t bytes)
     return made;
 }
 
-/* All code in one piece, and the rest as it is. */
+/* Joins all code in one array, and moves the other arrays to the function. */
 static int link_program(struct orl_compiler *c, struct orl_function *f)
 {
     const struct orl_function_request *const request = c->request;

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* FNV-1a, of the context and the name. */
+/* FNV-1a hash of the context and the name. */
 static uint64_t hash_of(int context, const char *name, size_t length)
 {
     uint64_t hash = UINT64_C(0xcbf29ce484222325) ^ (uint64_t)context;
@@ -19,7 +19,7 @@ static bool is_named(const struct orl_definition *definition, int context, const
            definition->name[length] == '\0';
 }
 
-/* Its place in a table, or that where it would be. */
+/* Returns the table entry of a name, or the empty entry for it. */
 static struct orl_definition **place_in(struct orl_definition **table, size_t n_places, int context,
                                         const char *name, size_t length)
 {
@@ -81,7 +81,7 @@ bool orl_definitions_has(const struct orl_definition *definition, bool called)
     return definition && (definition->function.root || (!called && definition->variable.root));
 }
 
-/* The context that the last part of name`context names, if it is one's; else -1. */
+/* Returns the context that the last part of name`context names, or -1. */
 static int context_named(const struct orl_functions *functions, const char *name, size_t length,
                          size_t *ret_length)
 {

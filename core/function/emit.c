@@ -7,8 +7,7 @@
 #include "base/grow.h"
 #include "function/builtins.h"
 
-/* ---- Bodies -----------------------------------------------------------------------------------
- */
+/* ---- Bodies ---------------------------------------------------------------------------------- */
 
 int orl_emit_body(struct orl_compiler *c, uint32_t slot)
 {
@@ -17,7 +16,7 @@ int orl_emit_body(struct orl_compiler *c, uint32_t slot)
     const bool plain = c->plain;
     const size_t room = 4;
     struct orl_segment *segment = &c->segments[slot];
-    if (segment->code) /* also while it is under way */
+    if (segment->code) /* compiled, or being compiled */
         return 0;
     segment->code = malloc(room * sizeof *segment->code);
     if (!segment->code)
@@ -31,9 +30,9 @@ int orl_emit_body(struct orl_compiler *c, uint32_t slot)
         code = orl_emit_operation(c, slot, ORL_OP_RETURN, 0, 0);
     c->file = file;
     c->plain = plain;
-    segment = &c->segments[slot]; /* which may have moved */
+    segment = &c->segments[slot]; /* the array may have moved */
     segment->finished = code == 0;
-    if (code < 0) { /* as if it had not been tried */
+    if (code < 0) { /* undo the attempt */
         c->n_instructions -= segment->n;
         free(segment->code);
         segment->code = NULL;
@@ -42,7 +41,8 @@ int orl_emit_body(struct orl_compiler *c, uint32_t slot)
     return code;
 }
 
-/* Mistakes in what may be used are found when it turns out that it is. */
+/* Returns true for errors that end the compilation. Other errors in a referenced body are reported
+ * when the program uses it. */
 static bool is_grave(int code)
 {
     return code == ORL_ERR_NOMEM || code == ORL_ERR_LIMIT;
@@ -62,8 +62,7 @@ int orl_emit_waiting(struct orl_compiler *c, size_t base)
     return 0;
 }
 
-/* ---- Constants --------------------------------------------------------------------------------
- */
+/* ---- Constants ------------------------------------------------------------------------------- */
 
 static bool run_constant(struct orl_compiler *c, uint32_t slot, double *ret_value)
 {
@@ -82,7 +81,7 @@ static bool run_constant(struct orl_compiler *c, uint32_t slot, double *ret_valu
 
 static int emit_plain(struct orl_compiler *c, uint32_t slot, const struct orl_term *node);
 
-/* The value of a constant tree, by running it; *ret_found is false where it has none. */
+/* Computes the value of a constant tree by running it; *ret_found is false if it is undefined. */
 static int fold(struct orl_compiler *c, const struct orl_term *node, bool *ret_found,
                 double *ret_value)
 {

@@ -6,10 +6,9 @@
 #include "base/grow.h"
 #include "function/builtins.h"
 
-enum { TABLE_LEAST = 4 }; /* numbers that are looked up rather than gone through */
+enum { TABLE_LEAST = 4 }; /* fewest numbers in select() for a look-up table */
 
-/* ---- Names and calls --------------------------------------------------------------------------
- */
+/* ---- Names and calls ------------------------------------------------------------------------- */
 
 static int undefined(struct orl_compiler *c, const struct orl_term *node, const char *name)
 {
@@ -60,7 +59,7 @@ int orl_emit_variable(struct orl_compiler *c, uint32_t slot, const struct orl_te
     return code < 0 ? code : orl_emit_operation(c, slot, ORL_OP_VARIABLE, body->slot, 0);
 }
 
-/* An argument that is a function's name, or the caller's own; else code is to be written. */
+/* Classifies an argument: a function's name or the caller's parameter; otherwise it needs code. */
 static int pass_name(struct orl_compiler *c, const struct orl_term *node,
                      struct orl_argument *ret_argument)
 {
@@ -79,7 +78,7 @@ static int pass_name(struct orl_compiler *c, const struct orl_term *node,
     return orl_emit_await(c, body->slot);
 }
 
-/* Arguments are evaluated when they are asked for: their code stands before the call. */
+/* Emits a call. Arguments are evaluated lazily: their code is placed before the call. */
 int orl_emit_site(struct orl_compiler *c, uint32_t slot, const struct orl_term *node,
                   enum orl_operation operation, uint32_t callee)
 {
@@ -110,7 +109,7 @@ int orl_emit_site(struct orl_compiler *c, uint32_t slot, const struct orl_term *
     return orl_emit_operation(c, slot, operation, c->n_sites++, 0);
 }
 
-/* A parameter that is called has to be given a function. */
+/* Checks that function names are passed for parameters that the callee calls. */
 static int check_functions(struct orl_compiler *c, const struct orl_term *node,
                            const struct orl_formula *callee)
 {
@@ -131,8 +130,7 @@ static int check_functions(struct orl_compiler *c, const struct orl_term *node,
     return 0;
 }
 
-/* ---- What the language itself knows -----------------------------------------------------------
- */
+/* ---- Language constructs --------------------------------------------------------------------- */
 
 static int emit_if(struct orl_compiler *c, uint32_t slot, const struct orl_term *node)
 {
@@ -157,7 +155,7 @@ static int emit_if(struct orl_compiler *c, uint32_t slot, const struct orl_term 
     return code < 0 ? code : orl_emit_operation(c, slot, ORL_OP_END, 0, 0);
 }
 
-/* All numbers: they become a table. *ret_done is false where one is none. */
+/* Emits a table if all operands are numbers. Otherwise *ret_done is false. */
 static int emit_table(struct orl_compiler *c, uint32_t slot, const struct orl_term *node,
                       bool *ret_done)
 {
@@ -216,7 +214,7 @@ static int emit_select(struct orl_compiler *c, uint32_t slot, const struct orl_t
     return code < 0 ? code : orl_emit_operation(c, slot, ORL_OP_END_SELECT, 0, 0);
 }
 
-/* arg(n), of the arguments that the program has. */
+/* Emits arg(n), which reads the program's arguments. */
 static int emit_arg(struct orl_compiler *c, uint32_t slot, const struct orl_term *node)
 {
     const size_t since = orl_emit_length(c, slot), n = c->request->n_arguments;

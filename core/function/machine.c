@@ -10,18 +10,20 @@
 
 enum { LANES = ORL_FUNCTION_LANES, STACK = ORL_FUNCTION_STACK };
 
-/* Lanes at a choice: those that came, those that the first way or the case under way has. */
+/* Lanes at a branch: those that entered it, and those of the first alternative or of the current
+ * case. */
 struct branch {
     uint8_t active, chosen;
 };
 
 struct orl_function_scratch {
     alignas(64) double values[STACK][LANES];
-    uint8_t valid[STACK]; /* of arguments and variables: the lanes that have been evaluated */
+    uint8_t valid[STACK]; /* for arguments and variables: lanes that have been evaluated */
     struct branch branches[STACK];
 };
 
-/* A call under way: its arguments lie on the stack from base, and are evaluated for the caller. */
+/* Call frame: its arguments lie on the stack from base, and are evaluated in the caller's
+ * context. */
 struct frame {
     const struct orl_site *site;
     const struct frame *caller;
@@ -34,20 +36,20 @@ struct machine {
     struct orl_function_scratch *s;
     const struct orl_function_lanes *inputs;
     uint32_t *operations;
-    uint32_t top, branch; /* the first free place of the stacks */
+    uint32_t top, branch; /* first free index of each stack */
     uint32_t depth;
     unsigned active, undefined;
 };
 
 static bool run(struct machine *m, uint32_t segment, size_t at, const struct frame *frame);
 
-/* The uppermost value but n. */
+/* Returns the value n places below the top. */
 static double *value_at(const struct machine *m, uint32_t n)
 {
     return m->s->values[m->top - 1 - n];
 }
 
-/* Room for a value, uninitialised; NULL: there is none. */
+/* Returns an uninitialised stack entry; NULL: the stack is full. */
 static double *push(struct machine *m)
 {
     return m->top < STACK ? m->s->values[m->top++] : NULL;
@@ -69,17 +71,16 @@ static bool push_copy(struct machine *m, const double *from)
     return value != NULL;
 }
 
-/* Takes the uppermost value into these lanes of another. */
+/* Moves the given lanes of the top value into another value. */
 static void take_lanes(struct machine *m, double *into, unsigned lanes)
 {
     orl_lanes_take(into, value_at(m, 0), lanes);
     m->top--;
 }
 
-/* ---- Choices ----------------------------------------------------------------------------------
- */
+/* ---- Branches -------------------------------------------------------------------------------- */
 
-/* Each returns the next instruction. */
+/* begin_if, go_else and go_case return the next instruction. */
 static size_t begin_if(struct machine *m, const struct orl_instruction *code, size_t at)
 {
     const unsigned holds = orl_lanes_above_zero(value_at(m, 0)) & m->active;
@@ -108,7 +109,7 @@ static void end_if(struct machine *m)
         take_lanes(m, value_at(m, 1), branch.active & ~(unsigned)branch.chosen);
 }
 
-/* Leaves the choices, rounded, below the value that will be. */
+/* Leaves the rounded choices on the stack, below the future value. */
 static bool begin_select(struct machine *m, uint32_t count)
 {
     double *const wanted = value_at(m, 0);
@@ -142,8 +143,7 @@ static void end_select(struct machine *m)
     m->top--;
 }
 
-/* ---- Arguments, variables, calls --------------------------------------------------------------
- */
+/* ---- Arguments, variables, calls ------------------------------------------------------------- */
 
 static bool push_parameter(struct machine *m, const struct frame *frame, uint32_t index);
 
@@ -153,7 +153,7 @@ static bool push_nothing(struct machine *m)
     return push_number(m, 0);
 }
 
-/* An argument's value, where the call stands. */
+/* Pushes an argument's value, evaluated in the context of the call. */
 static bool push_argument(struct machine *m, struct orl_argument argument, uint32_t segment,
                           const struct frame *frame)
 {
@@ -161,10 +161,11 @@ static bool push_argument(struct machine *m, struct orl_argument argument, uint3
         return run(m, segment, argument.index, frame);
     if (argument.kind == ORL_ARGUMENT_PARAMETER)
         return push_parameter(m, frame, argument.index);
-    return push_nothing(m); /* a function is no number */
+    return push_nothing(m); /* a function has no value as a number */
 }
 
-/* What lies at a place of the stack, once run() or the like has made it for lanes without it. */
+/* Stores the top value in a stack entry for the missing lanes, restores the active lanes, and
+ * pushes the entry. */
 static bool keep(struct machine *m, uint32_t place, unsigned missing, unsigned active)
 {
     take_lanes(m, m->s->values[place], missing);
@@ -221,7 +222,7 @@ static void apply(struct machine *m, uint32_t which, uint32_t count)
     m->top -= count - 1;
 }
 
-/* Calls the function that a parameter names. */
+/* Calls the function that was passed for a parameter. */
 static bool call_parameter(struct machine *m, const struct orl_site *site, uint32_t segment,
                            const struct frame *frame)
 {
@@ -243,10 +244,9 @@ static bool call_parameter(struct machine *m, const struct orl_site *site, uint3
     return true;
 }
 
-/* ---- The machine ------------------------------------------------------------------------------
- */
+/* ---- The machine ----------------------------------------------------------------------------- */
 
-/* What replaces the two uppermost values by one. */
+/* Executes a binary operation on the two top values. */
 static bool compute(struct machine *m, enum orl_operation operation)
 {
     double *const a = value_at(m, 1);
@@ -270,7 +270,8 @@ static void look_up(struct machine *m, const double *list, size_t count)
     m->undefined |= orl_lanes_look_up(value_at(m, 0), list, count, m->active);
 }
 
-/* What needs neither frame nor place; false: the stack is full. */
+/* Executes an instruction that needs neither frame nor position. Returns false if the stack is
+ * full. */
 static bool step(struct machine *m, const struct orl_instruction *one)
 {
     const struct orl_program *const program = m->program;
@@ -351,7 +352,7 @@ static bool advance(struct machine *m, uint32_t segment, size_t at, const struct
     return false;
 }
 
-/* Runs a segment until it returns, for the lanes that are active, and leaves its value on top. */
+/* Runs a segment until it returns, for the active lanes, and leaves its value on top. */
 static bool run(struct machine *m, uint32_t segment, size_t at, const struct frame *frame)
 {
     if (!m->program->segments[segment].finished || ++m->depth > ORL_FUNCTION_DEPTH ||

@@ -5,7 +5,7 @@
 
 #include "base/grow.h"
 
-/* Of two bodies, by slots: one uses the other. */
+/* Dependency between two bodies, by slots. */
 struct use {
     uint32_t used, user;
 };
@@ -36,7 +36,7 @@ static bool is_fixed(const struct orl_compiler *c, uint32_t input)
     return c->request->fixed && !isnan(c->request->fixed[input]);
 }
 
-/* Notes what a node's bodies are, and whether inputs reach the user. */
+/* Records the bodies that a tree uses, and marks the user as open if it reads an input. */
 static int visit(struct survey *s, struct orl_term *node)
 {
     struct orl_compiler *const c = s->c;
@@ -71,7 +71,7 @@ static int compare_uses(const void *a, const void *b)
     return left->user < right->user ? -1 : left->user > right->user;
 }
 
-/* Users of what is open are open. */
+/* Propagates openness: bodies that use an open body are open. */
 static int spread(struct survey *s)
 {
     struct orl_compiler *const c = s->c;
@@ -108,7 +108,7 @@ static int spread(struct survey *s)
     return 0;
 }
 
-/* Says of each node of a tree whether it is constant. */
+/* Sets the constant flag of each node of a tree. */
 static bool mark(const struct orl_compiler *c, struct orl_term *node)
 {
     bool constant = true;

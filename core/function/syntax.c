@@ -7,13 +7,13 @@
 #include "function/definitions.h"
 #include "function/words.h"
 
-/* One text as it is read. */
+/* Parser state for one text. */
 struct parser {
     struct orl_functions *functions;
     struct orl_function_words words;
     int context;
-    const char *file; /* the set's own */
-    /* The function that is being defined. */
+    const char *file; /* copy owned by the set */
+    /* State of the function being defined. */
     const char *parameters[ORL_FUNCTION_PARAMETERS];
     uint32_t n_parameters;
     uint64_t called;
@@ -52,11 +52,11 @@ static struct orl_term *make(struct parser *p, enum orl_node_kind kind)
     return node;
 }
 
-/* ---- Lists of nodes, before their length is known -------------------------------------------- */
+/* ---- Lists of nodes of unknown length -------------------------------------------------------- */
 
 struct list {
     struct orl_term **nodes;
-    char *operators; /* one before each */
+    char *operators; /* operator before each node */
     size_t n, room, operators_room;
 };
 
@@ -90,8 +90,7 @@ static void discard(struct list *list)
     free(list->operators);
 }
 
-/* ---- Expressions ------------------------------------------------------------------------------
- */
+/* ---- Expressions ----------------------------------------------------------------------------- */
 
 static int read_sum(struct parser *p, struct orl_term **ret_node);
 
@@ -106,7 +105,7 @@ static int enter(struct parser *p)
     return ORL_ERR_LIMIT;
 }
 
-/* A, B, C) up to and with the parenthesis. */
+/* Reads "A, B, C)", including the parenthesis. */
 static int read_list(struct parser *p, struct orl_term *call)
 {
     struct list list = {0};
@@ -130,7 +129,7 @@ static int read_list(struct parser *p, struct orl_term *call)
     return code;
 }
 
-/* Whether the name is a parameter's, of the function being defined. */
+/* Returns true if the name is a parameter of the function being defined. */
 static bool find_parameter(const struct parser *p, const char *name, size_t length,
                            uint32_t *ret_index)
 {
@@ -201,7 +200,7 @@ static int read_atom(struct parser *p, struct orl_term **ret_node)
     return code < 0 ? code : expect(p, ')', "')'");
 }
 
-/* A sign belongs to what follows it, before any operator. */
+/* Reads an operand with an optional sign, which binds before any operator. */
 static int read_signed(struct parser *p, struct orl_term **ret_node)
 {
     struct orl_term *inner = NULL;
@@ -223,7 +222,7 @@ static int read_signed(struct parser *p, struct orl_term **ret_node)
     return settle(p, &list, node);
 }
 
-/* One operand, or a chain of them by the two operators. */
+/* Reads one operand, or a chain of operands joined by the two operators. */
 static int read_chain(struct parser *p, const char *operators,
                       int (*read)(struct parser *, struct orl_term **), struct orl_term **ret_node)
 {
@@ -251,7 +250,7 @@ static int read_chain(struct parser *p, const char *operators,
     return code;
 }
 
-/* a^b^c is a^(b^c). */
+/* Reads a power; a^b^c is a^(b^c). */
 static int read_power(struct parser *p, struct orl_term **ret_node)
 {
     struct orl_term *pair[2] = {NULL, NULL};
@@ -284,10 +283,9 @@ static int read_sum(struct parser *p, struct orl_term **ret_node)
     return read_chain(p, "+-", read_product, ret_node);
 }
 
-/* ---- Definitions ------------------------------------------------------------------------------
- */
+/* ---- Definitions ----------------------------------------------------------------------------- */
 
-/* (A, B) after the name; none for a variable. */
+/* Reads "(A, B)" after the name; a variable has none. */
 static int read_parameters(struct parser *p)
 {
     int code;

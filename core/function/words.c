@@ -34,7 +34,7 @@ static int fault(const struct orl_function_words *words, int line, struct orl_er
     return ORL_ERR_SYNTAX;
 }
 
-/* A comment nests; at its opening brace. */
+/* Skips a comment, which may nest; the position is at its opening brace. */
 static int skip_comment(struct orl_function_words *words, struct orl_error *err)
 {
     const int began = words->line;
@@ -144,7 +144,7 @@ int orl_words_expected(const struct orl_function_words *words, const char *what,
     const int length = words->word_length < 64 ? (int)words->word_length : 64;
     if (words->kind == ORL_WORD_END)
         orl_error_set(err, ORL_ERR_SYNTAX, "%s is expected, not the end of the text", what);
-    else if (words->word[0] < ' ' || words->word[0] > '~') /* errors are UTF-8 */
+    else if (words->word[0] < ' ' || words->word[0] > '~') /* errors must be UTF-8 */
         orl_error_set(err, ORL_ERR_SYNTAX, "%s is expected, not a byte of no meaning", what);
     else
         orl_error_set(err, ORL_ERR_SYNTAX, "%s is expected, not '%.*s'", what, length, words->word);
