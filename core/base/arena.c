@@ -69,7 +69,7 @@ static bool make_room(struct orl_arena *arena, size_t bytes, void **ret_own)
 }
 
 /* Takes bytes from the front of the block; `bytes` is a multiple of the alignment. */
-static void *take(struct orl_arena *arena, size_t bytes)
+static void *take_from_front(struct orl_arena *arena, size_t bytes)
 {
     void *taken;
     if (!make_room(arena, bytes, &taken) || taken)
@@ -85,7 +85,7 @@ void *orl_arena_take(struct orl_arena *arena, size_t size)
     const size_t align = alignof(double);
     if (size > SIZE_MAX - align)
         return NULL;
-    return take(arena, (size + align - 1) / align * align);
+    return take_from_front(arena, (size + align - 1) / align * align);
 }
 
 /* Takes bytes from the back of the block, which needs no alignment. */

@@ -66,7 +66,7 @@ const char *orl_err_name(int code)
 
 /* Appends part to text, a buffer of size bytes of which *used are in use; truncates if it is
  * full. */
-static void append(char *text, unsigned long size, unsigned long *used, const char *part)
+static void append_text(char *text, unsigned long size, unsigned long *used, const char *part)
 {
     const unsigned long length = strlen(part);
     const unsigned long room = size - *used - 1;
@@ -91,21 +91,21 @@ void orl_error_format(const struct orl_error *err, char *ret_text, unsigned long
         return;
     ret_text[0] = '\0';
     if (err->file[0]) {
-        append(ret_text, size, &used, err->file);
+        append_text(ret_text, size, &used, err->file);
         if (err->line > 0) {
             snprintf(number, sizeof number, ":%d", err->line);
-            append(ret_text, size, &used, number);
+            append_text(ret_text, size, &used, number);
         }
-        append(ret_text, size, &used, ": ");
+        append_text(ret_text, size, &used, ": ");
     }
     if (err->primitive[0] && !begins_with_place(err)) {
-        append(ret_text, size, &used, err->primitive);
-        append(ret_text, size, &used, ": ");
+        append_text(ret_text, size, &used, err->primitive);
+        append_text(ret_text, size, &used, ": ");
     }
-    append(ret_text, size, &used, err->message);
+    append_text(ret_text, size, &used, err->message);
     if (err->hint[0]) {
-        append(ret_text, size, &used, " (");
-        append(ret_text, size, &used, err->hint);
-        append(ret_text, size, &used, ")");
+        append_text(ret_text, size, &used, " (");
+        append_text(ret_text, size, &used, err->hint);
+        append_text(ret_text, size, &used, ")");
     }
 }

@@ -72,7 +72,7 @@ static double biased_95(double bias)
 
 /* Returns the extension of the upper margin due to sparse events, in standard errors; t is
  * Student's. */
-static double stretch(const struct orl_estimate *e, double t)
+static double skewness_margin(const struct orl_estimate *e, double t)
 {
     const double cube = e->standard_error * e->standard_error * e->standard_error;
     const double skewness = cube > 0 ? e->third / cube : 0;
@@ -88,5 +88,5 @@ struct orl_margins orl_estimate_margins(const struct orl_estimate *e)
         return (struct orl_margins){bias, bias};
     const double student = student_over_normal(e->degrees);
     const double half = se * student * biased_95(bias / se);
-    return (struct orl_margins){half, half + se * stretch(e, student * normal_95)};
+    return (struct orl_margins){half, half + se * skewness_margin(e, student * normal_95)};
 }

@@ -38,7 +38,7 @@ static void *take_reserve(size_t size)
     return block;
 }
 
-static void *allocate(size_t size)
+static void *allocate_memory(size_t size)
 {
     void *memory = malloc(size);
     if (memory || size == 0)
@@ -47,7 +47,7 @@ static void *allocate(size_t size)
     return reading && size >= BUFFER_LEAST && (size & (size - 1)) == 0 ? take_reserve(size) : NULL;
 }
 
-static void give_back(void *memory)
+static void release_memory(void *memory)
 {
     const uintptr_t at = (uintptr_t)memory, from = (uintptr_t)reserve;
     if (at < from || at >= from + RESERVE) {
@@ -63,7 +63,7 @@ static void give_back(void *memory)
 /* Runs once, before any thread exists. Blocks allocated earlier by malloc are freed by free. */
 __attribute__((constructor)) static void watch_allocations(void)
 {
-    json_set_alloc_funcs(allocate, give_back);
+    json_set_alloc_funcs(allocate_memory, release_memory);
 }
 
 uint64_t orl_json_weight(const char *text, size_t size)

@@ -47,8 +47,9 @@ static double unit_of(double value, double mean)
     return sqrt(fmax(value, darkest * mean));
 }
 
-static void find_light(const struct orl_rare_sensors *s, struct orl_rare ret_rare[ORL_RARE_SIDES],
-                       size_t ret_counts[ORL_RARE_SIDES])
+static void average_light(const struct orl_rare_sensors *s,
+                          struct orl_rare ret_rare[ORL_RARE_SIDES],
+                          size_t ret_counts[ORL_RARE_SIDES])
 {
     for (int side = 0; side < ORL_RARE_SIDES; side++) {
         ret_rare[side] = (struct orl_rare){0, 0, 0};
@@ -68,7 +69,7 @@ void orl_rare_of(const struct orl_rare_sensors *s, struct orl_rare ret_rare[ORL_
 {
     double events[ORL_RARE_SIDES] = {0}, squares[ORL_RARE_SIDES] = {0};
     size_t counts[ORL_RARE_SIDES];
-    find_light(s, ret_rare, counts);
+    average_light(s, ret_rare, counts);
     for (size_t i = 0; i < s->count; i++) {
         const int side = orl_rare_side(s->sensors[i].direction);
         const double few = few_of(&s->rays[i]), square = few > 0 ? few * size2_of(&s->rays[i]) : 0;

@@ -107,7 +107,7 @@ int orl_rgbe_begin(struct orl_rgbe *rgbe, const char *name, const void *data, si
 
 /* ---- Scanlines ------------------------------------------------------------------------------- */
 
-static size_t left(const struct orl_rgbe *r)
+static size_t bytes_left(const struct orl_rgbe *r)
 {
     return (size_t)(r->end - r->at);
 }
@@ -116,12 +116,12 @@ static size_t left(const struct orl_rgbe *r)
 static bool read_component(struct orl_rgbe *r, unsigned char *out)
 {
     for (uint32_t x = 0; x < r->length;) {
-        if (left(r) < 2)
+        if (bytes_left(r) < 2)
             return false;
         const uint32_t code = *r->at++;
         const bool is_run = code > 128;
         const uint32_t count = is_run ? code & 127 : code;
-        if (count == 0 || count > r->length - x || left(r) < (is_run ? 1 : count))
+        if (count == 0 || count > r->length - x || bytes_left(r) < (is_run ? 1 : count))
             return false;
         for (uint32_t i = 0; i < count; i++, x++)
             out[(size_t)4 * x] = is_run ? *r->at : r->at[i];
@@ -136,7 +136,7 @@ static bool read_by_pixel(struct orl_rgbe *r, unsigned char *out)
 {
     uint32_t x = 0, shift = 0;
     while (x < r->length) {
-        if (left(r) < 4)
+        if (bytes_left(r) < 4)
             return false;
         const unsigned char *p = r->at;
         r->at += 4;
@@ -158,7 +158,7 @@ static bool read_by_pixel(struct orl_rgbe *r, unsigned char *out)
 static bool read_scanline(struct orl_rgbe *r, unsigned char *out)
 {
     const unsigned char *p = r->at;
-    if (left(r) < 4 || r->length < SHORTEST_RLE || r->length > LONGEST_RLE || p[0] != 2 ||
+    if (bytes_left(r) < 4 || r->length < SHORTEST_RLE || r->length > LONGEST_RLE || p[0] != 2 ||
         p[1] != 2 || (p[2] & 128) != 0)
         return read_by_pixel(r, out);
     if (((uint32_t)p[2] << 8 | p[3]) != r->length)

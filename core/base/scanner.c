@@ -295,7 +295,7 @@ struct orl_slice orl_slice_before(struct orl_slice slice, char byte)
     return (struct orl_slice){slice.text, at ? (size_t)(at - slice.text) : slice.length};
 }
 
-static void drop(struct orl_slice *slice, size_t n)
+static void drop_front(struct orl_slice *slice, size_t n)
 {
     slice->text += n;
     slice->length -= n;
@@ -304,7 +304,7 @@ static void drop(struct orl_slice *slice, size_t n)
 static void skip_blanks(struct orl_slice *slice)
 {
     while (slice->length > 0 && orl_byte_kind_of(*slice->text) != ORL_BYTE_WORD)
-        drop(slice, 1);
+        drop_front(slice, 1);
 }
 
 struct orl_slice orl_slice_take_word(struct orl_slice *rest)
@@ -313,7 +313,7 @@ struct orl_slice orl_slice_take_word(struct orl_slice *rest)
     struct orl_slice word = {rest->text, 0};
     while (word.length < rest->length && orl_byte_kind_of(word.text[word.length]) == ORL_BYTE_WORD)
         word.length++;
-    drop(rest, word.length);
+    drop_front(rest, word.length);
     return word;
 }
 
@@ -327,11 +327,11 @@ int orl_slice_take_quoted(struct orl_slice *rest, struct orl_slice *ret_word)
         *ret_word = orl_slice_take_word(rest);
         return 1;
     }
-    drop(rest, 1);
+    drop_front(rest, 1);
     *ret_word = orl_slice_before(*rest, quote);
     if (ret_word->length == rest->length)
         return -1;
-    drop(rest, ret_word->length + 1);
+    drop_front(rest, ret_word->length + 1);
     return 1;
 }
 
@@ -342,11 +342,11 @@ static bool take_quotes(struct orl_slice *rest, struct orl_slice *ret_text)
     struct orl_slice ahead = *rest;
     if (ahead.length < 2 || *ahead.text != '"')
         return false;
-    drop(&ahead, 1);
+    drop_front(&ahead, 1);
     *ret_text = orl_slice_before(ahead, '"');
     if (ret_text->length == ahead.length)
         return false;
-    drop(&ahead, ret_text->length + 1);
+    drop_front(&ahead, ret_text->length + 1);
     *rest = ahead;
     return true;
 }
@@ -357,7 +357,7 @@ bool orl_slice_take_cell(struct orl_slice *rest, char separator, struct orl_slic
         return false;
     struct orl_slice text = {NULL, 0};
     while (rest->length > 0 && *rest->text != separator && is_blank(*rest->text))
-        drop(rest, 1);
+        drop_front(rest, 1);
     const bool quoted = take_quotes(rest, &text);
     const char *at = rest->text, *const end = at + rest->length;
     while (at < end && *at != separator)

@@ -16,8 +16,8 @@ struct merge {
 };
 
 /* Merges [from, middle) and [middle, to) of source into target. Returns false if cancelled. */
-static bool merge(const struct merge *m, const char *source, char *target, size_t from,
-                  size_t middle, size_t to)
+static bool merge_runs(const struct merge *m, const char *source, char *target, size_t from,
+                       size_t middle, size_t to)
 {
     size_t a = from, b = middle;
     for (size_t at = from; at < to; at++) {
@@ -46,7 +46,7 @@ int orl_sort(void *items, size_t n, size_t size, int (*compare)(const void *, co
         for (size_t from = 0; from < n && goes_on; from += 2 * width) {
             const size_t middle = n - from < width ? n : from + width;
             const size_t to = n - from < 2 * width ? n : from + 2 * width;
-            goes_on = merge(&m, source, target, from, middle, to);
+            goes_on = merge_runs(&m, source, target, from, middle, to);
         }
         char *const other = source;
         source = target;

@@ -29,7 +29,7 @@ static struct orl_definition **place_in(struct orl_definition **table, size_t n_
     return &table[at];
 }
 
-static bool widen(struct orl_functions *functions)
+static bool grow_table(struct orl_functions *functions)
 {
     const size_t n = functions->n_places ? 2 * functions->n_places : 256;
     struct orl_definition **const table = calloc(n, sizeof(struct orl_definition *));
@@ -57,7 +57,7 @@ struct orl_definition *orl_definitions_find(const struct orl_functions *function
 struct orl_definition *orl_definitions_at(struct orl_functions *functions, int context,
                                           const char *name, size_t length)
 {
-    if (2 * functions->n_definitions >= functions->n_places && !widen(functions))
+    if (2 * functions->n_definitions >= functions->n_places && !grow_table(functions))
         return NULL;
     struct orl_definition **const place =
         place_in(functions->table, functions->n_places, context, name, length);

@@ -43,7 +43,7 @@ int orl_emit_body(struct orl_compiler *c, uint32_t slot)
 
 /* Returns true for errors that end the compilation. Other errors in a referenced body are reported
  * when the program uses it. */
-static bool is_grave(int code)
+static bool is_fatal(int code)
 {
     return code == ORL_ERR_NOMEM || code == ORL_ERR_LIMIT;
 }
@@ -52,12 +52,12 @@ int orl_emit_waiting(struct orl_compiler *c, size_t base)
 {
     struct orl_error *const err = c->err;
     int code = 0;
-    while (!is_grave(code) && c->n_waiting > base) {
+    while (!is_fatal(code) && c->n_waiting > base) {
         c->err = NULL;
         code = orl_emit_body(c, c->waiting[--c->n_waiting]);
         c->err = err;
     }
-    if (is_grave(code))
+    if (is_fatal(code))
         return orl_error_set(err, code, "functions are too large to be compiled");
     return 0;
 }
@@ -82,8 +82,8 @@ static bool run_constant(struct orl_compiler *c, uint32_t slot, double *ret_valu
 static int emit_plain(struct orl_compiler *c, uint32_t slot, const struct orl_term *node);
 
 /* Computes the value of a constant tree by running it; *ret_found is false if it is undefined. */
-static int fold(struct orl_compiler *c, const struct orl_term *node, bool *ret_found,
-                double *ret_value)
+static int fold_constant(struct orl_compiler *c, const struct orl_term *node, bool *ret_found,
+                         double *ret_value)
 {
     struct orl_error *const err = c->err;
     const uint32_t slot = (uint32_t)c->n_segments;
@@ -110,7 +110,7 @@ static int fold(struct orl_compiler *c, const struct orl_term *node, bool *ret_f
     c->n_instructions -= orl_emit_length(c, slot);
     free(c->segments[slot].code);
     c->n_segments--;
-    if (is_grave(code))
+    if (is_fatal(code))
         return orl_error_set(err, code, "functions are too large to be compiled");
     return 0;
 }
@@ -174,7 +174,7 @@ int orl_emit(struct orl_compiler *c, uint32_t slot, const struct orl_term *node)
     int code = 0;
     c->depth++;
     if (!c->plain && is_worth_folding(node))
-        code = fold(c, node, &found, &value);
+        code = fold_constant(c, node, &found, &value);
     if (code == 0)
         code = found ? orl_emit_number(c, slot, value) : emit_plain(c, slot, node);
     c->depth--;

@@ -10,7 +10,7 @@ enum { TABLE_LEAST = 4 }; /* fewest numbers in select() for a look-up table */
 
 /* ---- Names and calls ------------------------------------------------------------------------- */
 
-static int undefined(struct orl_compiler *c, const struct orl_term *node, const char *name)
+static int report_undefined(struct orl_compiler *c, const struct orl_term *node, const char *name)
 {
     const bool called = node->kind == ORL_NODE_CALL;
     if (!called && (node->definition->function.root || orl_builtin_named(name) >= 0)) {
@@ -25,7 +25,7 @@ static int undefined(struct orl_compiler *c, const struct orl_term *node, const 
     return orl_emit_place(c, node->line, ORL_ERR_NOT_FOUND);
 }
 
-static int too_few(struct orl_compiler *c, const struct orl_term *node, uint32_t least)
+static int report_too_few(struct orl_compiler *c, const struct orl_term *node, uint32_t least)
 {
     orl_error_set(c->err, ORL_ERR_SYNTAX, "%.100s() takes %u arguments, %u are given",
                   node->definition->name, least, node->n_args);
@@ -39,7 +39,7 @@ int orl_emit_variable(struct orl_compiler *c, uint32_t slot, const struct orl_te
     double number;
     int code = 0;
     if (!body || body != &node->definition->variable)
-        return undefined(c, node, node->definition->name);
+        return report_undefined(c, node, node->definition->name);
     if (node->constant && c->depth <= ORL_FOLDING_DEPTH)
         code = orl_emit_body(c, body->slot);
     if (code < 0)
@@ -241,9 +241,9 @@ static int emit_builtin(struct orl_compiler *c, uint32_t slot, const struct orl_
         return emit_arg(c, slot, node);
     const int which = orl_builtin_named(name);
     if (which < 0)
-        return undefined(c, node, name);
+        return report_undefined(c, node, name);
     if (node->n_args < orl_builtins[which].least)
-        return too_few(c, node, orl_builtins[which].least);
+        return report_too_few(c, node, orl_builtins[which].least);
     if (strcmp(name, "if") == 0)
         return emit_if(c, slot, node);
     if (strcmp(name, "select") == 0)
@@ -267,7 +267,7 @@ int orl_emit_call(struct orl_compiler *c, uint32_t slot, const struct orl_term *
     if (!body)
         return emit_builtin(c, slot, node);
     if (node->n_args < body->n_parameters)
-        return too_few(c, node, body->n_parameters);
+        return report_too_few(c, node, body->n_parameters);
     int code = check_functions(c, node, body);
     if (code == 0)
         code = orl_emit_await(c, body->slot);

@@ -41,7 +41,7 @@ struct machine {
     unsigned active, undefined;
 };
 
-static bool run(struct machine *m, uint32_t segment, size_t at, const struct frame *frame);
+static bool run_segment(struct machine *m, uint32_t segment, size_t at, const struct frame *frame);
 
 /* Returns the value n places below the top. */
 static double *value_at(const struct machine *m, uint32_t n)
@@ -50,14 +50,14 @@ static double *value_at(const struct machine *m, uint32_t n)
 }
 
 /* Returns an uninitialised stack entry; NULL: the stack is full. */
-static double *push(struct machine *m)
+static double *push_value(struct machine *m)
 {
     return m->top < STACK ? m->s->values[m->top++] : NULL;
 }
 
 static bool push_number(struct machine *m, double number)
 {
-    double *const value = push(m);
+    double *const value = push_value(m);
     for (int l = 0; value && l < LANES; l++)
         value[l] = number;
     return value != NULL;
@@ -65,7 +65,7 @@ static bool push_number(struct machine *m, double number)
 
 static bool push_copy(struct machine *m, const double *from)
 {
-    double *const value = push(m);
+    double *const value = push_value(m);
     if (value)
         memcpy(value, from, sizeof m->s->values[0]);
     return value != NULL;
@@ -113,7 +113,7 @@ static void end_if(struct machine *m)
 static bool begin_select(struct machine *m, uint32_t count)
 {
     double *const wanted = value_at(m, 0);
-    double *const value = push(m);
+    double *const value = push_value(m);
     for (int l = 0; value && l < LANES; l++) {
         wanted[l] = floor(wanted[l] + 0.5);
         value[l] = wanted[l] == 0 ? count : 0;
@@ -147,7 +147,7 @@ static void end_select(struct machine *m)
 
 static bool push_parameter(struct machine *m, const struct frame *frame, uint32_t index);
 
-static bool push_nothing(struct machine *m)
+static bool push_undefined(struct machine *m)
 {
     m->undefined |= m->active;
     return push_number(m, 0);
@@ -158,15 +158,15 @@ static bool push_argument(struct machine *m, struct orl_argument argument, uint3
                           const struct frame *frame)
 {
     if (argument.kind == ORL_ARGUMENT_CODE)
-        return run(m, segment, argument.index, frame);
+        return run_segment(m, segment, argument.index, frame);
     if (argument.kind == ORL_ARGUMENT_PARAMETER)
         return push_parameter(m, frame, argument.index);
-    return push_nothing(m); /* a function has no value as a number */
+    return push_undefined(m); /* a function has no value as a number */
 }
 
 /* Stores the top value in a stack entry for the missing lanes, restores the active lanes, and
  * pushes the entry. */
-static bool keep(struct machine *m, uint32_t place, unsigned missing, unsigned active)
+static bool store_value(struct machine *m, uint32_t place, unsigned missing, unsigned active)
 {
     take_lanes(m, m->s->values[place], missing);
     m->s->valid[place] |= (uint8_t)missing;
@@ -188,7 +188,7 @@ static bool push_parameter(struct machine *m, const struct frame *frame, uint32_
                        frame->caller))
         return false;
     m->depth--;
-    return keep(m, place, missing, active);
+    return store_value(m, place, missing, active);
 }
 
 static bool push_variable(struct machine *m, uint32_t segment)
@@ -198,25 +198,25 @@ static bool push_variable(struct machine *m, uint32_t segment)
     if (!missing)
         return push_copy(m, m->s->values[place]);
     m->active = missing;
-    return run(m, segment, 0, NULL) && keep(m, place, missing, active);
+    return run_segment(m, segment, 0, NULL) && store_value(m, place, missing, active);
 }
 
-static bool call(struct machine *m, const struct orl_site *site, uint32_t callee, uint32_t segment,
-                 const struct frame *caller)
+static bool call_function(struct machine *m, const struct orl_site *site, uint32_t callee,
+                          uint32_t segment, const struct frame *caller)
 {
     const struct frame frame = {site, caller, segment, m->top};
     if (site->n > STACK - m->top)
         return false;
     memset(&m->s->valid[m->top], 0, site->n);
     m->top += site->n;
-    if (!run(m, callee, 0, &frame))
+    if (!run_segment(m, callee, 0, &frame))
         return false;
     memcpy(m->s->values[frame.base], value_at(m, 0), sizeof m->s->values[0]);
     m->top = frame.base + 1;
     return true;
 }
 
-static void apply(struct machine *m, uint32_t which, uint32_t count)
+static void apply_builtin(struct machine *m, uint32_t which, uint32_t count)
 {
     m->undefined |= orl_lanes_apply(which, &m->s->values[m->top - count], count, m->active);
     m->top -= count - 1;
@@ -234,20 +234,20 @@ static bool call_parameter(struct machine *m, const struct orl_site *site, uint3
     }
     if (callee.kind == ORL_ARGUMENT_FUNCTION &&
         m->program->segments[callee.index].n_parameters <= site->n)
-        return call(m, site, callee.index, segment, frame);
+        return call_function(m, site, callee.index, segment, frame);
     if (callee.kind != ORL_ARGUMENT_BUILTIN || orl_builtins[callee.index].least > site->n)
-        return push_nothing(m);
+        return push_undefined(m);
     for (uint32_t i = 0; i < site->n; i++)
         if (!push_argument(m, m->program->arguments[site->first + i], segment, frame))
             return false;
-    apply(m, callee.index, site->n);
+    apply_builtin(m, callee.index, site->n);
     return true;
 }
 
 /* ---- The machine ----------------------------------------------------------------------------- */
 
 /* Executes a binary operation on the two top values. */
-static bool compute(struct machine *m, enum orl_operation operation)
+static bool apply_binary(struct machine *m, enum orl_operation operation)
 {
     double *const a = value_at(m, 1);
     const double *const b = value_at(m, 0);
@@ -265,14 +265,14 @@ static bool compute(struct machine *m, enum orl_operation operation)
     return true;
 }
 
-static void look_up(struct machine *m, const double *list, size_t count)
+static void look_up_value(struct machine *m, const double *list, size_t count)
 {
     m->undefined |= orl_lanes_look_up(value_at(m, 0), list, count, m->active);
 }
 
 /* Executes an instruction that needs neither frame nor position. Returns false if the stack is
  * full. */
-static bool step(struct machine *m, const struct orl_instruction *one)
+static bool execute_simple(struct machine *m, const struct orl_instruction *one)
 {
     const struct orl_program *const program = m->program;
     switch ((enum orl_operation)one->operation) {
@@ -281,13 +281,13 @@ static bool step(struct machine *m, const struct orl_instruction *one)
     case ORL_OP_INPUT:
         return push_copy(m, m->inputs[one->index].at);
     case ORL_OP_ARG:
-        look_up(m, program->args, program->n_args);
+        look_up_value(m, program->args, program->n_args);
         return true;
     case ORL_OP_NEGATE:
         orl_lanes_negate(value_at(m, 0));
         return true;
     case ORL_OP_BUILTIN:
-        apply(m, (uint32_t)one->index, one->count);
+        apply_builtin(m, (uint32_t)one->index, one->count);
         return true;
     case ORL_OP_END:
         end_if(m);
@@ -301,14 +301,15 @@ static bool step(struct machine *m, const struct orl_instruction *one)
         end_select(m);
         return true;
     case ORL_OP_TABLE:
-        look_up(m, program->tables + one->index, one->count);
+        look_up_value(m, program->tables + one->index, one->count);
         return true;
     default:
-        return compute(m, (enum orl_operation)one->operation);
+        return apply_binary(m, (enum orl_operation)one->operation);
     }
 }
 
-static bool advance(struct machine *m, uint32_t segment, size_t at, const struct frame *frame)
+static bool execute_segment(struct machine *m, uint32_t segment, size_t at,
+                            const struct frame *frame)
 {
     const struct orl_program *const program = m->program;
     const struct orl_instruction *const code = program->segments[segment].code;
@@ -327,8 +328,8 @@ static bool advance(struct machine *m, uint32_t segment, size_t at, const struct
             ok = push_variable(m, (uint32_t)one->index);
             break;
         case ORL_OP_CALL:
-            ok = call(m, &program->sites[one->index], program->sites[one->index].callee, segment,
-                      frame);
+            ok = call_function(m, &program->sites[one->index], program->sites[one->index].callee,
+                               segment, frame);
             break;
         case ORL_OP_CALL_PARAMETER:
             ok = call_parameter(m, &program->sites[one->index], segment, frame);
@@ -346,19 +347,19 @@ static bool advance(struct machine *m, uint32_t segment, size_t at, const struct
             at = one->index - 1;
             break;
         default:
-            ok = step(m, one);
+            ok = execute_simple(m, one);
         }
     }
     return false;
 }
 
 /* Runs a segment until it returns, for the active lanes, and leaves its value on top. */
-static bool run(struct machine *m, uint32_t segment, size_t at, const struct frame *frame)
+static bool run_segment(struct machine *m, uint32_t segment, size_t at, const struct frame *frame)
 {
     if (!m->program->segments[segment].finished || ++m->depth > ORL_FUNCTION_DEPTH ||
         m->branch > STACK - ORL_FUNCTION_NESTING)
         return false;
-    const bool ok = advance(m, segment, at, frame);
+    const bool ok = execute_segment(m, segment, at, frame);
     m->depth--;
     return ok;
 }
@@ -383,7 +384,7 @@ struct orl_function_outcome orl_machine_run(const struct orl_program *program,
                         .operations = operations,
                         .top = program->n_variables,
                         .active = lanes & 0xffU};
-    const bool ok = run(&m, segment, 0, NULL);
+    const bool ok = run_segment(&m, segment, 0, NULL);
     for (int l = 0; l < LANES; l++)
         if (lanes >> l & 1)
             ret_value->at[l] = ok ? value_at(&m, 0)[l] : 0;

@@ -100,7 +100,7 @@ double orl_noise3(const double p[3], double ret_gradient[3])
 
 enum { CELL = 2000 }; /* lattice units per cell for displacements */
 
-static double displaced(const int64_t p[3])
+static double displacement_at(const int64_t p[3])
 {
     return number_of(17 * p[0] + 23 * p[1] + 29 * p[2]);
 }
@@ -110,7 +110,7 @@ static double displaced(const int64_t p[3])
  * shares with the cell (by the bits of octant) stays. Other corners get the mean of the values they
  * lie between, displaced.
  */
-static void halve(double corners[8], const int64_t low[3], int64_t half, int octant)
+static void halve_cell(double corners[8], const int64_t low[3], int64_t half, int octant)
 {
     double halved[8];
     for (int moved = 0; moved < 8; moved++) {
@@ -124,7 +124,7 @@ static void halve(double corners[8], const int64_t low[3], int64_t half, int oct
             }
         for (int axis = 0; axis < 3; axis++)
             p[axis] = low[axis] + (moved >> axis & 1 ? half : octant >> axis & 1 ? 2 * half : 0);
-        halved[octant ^ moved] = moved ? sum / n + (double)half / CELL * displaced(p) : sum;
+        halved[octant ^ moved] = moved ? sum / n + (double)half / CELL * displacement_at(p) : sum;
     }
     for (int i = 0; i < 8; i++)
         corners[i] = halved[i];
@@ -143,13 +143,13 @@ double orl_noise_fractal3(const double p[3])
     for (int i = 0; i < 8; i++) {
         const int64_t corner[3] = {low[0] + (i & 1 ? CELL : 0), low[1] + (i & 2 ? CELL : 0),
                                    low[2] + (i & 4 ? CELL : 0)};
-        corners[i] = displaced(corner);
+        corners[i] = displacement_at(corner);
     }
     for (int64_t half = CELL / 2; half > 0; half /= 2) {
         int octant = 0;
         for (int axis = 0; axis < 3; axis++)
             octant |= place[axis] > low[axis] + half ? 1 << axis : 0;
-        halve(corners, low, half, octant);
+        halve_cell(corners, low, half, octant);
         for (int axis = 0; axis < 3; axis++)
             low[axis] += octant >> axis & 1 ? half : 0;
     }

@@ -18,7 +18,7 @@ struct survey {
 };
 
 /* Gives the body a slot, if it has none. */
-static int enlist(struct orl_compiler *c, struct orl_formula *body)
+static int assign_slot(struct orl_compiler *c, struct orl_formula *body)
 {
     if (body->compilation == c->number)
         return 0;
@@ -37,7 +37,7 @@ static bool is_fixed(const struct orl_compiler *c, uint32_t input)
 }
 
 /* Records the bodies that a tree uses, and marks the user as open if it reads an input. */
-static int visit(struct survey *s, struct orl_term *node)
+static int visit_term(struct survey *s, struct orl_term *node)
 {
     struct orl_compiler *const c = s->c;
     int code = 0;
@@ -51,7 +51,7 @@ static int visit(struct survey *s, struct orl_term *node)
     if (node->kind == ORL_NODE_NAME || node->kind == ORL_NODE_CALL) {
         struct orl_formula *const body = orl_body_of(node);
         if (body) {
-            code = enlist(c, body);
+            code = assign_slot(c, body);
             if (code == 0 && !orl_grow(&s->uses, &s->uses_room, s->n_uses, sizeof *s->uses))
                 code = orl_compiler_no_memory(c);
             if (code == 0)
@@ -59,7 +59,7 @@ static int visit(struct survey *s, struct orl_term *node)
         }
     }
     for (uint32_t i = 0; code == 0 && i < node->n_args; i++)
-        code = visit(s, node->args[i]);
+        code = visit_term(s, node->args[i]);
     return code;
 }
 
@@ -72,7 +72,7 @@ static int compare_uses(const void *a, const void *b)
 }
 
 /* Propagates openness: bodies that use an open body are open. */
-static int spread(struct survey *s)
+static int propagate_open(struct survey *s)
 {
     struct orl_compiler *const c = s->c;
     const size_t n = c->n_bodies;
@@ -109,11 +109,11 @@ static int spread(struct survey *s)
 }
 
 /* Sets the constant flag of each node of a tree. */
-static bool mark(const struct orl_compiler *c, struct orl_term *node)
+static bool mark_constants(const struct orl_compiler *c, struct orl_term *node)
 {
     bool constant = true;
     for (uint32_t i = 0; i < node->n_args; i++)
-        constant &= mark(c, node->args[i]);
+        constant &= mark_constants(c, node->args[i]);
     if (node->kind == ORL_NODE_PARAMETER || node->kind == ORL_NODE_CALL_PARAMETER)
         constant = false;
     if (node->kind == ORL_NODE_INPUT)
@@ -130,11 +130,11 @@ int orl_survey(struct orl_compiler *c)
     struct survey s = {.c = c};
     int code = 0;
     for (; code == 0 && s.user < c->n_bodies; s.user++)
-        code = visit(&s, c->bodies[s.user]->root);
+        code = visit_term(&s, c->bodies[s.user]->root);
     if (code == 0)
-        code = spread(&s);
+        code = propagate_open(&s);
     for (size_t i = 0; code == 0 && i < c->n_bodies; i++)
-        mark(c, c->bodies[i]->root);
+        mark_constants(c, c->bodies[i]->root);
     free(s.uses);
     return code;
 }

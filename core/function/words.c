@@ -25,8 +25,8 @@ static bool is_of_name(char c)
     return is_letter(c) || is_digit(c) || c == '_' || c == '.' || c == '`';
 }
 
-static int fault(const struct orl_function_words *words, int line, struct orl_error *err,
-                 const char *message, const char *hint)
+static int report_fault(const struct orl_function_words *words, int line, struct orl_error *err,
+                        const char *message, const char *hint)
 {
     orl_error_set(err, ORL_ERR_SYNTAX, "%s", message);
     orl_error_at(err, words->file[0] ? words->file : NULL, line, NULL);
@@ -41,8 +41,8 @@ static int skip_comment(struct orl_function_words *words, struct orl_error *err)
     size_t depth = 0;
     do {
         if (words->at == words->length)
-            return fault(words, began, err, "a comment of a function file does not end",
-                         "each { needs a }");
+            return report_fault(words, began, err, "a comment of a function file does not end",
+                                "each { needs a }");
         const char c = words->text[words->at++];
         depth += c == '{';
         depth -= c == '}';
@@ -94,8 +94,8 @@ static int take_number(struct orl_function_words *words, struct orl_error *err)
     words->word = text + begin;
     words->word_length = words->at - begin;
     if (orl_number_read(words->word, words->word_length, &words->number) != ORL_NUMBER_OK)
-        return fault(words, words->line, err, "a number of a function file is not one",
-                     "numbers are written like 12, .5 or 1.5e-3");
+        return report_fault(words, words->line, err, "a number of a function file is not one",
+                            "numbers are written like 12, .5 or 1.5e-3");
     return 0;
 }
 

@@ -29,7 +29,7 @@ struct totals {
     double eye_lx, average_cd_m2, most_cd_m2;
 };
 
-static struct totals add_up(const struct orl_luminances *picture)
+static struct totals sum_field(const struct orl_luminances *picture)
 {
     const struct orl_field *field = picture->field;
     struct orl_sum eye = {0}, all = {0};
@@ -108,8 +108,9 @@ static int check_task(const struct orl_glare_area *task, const struct orl_field 
                          task->x, task->y, field->width, field->height);
 }
 
-static int rate(const struct orl_glare_settings *settings, const struct orl_glare_light *light,
-                struct orl_glare *glare, struct orl_error *err)
+static int compute_metrics(const struct orl_glare_settings *settings,
+                           const struct orl_glare_light *light, struct orl_glare *glare,
+                           struct orl_error *err)
 {
     const struct orl_dgp_options options = {settings->constants, settings->low_light};
     const double eye_lx = settings->eye_lx > 0 ? settings->eye_lx : light->eye_lx;
@@ -134,7 +135,7 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
         return outside;
     if (orl_is_cancelled(picture->cancel))
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while rating glare");
-    const struct totals totals = add_up(picture);
+    const struct totals totals = sum_field(picture);
     const double task = task_luminance(picture, &settings->task, totals.average_cd_m2);
     const struct orl_source_rule rule = rule_of(settings, task);
     struct orl_glare glare = {.threshold_cd_m2 = rule.threshold_cd_m2,
@@ -146,7 +147,7 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
         glare.direct_lx = direct_illuminance(&glare, totals.eye_lx);
         const struct orl_glare_light light = {totals.eye_lx, glare.direct_lx, totals.average_cd_m2,
                                               (totals.eye_lx - glare.direct_lx) / ORL_PI};
-        code = rate(settings, &light, &glare, err);
+        code = compute_metrics(settings, &light, &glare, err);
     }
     if (code == 0 && mask)
         code = orl_glare_part_of(picture, mask, &glare.masked, err);

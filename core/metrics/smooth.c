@@ -18,7 +18,7 @@ struct smoothing {
 
 /* Returns the radius of the disc in pixels. The diagonal of a pixel is a tenth of the angle from
  * the middle to the point ten pixels up and right of it. */
-static double disc_of(const struct orl_field *field, double radius_rad)
+static double disc_radius(const struct orl_field *field, double radius_rad)
 {
     const double x = floor(field->width / 2.0) + 0.5;
     const double y = field->height - floor(field->height / 2.0) - 0.5;
@@ -29,8 +29,8 @@ static double disc_of(const struct orl_field *field, double radius_rad)
     return fmin(pixels, (double)field->width + field->height); /* covers the whole picture */
 }
 
-static void fill_row(struct smoothing *s, uint32_t y, int64_t from, int64_t to, double *all,
-                     uint32_t *n_met)
+static void add_disc_row(struct smoothing *s, uint32_t y, int64_t from, int64_t to, double *all,
+                         uint32_t *n_met)
 {
     for (int64_t x = from < 0 ? 0 : from; x <= to && x < s->field->width; x++) {
         const size_t at = (size_t)y * s->field->width + (size_t)x;
@@ -46,7 +46,7 @@ static void fill_row(struct smoothing *s, uint32_t y, int64_t from, int64_t to, 
 }
 
 /* Returns the source that fills most of the disc about a pixel, or 0 if none fills enough. */
-static uint32_t claimed_by(struct smoothing *s, uint32_t x, uint32_t y)
+static uint32_t dominant_source(struct smoothing *s, uint32_t x, uint32_t y)
 {
     const int64_t reach = (int64_t)s->pixels;
     double all = 0, most = 0;
@@ -55,7 +55,8 @@ static uint32_t claimed_by(struct smoothing *s, uint32_t x, uint32_t y)
         if ((int64_t)y + dy < 0 || (int64_t)y + dy >= s->field->height)
             continue;
         const int64_t dx = (int64_t)sqrt(s->pixels * s->pixels - (double)(dy * dy));
-        fill_row(s, (uint32_t)((int64_t)y + dy), (int64_t)x - dx, (int64_t)x + dx, &all, &n_met);
+        add_disc_row(s, (uint32_t)((int64_t)y + dy), (int64_t)x - dx, (int64_t)x + dx, &all,
+                     &n_met);
     }
     for (uint32_t i = 0; i < n_met; i++) {
         double *filled = &s->filled[s->met[i]];
@@ -73,14 +74,15 @@ int orl_smooth_sources(const struct orl_luminances *picture, double radius_rad, 
 {
     const struct orl_field *field = picture->field;
     const size_t count = (size_t)field->width * field->height;
-    struct smoothing s = {.field = field, .label = label, .pixels = disc_of(field, radius_rad)};
+    struct smoothing s = {.field = field, .label = label, .pixels = disc_radius(field, radius_rad)};
     uint32_t *smoothed = malloc(count * sizeof *smoothed);
     s.filled = calloc((size_t)n_labels + 1, sizeof *s.filled);
     s.met = malloc(((size_t)n_labels + 1) * sizeof *s.met);
     int code = smoothed && s.filled && s.met ? 0 : ORL_ERR_NOMEM;
     for (size_t i = 0; i < count && code == 0; i++) {
         const uint32_t x = (uint32_t)(i % field->width), y = (uint32_t)(i / field->width);
-        smoothed[i] = label[i] == 0 && field->solid_angle[i] > 0 ? claimed_by(&s, x, y) : label[i];
+        smoothed[i] =
+            label[i] == 0 && field->solid_angle[i] > 0 ? dominant_source(&s, x, y) : label[i];
         if (orl_is_cancelled(picture->cancel))
             code = ORL_ERR_CANCELLED;
     }

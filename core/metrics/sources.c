@@ -45,7 +45,7 @@ static int label_groups(struct search *s, size_t n)
     return code;
 }
 
-static int find(struct search *s)
+static int label_sources(struct search *s)
 {
     int code = label_groups(s, list_brighter(s, s->rule->threshold_cd_m2, false, false));
     if (code == 0 && s->rule->smooth && s->n_labels > 0)
@@ -83,7 +83,7 @@ static struct orl_vec3 by_tilted_up(const struct orl_field *field, struct orl_ve
 }
 
 /* Converts sums to means. Until here x and y referred to the pixels' corners. */
-static void settle(struct orl_glare_source *source, const struct search *s)
+static void finish_source(struct orl_glare_source *source, const struct search *s)
 {
     const struct orl_field *field = s->picture->field;
     double x = source->x / source->luminance_cd_m2, y = source->y / source->luminance_cd_m2;
@@ -101,22 +101,23 @@ static void settle(struct orl_glare_source *source, const struct search *s)
     source->angle_deg = atan2(hypot(to.x, to.y), to.z) / ORL_DEG_TO_RAD;
 }
 
-static double dazzle(const struct orl_glare_source *s)
+static double glare_weight(const struct orl_glare_source *s)
 {
     const double seen = s->luminance_cd_m2 / s->position_index;
     return seen * seen * s->solid_angle_sr;
 }
 
-static int by_dazzle(const void *a, const void *b)
+static int by_glare_weight(const void *a, const void *b)
 {
     const struct orl_glare_source *p = a, *q = b;
-    const double first = dazzle(p), second = dazzle(q);
+    const double first = glare_weight(p), second = glare_weight(q);
     if (first != second)
         return first > second ? -1 : 1;
     return p->x != q->x ? (p->x > q->x) - (p->x < q->x) : (p->y > q->y) - (p->y < q->y);
 }
 
-static int collect(const struct search *s, struct orl_glare_source **ret_sources, size_t *ret_count)
+static int collect_sources(const struct search *s, struct orl_glare_source **ret_sources,
+                           size_t *ret_count)
 {
     struct orl_glare_source *sources = calloc(s->n_labels + 1, sizeof *sources);
     size_t n = 0;
@@ -129,9 +130,9 @@ static int collect(const struct search *s, struct orl_glare_source **ret_sources
         if (sources[i].pixels == 0) /* all of it was a peak */
             continue;
         sources[n] = sources[i];
-        settle(&sources[n++], s);
+        finish_source(&sources[n++], s);
     }
-    qsort(sources, n, sizeof *sources, by_dazzle);
+    qsort(sources, n, sizeof *sources, by_glare_weight);
     *ret_sources = sources;
     *ret_count = n;
     return 0;
@@ -146,9 +147,9 @@ int orl_find_sources(const struct orl_luminances *picture, const struct orl_sour
     s.label = calloc(count, sizeof *s.label);
     s.pixels = malloc(count * sizeof *s.pixels);
     s.group = malloc(count * sizeof *s.group);
-    int code = s.label && s.pixels && s.group ? find(&s) : ORL_ERR_NOMEM;
+    int code = s.label && s.pixels && s.group ? label_sources(&s) : ORL_ERR_NOMEM;
     if (code == 0)
-        code = collect(&s, ret_sources, ret_count);
+        code = collect_sources(&s, ret_sources, ret_count);
     free(s.label);
     free(s.pixels);
     free(s.group);

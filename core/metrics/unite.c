@@ -37,7 +37,7 @@ static uint32_t root_of(struct union_find *u, uint32_t i)
 }
 
 /* Joins two groups. The earlier root stays, so that roots are the groups' first pixels. */
-static void join(struct union_find *u, uint32_t a, uint32_t b)
+static void join_groups(struct union_find *u, uint32_t a, uint32_t b)
 {
     a = root_of(u, a);
     b = root_of(u, b);
@@ -56,7 +56,7 @@ static bool are_close(const struct union_find *u, uint32_t a, uint32_t b)
 
 /* Returns the list index of the pixel's neighbour; nobody if it is not listed or outside the
  * picture. */
-static uint32_t neighbour(const struct union_find *u, uint32_t pixel, int dx, int dy)
+static uint32_t neighbour_of(const struct union_find *u, uint32_t pixel, int dx, int dy)
 {
     const uint32_t width = u->field->width;
     const int64_t x = (int64_t)(pixel % width) + dx, y = (int64_t)(pixel / width) + dy;
@@ -71,9 +71,9 @@ static bool join_neighbours(struct union_find *u, uint32_t index)
     bool at_edge = false;
     for (int dy = -1; dy <= 1; dy++)
         for (int dx = -1; dx <= 1; dx++) {
-            const uint32_t other = neighbour(u, u->pixels[index], dx, dy);
+            const uint32_t other = neighbour_of(u, u->pixels[index], dx, dy);
             if (other != nobody && are_close(u, index, other))
-                join(u, index, other);
+                join_groups(u, index, other);
             else
                 at_edge = true;
         }
@@ -113,7 +113,7 @@ static size_t list_cubes(struct union_find *u, const struct edge *edges, size_t 
     for (size_t i = 0; i < n; i++) {
         if (i > 0 && memcmp(edges[i].cube, edges[i - 1].cube, sizeof edges->cube) == 0) {
             cubes[n_cubes - 1].count++;
-            join(u, edges[i].index, edges[i - 1].index);
+            join_groups(u, edges[i].index, edges[i - 1].index);
         } else {
             cubes[n_cubes++] = (struct cube){i, 1};
         }
@@ -130,14 +130,14 @@ static void join_cubes(struct union_find *u, const struct edge *edges, const str
     for (size_t i = 0; i < a->count; i++)
         for (size_t k = 0; k < b->count; k++)
             if (are_close(u, p[i].index, q[k].index)) {
-                join(u, p[i].index, q[k].index);
+                join_groups(u, p[i].index, q[k].index);
                 return;
             }
 }
 
 /* Returns the first cube that is not before that place. */
-static size_t seek(const struct edge *edges, const struct cube *cubes, size_t n,
-                   const int32_t place[3])
+static size_t find_cube(const struct edge *edges, const struct cube *cubes, size_t n,
+                        const int32_t place[3])
 {
     struct edge wanted = {{place[0], place[1], place[2]}, 0};
     size_t low = 0, high = n;
@@ -162,7 +162,7 @@ static void join_around(struct union_find *u, const struct edge *edges, const st
         for (int32_t dy = dx > 0 ? -REACH : 0; dy <= REACH; dy++) {
             const bool same = dx == 0 && dy == 0;
             const int32_t from[3] = {here[0] + dx, here[1] + dy, here[2] + (same ? 1 : -REACH)};
-            for (size_t i = seek(edges, cubes, n, from); i < n; i++) {
+            for (size_t i = find_cube(edges, cubes, n, from); i < n; i++) {
                 const int32_t *there = edges[cubes[i].first].cube;
                 if (there[0] != from[0] || there[1] != from[1] || there[2] > here[2] + REACH)
                     break;

@@ -54,8 +54,8 @@ static double bound_by_rays(const struct orl_worth *worth, double base, double w
 
 /* Limits the job's request. A user who asks for more may want a small spot sharp, but hardly a
  * faint gleam. */
-static uint64_t bound(const struct orl_job *job, const struct orl_worth *worth,
-                      const struct orl_plan *plan, uint64_t enough)
+static uint64_t bound_request(const struct orl_job *job, const struct orl_worth *worth,
+                              const struct orl_plan *plan, uint64_t enough)
 {
     const double asked = (double)job->photons_caustic;
     const double weight = fmax(weight_of(worth), worth->contrast * worth->contrast);
@@ -66,7 +66,7 @@ static uint64_t bound(const struct orl_job *job, const struct orl_worth *worth,
 }
 
 /* Returns the odds of a share; finite, since a pilot knows no share to better than a thousandth. */
-static double odds(double share)
+static double odds_of(double share)
 {
     return share / fmax(1 - share, 1e-3);
 }
@@ -78,13 +78,13 @@ static double odds(double share)
  * proportion to a square root: that of its variance for one photon times its rays for one photon.
  * Contrast and share together give both light and area.
  */
-static double best_by_rays(const struct orl_worth *worth, double base)
+static double neyman_photons(const struct orl_worth *worth, double base)
 {
     if (!(worth->yield[ORL_MAP_CAUSTIC] > 0 && worth->yield[ORL_MAP_GLOBAL] > 0))
         return INFINITY;
     const double rest = worth->rays[ORL_MAP_GLOBAL] / worth->yield[ORL_MAP_GLOBAL];
     const double each = worth->rays[ORL_MAP_CAUSTIC] / worth->yield[ORL_MAP_CAUSTIC];
-    const double times = sqrt(odds(worth->share) * odds(worth->contrast) * each / rest);
+    const double times = sqrt(odds_of(worth->share) * odds_of(worth->contrast) * each / rest);
     return (rays_of_none + times) * base * rest / each;
 }
 
@@ -98,14 +98,14 @@ static uint64_t caustic_photons(const struct orl_worth *worth, const struct orl_
         const double each = worth->rays[ORL_MAP_CAUSTIC] / worth->yield[ORL_MAP_CAUSTIC];
         photons = fmax(photons, fmin(rays_not_felt * rays / each, base));
         photons = fmin(photons, bound_by_rays(worth, base, weight));
-        photons = fmin(photons, best_by_rays(worth, base));
+        photons = fmin(photons, neyman_photons(worth, base));
         photons = fmax(photons, fmin(fewest_photons, base));
     }
     return to_two_digits(photons);
 }
 
-static void foresee(const struct orl_worth *worth, const uint64_t photons[ORL_SHOT_KINDS],
-                    struct orl_foresight *f)
+static void fill_foresight(const struct orl_worth *worth, const uint64_t photons[ORL_SHOT_KINDS],
+                           struct orl_foresight *f)
 {
     f->photons_s = 0;
     f->known = true;
@@ -120,8 +120,8 @@ static void foresee(const struct orl_worth *worth, const uint64_t photons[ORL_SH
     f->ray_s = rays > 0 && isfinite(ray_s) ? ray_s / rays : 0;
 }
 
-static void say_why(const struct orl_worth *worth, const struct orl_plan *plan, uint64_t asked,
-                    struct orl_foresight *f)
+static void describe_choice(const struct orl_worth *worth, const struct orl_plan *plan,
+                            uint64_t asked, struct orl_foresight *f)
 {
     if (plan->photons_caustic == 0)
         snprintf(f->why, sizeof f->why, "0 caustic photons: there is no way for any");
@@ -150,9 +150,9 @@ void orl_plan_budget(const struct orl_job *job, const struct orl_worth *worth,
     if (plan->photons_caustic > 0) {
         const uint64_t enough = caustic_photons(worth, plan);
         f->enough_caustic = enough;
-        plan->photons_caustic = asked ? bound(job, worth, plan, enough) : enough;
+        plan->photons_caustic = asked ? bound_request(job, worth, plan, enough) : enough;
     }
     const uint64_t photons[ORL_SHOT_KINDS] = {plan->photons_global, plan->photons_caustic};
-    foresee(worth, photons, f);
-    say_why(worth, plan, job->photons_caustic, f);
+    fill_foresight(worth, photons, f);
+    describe_choice(worth, plan, job->photons_caustic, f);
 }

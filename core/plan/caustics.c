@@ -12,7 +12,7 @@ static bool any_lit(const struct orl_lit *lit)
            lit->classes[ORL_LIT_LOBE].lit;
 }
 
-static double map_s(const struct orl_survey *survey)
+static double map_time_s(const struct orl_survey *survey)
 {
     return RAYS_A_PHOTON * (double)ORL_DEFAULT_PHOTONS * survey->ray_s;
 }
@@ -54,7 +54,7 @@ static bool decide_mirrors(const struct orl_survey *survey, const struct orl_lit
         .needed = needed,
         .unit = ORL_BOUND_LX,
         .bound = needed ? mirror_bound(survey, lit) : 0,
-        .saved_s = lit->lights > 0 && flat->facets + curved->facets > 0 ? map_s(survey) : 0};
+        .saved_s = lit->lights > 0 && flat->facets + curved->facets > 0 ? map_time_s(survey) : 0};
     if (lit->lights == 0)
         return orl_settle(decision, &finding, "there are %zu suns and lamps to be mirrored",
                           lit->lights);
@@ -83,7 +83,7 @@ static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *
         .needed = needed,
         .unit = ORL_BOUND_LX,
         .bound = needed ? lobes->share * (survey->sun_lx + survey->lamp_lx) : 0,
-        .saved_s = lit->lights > 0 && lobes->facets > 0 ? map_s(survey) : 0};
+        .saved_s = lit->lights > 0 && lobes->facets > 0 ? map_time_s(survey) : 0};
     if (lit->lights == 0)
         return orl_settle(decision, &finding, "there are %zu suns and lamps to be scattered",
                           lit->lights);
@@ -102,7 +102,7 @@ static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *
 
 /* Returns true for glass of index 1 that is clear, such as the panes of openings (light/glaze.h).
  */
-static bool changes_nothing(const struct orl_material *m)
+static bool is_invisible(const struct orl_material *m)
 {
     return m->ior == 1 && m->transmissivity.r == 1 && m->transmissivity.g == 1 &&
            m->transmissivity.b == 1;
@@ -112,8 +112,8 @@ static bool is_glass(const struct orl_material *m)
 {
     if (m->kind == ORL_MATERIAL_MIXTURE)
         return is_glass(&m->mixed[0]) || is_glass(&m->mixed[1]);
-    return (m->kind == ORL_MATERIAL_GLASS && !changes_nothing(m)) ||
-           m->kind == ORL_MATERIAL_GLAZING || (m->kind == ORL_MATERIAL_BSDF && m->peak) ||
+    return (m->kind == ORL_MATERIAL_GLASS && !is_invisible(m)) || m->kind == ORL_MATERIAL_GLAZING ||
+           (m->kind == ORL_MATERIAL_BSDF && m->peak) ||
            (m->kind == ORL_MATERIAL_TRANS && !(m->roughness[0] > 0) && m->transmitted > 0 &&
             m->transmitted_specular > 0);
 }
@@ -138,7 +138,7 @@ static void decide_glass(const struct orl_survey *survey, struct orl_decision *d
  * Overrides a skip for the backward technique. Its paths hit mirrors and lobes anyway and include
  * their light, except for suns in flat mirrors, which only shadow rays find.
  */
-static void admit(struct orl_decision *decision)
+static void override_skip(struct orl_decision *decision)
 {
     char why[ORL_WHY_MAX - 60];
     if (decision->wish != ORL_WISH_SKIP || !(decision->bound > 0))
@@ -151,7 +151,7 @@ static void admit(struct orl_decision *decision)
 }
 
 /* Returns true if caustic photons have anything to do, or the job forces them. */
-static bool may_land(const struct orl_lit *lit, const struct orl_plan *plan, bool simulated)
+static bool needs_photons(const struct orl_lit *lit, const struct orl_plan *plan, bool simulated)
 {
     const bool forced = plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].wish == ORL_WISH_FORCE ||
                         plan->effects[ORL_EFFECT_CAUSTICS_BSDF].wish == ORL_WISH_FORCE;
@@ -159,7 +159,7 @@ static bool may_land(const struct orl_lit *lit, const struct orl_plan *plan, boo
 }
 
 /* Removes virtual images of suns and lamps, so that shadow rays no longer search flat mirrors. */
-static void leave_out_images(struct orl_world *world)
+static void remove_images(struct orl_world *world)
 {
     orl_images_keep_suns(&world->images, NULL);
     world->lamp_images.n_images = 0;
@@ -178,15 +178,15 @@ void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
     world->omit.mirror_caustics = !mirrors;
     world->omit.lobe_caustics = !lobes;
     if (plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].wish == ORL_WISH_SKIP)
-        leave_out_images(world);
+        remove_images(world);
     world->caustics_lit = (mirrors || lobes) && any_lit(lit);
     plan->photons_caustic = asked == ORL_PHOTONS_BY_PLAN ? (uint64_t)ORL_DEFAULT_PHOTONS : asked;
     if (plan->technique == ORL_TECHNIQUE_BACKWARD) {
         if (lit->classes[ORL_LIT_CURVED].facets > 0 || lit->lights > world->n_suns)
-            admit(&plan->effects[ORL_EFFECT_CAUSTICS_MIRROR]);
-        admit(&plan->effects[ORL_EFFECT_CAUSTICS_BSDF]);
+            override_skip(&plan->effects[ORL_EFFECT_CAUSTICS_MIRROR]);
+        override_skip(&plan->effects[ORL_EFFECT_CAUSTICS_BSDF]);
     }
-    if (!may_land(lit, plan, mirrors || lobes))
+    if (!needs_photons(lit, plan, mirrors || lobes))
         plan->photons_caustic = 0;
     if (!mirrors)
         plan->paths = orl_path_set_without_mirrors(plan->paths);

@@ -96,7 +96,7 @@ static struct orl_rgb gray_of(struct orl_rgb c)
 }
 
 /* Converts all colours to gray of the same luma. */
-static void bleach(struct orl_world *world)
+static void convert_to_gray(struct orl_world *world)
 {
     for (size_t i = 0; i < world->n_materials; i++) {
         struct orl_material *m = &world->materials[i];
@@ -144,7 +144,7 @@ void orl_decide_color(struct orl_survey *survey, struct orl_plan *plan)
         return;
     }
     if (!decision->simulated && materials + lights > 0) {
-        bleach(world);
+        convert_to_gray(world);
         world->omit.bleached = true;
     }
     world->omit.channels = plan->channels;

@@ -13,7 +13,7 @@ static double shadow_rays_s(const struct orl_survey *survey, size_t lights)
 }
 
 /* Formats with four digits, or with all digits before the decimal point. */
-static const char *in_lux(double lux, char ret_text[32])
+static const char *format_lux(double lux, char ret_text[32])
 {
     if (lux < 1000)
         snprintf(ret_text, 32, "%.4g lx", lux);
@@ -42,7 +42,7 @@ static void decide_sun(struct orl_survey *survey, struct orl_plan *plan)
                     world->n_suns == 0
                         ? "there are %zu suns"
                         : "suns: %zu; a plane that faces them gets %s where nothing focuses",
-                    world->n_suns, in_lux(survey->sun_lx, lux)))
+                    world->n_suns, format_lux(survey->sun_lx, lux)))
         orl_world_keep_suns(world, NULL);
 }
 
@@ -57,12 +57,12 @@ static void decide_sky(struct orl_survey *survey, struct orl_plan *plan)
     if (!orl_settle(&plan->effects[ORL_EFFECT_SKY], &finding,
                     "skies and other wide lights: %zu; the brightest direction of them all round "
                     "would give %s",
-                    world->n_domes, in_lux(survey->sky_lx, lux)))
+                    world->n_domes, format_lux(survey->sky_lx, lux)))
         world->n_domes = 0;
 }
 
 /* Lamps that are left out become black, so that rays that hit them see no light. */
-static void put_out_lamps(struct orl_world *world)
+static void blacken_lamps(struct orl_world *world)
 {
     for (size_t i = 0; i < world->n_emitters; i++) {
         const uint32_t material = orl_facet_material(world->geometry, world->emitters[i].facet);
@@ -81,8 +81,8 @@ static void decide_lamps(struct orl_survey *survey, struct orl_plan *plan)
                                         .saved_s = shadow_rays_s(survey, world->n_emitters)};
     if (!orl_settle(&plan->effects[ORL_EFFECT_LAMPS], &finding,
                     "shining surfaces: %zu; right before the brightest it is %s", world->n_emitters,
-                    in_lux(survey->lamp_lx, lux)))
-        put_out_lamps(world);
+                    format_lux(survey->lamp_lx, lux)))
+        blacken_lamps(world);
 }
 
 void orl_decide_lights(struct orl_survey *survey, struct orl_plan *plan)

@@ -12,7 +12,7 @@ static bool is_glossy(const struct orl_material *m)
            orl_material_has_lobes(m);
 }
 
-static double gloss(const struct orl_material *m)
+static double gloss_albedo(const struct orl_material *m)
 {
     return orl_material_albedo_most(m, true, 1, ORL_LOBE_REFLECTED);
 }
@@ -20,7 +20,7 @@ static double gloss(const struct orl_material *m)
 static const double least_pattern = 0.1;
 
 /* Converts glossy reflection to diffuse reflection of the same energy. */
-static void fold(struct orl_material *m)
+static void convert_gloss_to_diffuse(struct orl_material *m)
 {
     /* Gloss has no pattern; the mean attenuation by the pattern is compensated. */
     const double left = m->pattern ? fmax(orl_luma(m->pattern->mean), least_pattern) : 1;
@@ -39,7 +39,7 @@ static void decide_glossy(struct orl_survey *survey, struct orl_plan *plan)
     double most = 0;
     for (size_t i = 0; i < world->n_materials; i++)
         if (survey->surfaces[i] > 0 && is_glossy(&world->materials[i]))
-            most = fmax(most, gloss(&world->materials[i]));
+            most = fmax(most, gloss_albedo(&world->materials[i]));
     const double bound = most * (direct + orl_survey_reflected_lx(survey, direct));
     const struct orl_finding finding = {
         .needed = count > 0 && (survey->request->job->n_views > 0 || bound > survey->tolerance_lx),
@@ -52,7 +52,7 @@ static void decide_glossy(struct orl_survey *survey, struct orl_plan *plan)
         return;
     for (size_t i = 0; i < world->n_materials; i++)
         if (is_glossy(&world->materials[i]))
-            fold(&world->materials[i]);
+            convert_gloss_to_diffuse(&world->materials[i]);
     world->omit.glossy = count > 0;
 }
 

@@ -21,7 +21,7 @@ static bool has_wide_lights(const struct orl_world *world)
     return wide;
 }
 
-static uint32_t of_lights(const struct orl_world *world)
+static uint32_t light_classes(const struct orl_world *world)
 {
     bool direct = world->n_suns > 0;
     for (size_t i = 0; i < world->n_emitters; i++)
@@ -29,7 +29,7 @@ static uint32_t of_lights(const struct orl_world *world)
     return set_if(has_wide_lights(world), ORL_PATHS_SKY) | set_if(direct, ORL_PATHS_DIRECT);
 }
 
-static uint32_t of_mirrors(const struct orl_world *world, const struct orl_lit *lit)
+static uint32_t mirror_classes(const struct orl_world *world, const struct orl_lit *lit)
 {
     const bool flat = lit->classes[ORL_LIT_FLAT].lit, wide = has_wide_lights(world);
     return set_if(flat, ORL_PATHS_FLAT_MIRRORS) |
@@ -40,7 +40,7 @@ static uint32_t of_mirrors(const struct orl_world *world, const struct orl_lit *
            set_if(orl_lamp_images_twice(&world->lamp_images), ORL_PATHS_TWO_LAMP_MIRRORS);
 }
 
-static uint32_t of_lobes(const struct orl_world *world, const struct orl_lit *lit)
+static uint32_t lobe_classes(const struct orl_world *world, const struct orl_lit *lit)
 {
     if (!lit->classes[ORL_LIT_LOBE].lit)
         return 0;
@@ -52,7 +52,7 @@ static uint32_t of_lobes(const struct orl_world *world, const struct orl_lit *li
 uint32_t orl_find_path_set(const struct orl_survey *survey, const struct orl_lit *lit)
 {
     const struct orl_world *world = survey->world;
-    return of_lights(world) | of_mirrors(world, lit) | of_lobes(world, lit) |
+    return light_classes(world) | mirror_classes(world, lit) | lobe_classes(world, lit) |
            set_if(survey->rho_diffuse > 0, ORL_PATHS_DIFFUSE) |
            set_if(world->scene->mist != NULL, ORL_PATHS_MIST);
 }

@@ -28,8 +28,8 @@ static uint64_t count_placed(const struct orl_geometry *geometry)
  * neither does, returns the backward technique, whose results report missed light (run/chance.c).
  * Fills ret_why if it is not the first.
  */
-static enum orl_technique finds_all(const enum orl_technique preferred[2], uint32_t paths,
-                                    char ret_why[ORL_WHY_MAX])
+static enum orl_technique choose_complete(const enum orl_technique preferred[2], uint32_t paths,
+                                          char ret_why[ORL_WHY_MAX])
 {
     const uint32_t missed = orl_paths_missed(preferred[0], paths);
     if (missed == 0)
@@ -45,8 +45,8 @@ static enum orl_technique finds_all(const enum orl_technique preferred[2], uint3
     return technique;
 }
 
-static enum orl_technique for_views(const struct orl_job *job, uint32_t paths,
-                                    char ret_why[ORL_WHY_MAX])
+static enum orl_technique choose_for_views(const struct orl_job *job, uint32_t paths,
+                                           char ret_why[ORL_WHY_MAX])
 {
     static const enum orl_technique usual[] = {ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_BACKWARD},
                                     rated[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
@@ -58,22 +58,22 @@ static enum orl_technique for_views(const struct orl_job *job, uint32_t paths,
         snprintf(ret_why, ORL_WHY_MAX,
                  "%zu view%s: an image is smooth soonest by a final gather to a photon map",
                  job->n_views, orl_plural(job->n_views));
-    return finds_all(glare ? rated : usual, paths, ret_why);
+    return choose_complete(glare ? rated : usual, paths, ret_why);
 }
 
-static enum orl_technique for_sensors(size_t n, uint32_t paths, char ret_why[ORL_WHY_MAX])
+static enum orl_technique choose_for_sensors(size_t n, uint32_t paths, char ret_why[ORL_WHY_MAX])
 {
     static const enum orl_technique preferred[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
     snprintf(ret_why, ORL_WHY_MAX,
              "%zu sensor%s: paths are exact on average; photons become virtual lamps for them, and "
              "no map is kept",
              n, orl_plural(n));
-    return finds_all(preferred, paths, ret_why);
+    return choose_complete(preferred, paths, ret_why);
 }
 
 /* Returns the planner's technique for the views, or for the sensors. */
-static enum orl_technique by_planner(const struct orl_survey *survey, uint32_t paths, bool views,
-                                     char ret_why[ORL_WHY_MAX])
+static enum orl_technique plan_technique(const struct orl_survey *survey, uint32_t paths,
+                                         bool views, char ret_why[ORL_WHY_MAX])
 {
     const uint64_t leaves = count_placed(survey->world->geometry);
     if (leaves > ORL_DEFAULT_PHOTONS && !orl_paths_missed(ORL_TECHNIQUE_BACKWARD, paths)) {
@@ -83,13 +83,13 @@ static enum orl_technique by_planner(const struct orl_survey *survey, uint32_t p
                  (unsigned long long)leaves);
         return ORL_TECHNIQUE_BACKWARD;
     }
-    return views ? for_views(survey->request->job, paths, ret_why)
-                 : for_sensors(survey->request->n_sensors, paths, ret_why);
+    return views ? choose_for_views(survey->request->job, paths, ret_why)
+                 : choose_for_sensors(survey->request->n_sensors, paths, ret_why);
 }
 
 /* Returns the technique for the views, or for the sensors: the job's or the planner's. */
-static enum orl_technique choose(const struct orl_survey *survey, uint32_t paths, bool views,
-                                 char ret_why[ORL_WHY_MAX])
+static enum orl_technique choose_technique(const struct orl_survey *survey, uint32_t paths,
+                                           bool views, char ret_why[ORL_WHY_MAX])
 {
     const struct orl_job *job = survey->request->job;
     const enum orl_wish gather = job->wishes[ORL_EFFECT_FINAL_GATHER];
@@ -97,7 +97,7 @@ static enum orl_technique choose(const struct orl_survey *survey, uint32_t paths
     if (technique != ORL_TECHNIQUE_AUTO)
         snprintf(ret_why, ORL_WHY_MAX, "as the job asks");
     else
-        technique = by_planner(survey, paths, views, ret_why);
+        technique = plan_technique(survey, paths, views, ret_why);
     if (gather == ORL_WISH_FORCE && job->technique == ORL_TECHNIQUE_AUTO) {
         snprintf(ret_why, ORL_WHY_MAX, "the job asks for a final gather");
         return ORL_TECHNIQUE_GATHER;
@@ -117,11 +117,11 @@ static void decide_techniques(const struct orl_survey *survey, struct orl_plan *
 {
     const struct orl_job *job = survey->request->job;
     const bool views = job->n_views > 0 || survey->request->n_sensors == 0;
-    plan->technique = choose(survey, plan->paths, views, plan->technique_why);
+    plan->technique = choose_technique(survey, plan->paths, views, plan->technique_why);
     plan->sensor_technique = plan->technique;
     memcpy(plan->sensor_why, plan->technique_why, sizeof plan->sensor_why);
     if (views && survey->request->n_sensors > 0 && !(job->goal.deadline_s > 0))
-        plan->sensor_technique = choose(survey, plan->paths, false, plan->sensor_why);
+        plan->sensor_technique = choose_technique(survey, plan->paths, false, plan->sensor_why);
 }
 
 static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan)
@@ -140,7 +140,7 @@ static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan
 
 /* Returns the number of reflections after which less than the tolerance is left, of light that
  * nothing focuses. */
-static uint32_t depth(const struct orl_survey *survey, const struct orl_lit *lit)
+static uint32_t reflection_depth(const struct orl_survey *survey, const struct orl_lit *lit)
 {
     const double rho = survey->rho_diffuse;
     double left = survey->sun_lx * (1 + (double)survey->world->images.n_mirrors) + survey->sky_lx +
@@ -162,7 +162,7 @@ static void decide_interreflection(struct orl_survey *survey, const struct orl_l
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_INTERREFLECTION];
     const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
     const double rho = fmin(survey->rho_diffuse, 1 - 1e-6);
-    const uint32_t n = depth(survey, lit);
+    const uint32_t n = reflection_depth(survey, lit);
     const struct orl_finding finding = {.needed = n > 0,
                                         .unit = ORL_BOUND_LX,
                                         .bound = direct * rho / (1 - rho),
@@ -203,7 +203,8 @@ static uint32_t reflections_of_photons(const struct orl_plan *plan)
  * 5 x 5 pixels differ by 1.5 %. A tenth of the virtual lamps adds a third to a standard error. Many
  * windows light many rooms, so the number grows with the windows.
  */
-static uint64_t enough(const struct orl_survey *survey, uint64_t for_edges, uint64_t a_window)
+static uint64_t enough_photons(const struct orl_survey *survey, uint64_t for_edges,
+                               uint64_t a_window)
 {
     const struct orl_world *world = survey->world;
     const uint64_t windows = world->n_ports > LEAST_WINDOWS ? world->n_ports : LEAST_WINDOWS;
@@ -222,7 +223,7 @@ static uint64_t enough(const struct orl_survey *survey, uint64_t for_edges, uint
  * sample there, and 50 here. Pixels are so many that the largest useful number of lamps costs them
  * little.
  */
-static uint64_t lamps(const struct orl_survey *survey)
+static uint64_t virtual_lamps(const struct orl_survey *survey)
 {
     const struct orl_job *job = survey->request->job;
     uint64_t samples = job->gather_samples ? job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
@@ -236,7 +237,7 @@ static uint64_t lamps(const struct orl_survey *survey)
         a_window = LAMPS_A_WINDOW * samples;
     }
     all = all < MOST_LAMPS ? all : MOST_LAMPS;
-    return job->photons_global < all ? job->photons_global : enough(survey, all, a_window);
+    return job->photons_global < all ? job->photons_global : enough_photons(survey, all, a_window);
 }
 
 static uint64_t global_photons(const struct orl_survey *survey, const struct orl_plan *plan)
@@ -245,12 +246,12 @@ static uint64_t global_photons(const struct orl_survey *survey, const struct orl
     if (survey->world->omit.most_reflections == 0 || survey->world->scene->mist)
         return 0;
     if (plan->technique == ORL_TECHNIQUE_BACKWARD)
-        return lamps(survey);
+        return virtual_lamps(survey);
     if (asked != ORL_PHOTONS_BY_PLAN)
         return asked;
     switch (plan->technique) {
     case ORL_TECHNIQUE_GATHER:
-        return enough(survey, ORL_DEFAULT_PHOTONS, PHOTONS_A_WINDOW);
+        return enough_photons(survey, ORL_DEFAULT_PHOTONS, PHOTONS_A_WINDOW);
     default:
         return ORL_DEFAULT_PHOTONS;
     }

@@ -34,14 +34,14 @@ static struct orl_annual_light row_of(const struct orl_annual_rows *rows, size_t
                                      .sunny = rows->sunny};
 }
 
-static int failed(int code, struct orl_error *err)
+static int report_failure(int code, struct orl_error *err)
 {
     return orl_error_set(err, code,
                          code == ORL_ERR_CANCELLED ? "cancelled while evaluating sensors"
                                                    : "out of memory");
 }
 
-static int poll(const struct orl_annual_rows *rows)
+static int poll_cancel(const struct orl_annual_rows *rows)
 {
     return orl_is_cancelled(rows->cancel) ? ORL_ERR_CANCELLED : 0;
 }
@@ -51,8 +51,8 @@ static int poll(const struct orl_annual_rows *rows)
 /* Lists the sensors whose side of the bound is undecided, and sums the area of the other sensors
  * that pass. `harder` standard errors are added to each sensor's crossing. Returns the length of
  * the list. */
-static size_t sort_out(const double *crossing, double harder, const double *area, size_t n,
-                       struct orl_area_part *ret_parts, struct orl_sum *sure)
+static size_t list_undecided(const double *crossing, double harder, const double *area, size_t n,
+                             struct orl_area_part *ret_parts, struct orl_sum *sure)
 {
     const double certain = 30; /* standard errors; the probability of the other side is 1e-14 */
     size_t open = 0;
@@ -87,7 +87,7 @@ static int find_bounds(const double *crossing, const double *area, size_t n,
         struct orl_sum sure = {0};
         double low = 0, high = 0;
         const size_t open =
-            sort_out(crossing, end == 0 ? one_sided : -one_sided, area, n, parts, &sure);
+            list_undecided(crossing, end == 0 ? one_sided : -one_sided, area, n, parts, &sure);
         code = orl_chance_bounds(parts, open, tail, cancel, &low, &high);
         *(end == 0 ? ret_low : ret_high) = orl_sum_value(&sure) + (end == 0 ? low : high);
     }
@@ -110,7 +110,7 @@ int orl_annual_share(const double *crossing, const double *area, size_t n, bool 
     }
     const int code = find_bounds(crossing, area, n, cancel, &low, &high);
     if (code < 0)
-        return failed(code, err);
+        return report_failure(code, err);
     const double whole = orl_sum_value(&total);
     const double value = orl_percent(orl_sum_value(&passing), whole);
     *ret_result = (struct orl_annual_area){{value, NAN, NAN}, 0};
@@ -141,13 +141,13 @@ static void find_crossing(void *arg, size_t i, uint32_t member)
         atomic_store(&c->unknown, true);
     c->crossing[i] = orl_annual_crossing(&c->figure->metric, c->figure->least, c->period, &row,
                                          c->scratch + member * c->period->n_columns);
-    if (poll(c->rows) < 0)
+    if (poll_cancel(c->rows) < 0)
         atomic_store(&c->cancelled, true);
 }
 
-static int share_of(const struct orl_annual_figure *figure, const struct orl_annual_period *period,
-                    const struct orl_annual_rows *rows, struct orl_annual_area *ret_area,
-                    struct orl_error *err)
+static int compute_share(const struct orl_annual_figure *figure,
+                         const struct orl_annual_period *period, const struct orl_annual_rows *rows,
+                         struct orl_annual_area *ret_area, struct orl_error *err)
 {
     const size_t n = rows->n_sensors;
     double *room = calloc(n + orl_crew_size(rows->crew) * period->n_columns + 1, sizeof *room);
@@ -156,7 +156,7 @@ static int share_of(const struct orl_annual_figure *figure, const struct orl_ann
     struct crossings c = {figure, period, rows, .crossing = room, .scratch = room + n};
     orl_crew_for(rows->crew, n, find_crossing, &c);
     const int code = atomic_load(&c.cancelled)
-                         ? failed(ORL_ERR_CANCELLED, err)
+                         ? report_failure(ORL_ERR_CANCELLED, err)
                          : orl_annual_share(room, rows->area, n, !atomic_load(&c.unknown),
                                             rows->cancel, ret_area, err);
     free(room);
@@ -182,30 +182,31 @@ struct orl_annual_value orl_annual_average(const struct orl_annual_value *values
                                      value + sqrt(orl_sum_value(&above)) / total};
 }
 
-static int average(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
-                   const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
-                   struct orl_error *err)
+static int compute_average(const struct orl_annual_metric *metric,
+                           const struct orl_annual_period *period,
+                           const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
+                           struct orl_error *err)
 {
     struct orl_annual_value *values = calloc(rows->n_sensors + 1, sizeof *values);
     int code = 0;
     if (!values)
-        return failed(ORL_ERR_NOMEM, err);
+        return report_failure(ORL_ERR_NOMEM, err);
     for (size_t i = 0; i < rows->n_sensors && code == 0; i++) {
         const struct orl_annual_light row = row_of(rows, i);
         orl_annual_evaluate(metric, period, &row, &values[i]);
-        code = poll(rows);
+        code = poll_cancel(rows);
     }
     if (code == 0)
         *ret_value = orl_annual_average(values, rows->area, rows->n_sensors);
     free(values);
-    return code < 0 ? failed(code, err) : 0;
+    return code < 0 ? report_failure(code, err) : 0;
 }
 
 /* Computes the value of the worst sensor. Since any of n may be the worst, the lower end uses
  * bounds that hold for all sensors at once (Sidak 1967). */
-static int worst(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
-                 const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
-                 struct orl_error *err)
+static int compute_worst(const struct orl_annual_metric *metric,
+                         const struct orl_annual_period *period, const struct orl_annual_rows *rows,
+                         struct orl_annual_value *ret_value, struct orl_error *err)
 {
     const double z = orl_student_t(-expm1(log(0.975) / (double)rows->n_sensors));
     struct orl_annual_value least = {INFINITY, INFINITY, INFINITY};
@@ -218,8 +219,8 @@ static int worst(const struct orl_annual_metric *metric, const struct orl_annual
         least.value = fmin(least.value, one.value);
         least.high = fmin(least.high, one.high);
         least.low = fmin(least.low, orl_annual_within(metric, period, &row, z).low);
-        if (poll(rows) < 0)
-            return failed(ORL_ERR_CANCELLED, err);
+        if (poll_cancel(rows) < 0)
+            return report_failure(ORL_ERR_CANCELLED, err);
     }
     if (!known)
         least.low = least.high = NAN;
@@ -242,7 +243,7 @@ static int mean_columns(const float *values, const struct orl_annual_rows *rows,
         total += mine;
         for (size_t k = 0; k < rows->n_columns; k++)
             sums[k] += squares ? mine * mine * row[k] * row[k] : mine * row[k];
-        if (poll(rows) < 0)
+        if (poll_cancel(rows) < 0)
             return ORL_ERR_CANCELLED;
     }
     for (size_t k = 0; k < rows->n_columns; k++)
@@ -262,9 +263,10 @@ static float mean_coherence(const struct orl_annual_rows *rows)
     return (float)sqrt(sum / whole);
 }
 
-static int of_mean(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
-                   const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
-                   struct orl_error *err)
+static int compute_of_mean(const struct orl_annual_metric *metric,
+                           const struct orl_annual_period *period,
+                           const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
+                           struct orl_error *err)
 {
     const float *const given[4] = {rows->total_lx, rows->direct_lx, rows->total_error_lx,
                                    rows->direct_error_lx};
@@ -289,13 +291,13 @@ static int of_mean(const struct orl_annual_metric *metric, const struct orl_annu
     }
     free(means);
     free(sums);
-    return code < 0 ? failed(code, err) : 0;
+    return code < 0 ? report_failure(code, err) : 0;
 }
 
 /* ---- Figures --------------------------------------------------------------------------------- */
 
-static int check(const struct orl_annual_figure *figure, const struct orl_annual_rows *rows,
-                 struct orl_error *err)
+static int check_figure(const struct orl_annual_figure *figure, const struct orl_annual_rows *rows,
+                        struct orl_error *err)
 {
     if (rows->n_sensors == 0)
         return orl_error_set(err, ORL_ERR_INVALID, "there are no sensors to make a figure of");
@@ -316,23 +318,23 @@ int orl_annual_figure_of(const struct orl_annual_figure *figure,
 {
     const struct orl_annual_period *period = &periods[figure->metric.when];
     struct orl_annual_area result = {.open = 0};
-    int code = check(figure, rows, err);
+    int code = check_figure(figure, rows, err);
     if (code < 0)
         return code;
     switch (figure->over) {
     case ORL_OVER_SHARE:
-        code = share_of(figure, period, rows, &result, err);
+        code = compute_share(figure, period, rows, &result, err);
         break;
     case ORL_OVER_AVERAGE:
-        code = average(&figure->metric, period, rows, &result.value, err);
+        code = compute_average(&figure->metric, period, rows, &result.value, err);
         break;
     case ORL_OVER_LEAST:
-        code = worst(&figure->metric, period, rows, &result.value, err);
+        code = compute_worst(&figure->metric, period, rows, &result.value, err);
         break;
     case ORL_OVER_OF_MEAN: /* the mean of DFs is the DF of the mean */
         code = figure->metric.kind == ORL_METRIC_DF
-                   ? average(&figure->metric, period, rows, &result.value, err)
-                   : of_mean(&figure->metric, period, rows, &result.value, err);
+                   ? compute_average(&figure->metric, period, rows, &result.value, err)
+                   : compute_of_mean(&figure->metric, period, rows, &result.value, err);
         break;
     }
     if (code == 0)

@@ -62,7 +62,7 @@ static void add_part(struct spread *s, double places, double pass)
         s->at[s->last--] = 0;
 }
 
-static bool all_alike(const struct orl_area_part *parts, size_t n)
+static bool areas_are_equal(const struct orl_area_part *parts, size_t n)
 {
     for (size_t i = 1; i < n; i++)
         if (parts[i].area != parts[0].area)
@@ -84,7 +84,7 @@ static void find_bounds(const struct spread *s, double tail, size_t *ret_low, si
 int orl_chance_bounds(const struct orl_area_part *parts, size_t n, double tail,
                       const atomic_bool *cancel, double *ret_low, double *ret_high)
 {
-    const bool alike = all_alike(parts, n);
+    const bool alike = areas_are_equal(parts, n);
     double total = 0;
     bool cancelled = false;
     for (size_t i = 0; i < n; i++)

@@ -50,7 +50,7 @@ struct reading {
     struct orl_error *err;
 };
 
-static int complain(const struct reading *r, int code, const char *what)
+static int report_line_error(const struct reading *r, int code, const char *what)
 {
     orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
     return code;
@@ -62,7 +62,7 @@ static int find_resolution(struct reading *r, double hour)
 {
     const double per_hour = hour > 0 && hour < 0.5 ? round(0.5 / hour) : 1;
     if (per_hour != 1 && per_hour != r->steps->per_hour)
-        return complain(r, ORL_ERR_RANGE, "the file's steps are not those of the year");
+        return report_line_error(r, ORL_ERR_RANGE, "the file's steps are not those of the year");
     r->lines.per_hour = (uint32_t)per_hour;
     r->lines.count = r->steps->count / r->steps->per_hour * (uint32_t)per_hour;
     return 0;
@@ -78,7 +78,7 @@ static int check_time(struct reading *r, const double values[MOST_FIELDS])
     if (values[0] == day.month && values[1] == day.day &&
         fabs(values[2] - middle) <= 0.5 / r->lines.per_hour + 1e-6)
         return 0;
-    complain(r, ORL_ERR_RANGE, "this is not the time of the line");
+    report_line_error(r, ORL_ERR_RANGE, "this is not the time of the line");
     orl_error_hint(r->err, "%d,%d,%g is wanted here: month, day, hour of the middle", day.month,
                    day.day, middle);
     return ORL_ERR_RANGE;
@@ -100,7 +100,7 @@ static bool begins_number(struct orl_slice line)
 
 /* Splits a line into numbers separated by commas, semicolons or blanks. Returns their count, or an
  * error. */
-static int split(struct reading *r, struct orl_slice line, double ret_values[MOST_FIELDS])
+static int split_line(struct reading *r, struct orl_slice line, double ret_values[MOST_FIELDS])
 {
     struct orl_cells cells;
     struct orl_slice cell;
@@ -129,17 +129,19 @@ static int read_line(struct reading *r, struct orl_slice line)
         r->has_words = true;
         return 0;
     }
-    const int n = split(r, line, values);
+    const int n = split_line(r, line, values);
     if (n < 0)
         return n;
     if (n != 1 && n != MOST_FIELDS)
-        return complain(r, ORL_ERR_SYNTAX, "one number is wanted, or \"month,day,hour,value\"");
+        return report_line_error(r, ORL_ERR_SYNTAX,
+                                 "one number is wanted, or \"month,day,hour,value\"");
     if (r->fields != 0 && n != r->fields)
-        return complain(r, ORL_ERR_SYNTAX,
-                        "lines of one number and \"month,day,hour,value\" are mixed");
+        return report_line_error(r, ORL_ERR_SYNTAX,
+                                 "lines of one number and \"month,day,hour,value\" are mixed");
     r->fields = n;
     if (r->count == r->steps->count)
-        return complain(r, ORL_ERR_RANGE, "the file has more lines than the year has steps");
+        return report_line_error(r, ORL_ERR_RANGE,
+                                 "the file has more lines than the year has steps");
     const int code = n == MOST_FIELDS ? check_time(r, values) : 0;
     if (code == 0)
         r->marks[r->count++] = values[n - 1] > 0;
@@ -147,13 +149,13 @@ static int read_line(struct reading *r, struct orl_slice line)
 }
 
 /* Copies hourly marks to the steps of each hour, from the last one on. */
-static void stretch(unsigned char *marks, const struct orl_annual_steps *steps)
+static void expand_hours(unsigned char *marks, const struct orl_annual_steps *steps)
 {
     for (uint32_t i = steps->count; i-- > 0;)
         marks[i] = marks[i / steps->per_hour];
 }
 
-static int complain_count(const struct reading *r)
+static int report_line_count(const struct reading *r)
 {
     orl_error_set(r->err, ORL_ERR_RANGE, "the file has %u lines, and the year %u steps", r->count,
                   r->steps->count);
@@ -175,8 +177,8 @@ int orl_occupancy_read(const char *name, const char *text, size_t size,
     if (code < 0)
         return code;
     if (r.count != steps->count && r.count * (uint64_t)steps->per_hour != steps->count)
-        return complain_count(&r);
+        return report_line_count(&r);
     if (r.count != steps->count)
-        stretch(ret_marks, steps);
+        expand_hours(ret_marks, steps);
     return 0;
 }

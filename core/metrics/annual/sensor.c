@@ -56,20 +56,20 @@ bool orl_annual_errors_known(const struct orl_annual_metric *metric,
  * values are moved by factors. For means that are never negative the error is at most the value
  * itself.
  */
-static double proportion(const struct light *light, size_t column)
+static double shared_relative_error(const struct light *light, size_t column)
 {
     const double error = fmin((double)light->error[column] / (double)light->value[column], 1);
     return light->sunny && light->sunny[column] ? light->coherence * error : error;
 }
 
-static double shifted(const struct light *light, uint32_t column, double z)
+static double shifted_value(const struct light *light, uint32_t column, double z)
 {
     const double value = light->value[column];
     if (z == 0 || !light->error || !(value > 0) || !(light->error[column] > 0))
         return fmax(0, value);
     if (light->factor && fabs(z) == ORL_ANNUAL_Z)
         return z > 0 ? value * light->factor[column] : value / light->factor[column];
-    return value * exp(z * proportion(light, column));
+    return value * exp(z * shared_relative_error(light, column));
 }
 
 void orl_annual_factors(const struct orl_annual_light *row, size_t n, float *ret_factors)
@@ -77,12 +77,12 @@ void orl_annual_factors(const struct orl_annual_light *row, size_t n, float *ret
     const struct light light = light_of_total(row);
     for (size_t i = 0; i < n; i++)
         ret_factors[i] = light.value[i] > 0 && light.error[i] > 0
-                             ? (float)exp(ORL_ANNUAL_Z * proportion(&light, i))
+                             ? (float)exp(ORL_ANNUAL_Z * shared_relative_error(&light, i))
                              : 1;
 }
 
 /* Returns the weight of a step with that illuminance in the metric. */
-static double weigh(const struct orl_annual_metric *metric, double lx)
+static double step_weight(const struct orl_annual_metric *metric, double lx)
 {
     switch (metric->kind) {
     case ORL_METRIC_CDA:
@@ -109,12 +109,12 @@ double orl_annual_at(const struct orl_annual_metric *metric, const struct orl_an
 {
     const struct light light = light_of(metric, row);
     if (metric->kind == ORL_METRIC_DF)
-        return 100 * shifted(&light, 0, z) / ORL_OVERCAST_LX;
+        return 100 * shifted_value(&light, 0, z) / ORL_OVERCAST_LX;
     const double dark_h = period->hours - (double)period->n_columns * period->step_h;
     double sum = 0;
     for (size_t i = 0; i < period->n_columns; i++)
-        sum += weigh(metric, shifted(&light, period->columns[i], z));
-    const double hours = sum * period->step_h + dark_h * weigh(metric, 0);
+        sum += step_weight(metric, shifted_value(&light, period->columns[i], z));
+    const double hours = sum * period->step_h + dark_h * step_weight(metric, 0);
     switch (metric->kind) {
     case ORL_METRIC_MEAN:
         return period->hours > 0 ? hours / period->hours : 0;
@@ -194,7 +194,7 @@ static double step_crossing(const struct orl_annual_metric *metric, const struct
     const bool strict =
         metric->kind == ORL_METRIC_UDI_UPPER || metric->kind == ORL_METRIC_DIRECT_HOURS;
     const bool unsure = light->error && light->error[column] > 0 && lx > 0;
-    const double share = unsure ? proportion(light, column) : 0;
+    const double share = unsure ? shared_relative_error(light, column) : 0;
     if (!(share > 0))
         return (strict ? lx > metric->low_lx : lx >= metric->low_lx) ? -INFINITY : INFINITY;
     const double z = log(metric->low_lx / lx) / share;
