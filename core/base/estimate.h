@@ -7,9 +7,10 @@
  *
  * The 95 % interval is valid for an estimate whose bias is no larger than estimated, in either
  * direction. Its half-width is the standard error times the 95th percentile of |N(b, 1)|, where b
- * is the bias in standard errors (1.96 without bias; b + 1.64 from b = 1 on). It is multiplied by
- * the ratio of Student's t to the normal law for the few degrees of freedom. The value is not
- * corrected: near the edge of a shadow a bias estimate is more reliable in size than in sign.
+ * is the bias in standard errors. The percentile is 1.96 without bias, and b + 1.64 from b = 1 on.
+ * The half-width is multiplied by the ratio of Student's t to the normal law for the few degrees of
+ * freedom. The value is not corrected: near the edge of a shadow a bias estimate is more reliable
+ * in size than in sign.
  *
  * With sparse events, most groups find little light and a few find much. An estimate that comes out
  * low then has too small a standard error. Therefore the interval is wider above the value, by the

@@ -8,11 +8,11 @@
  * the brightest rays is f^2 / e, as Kish's effective number of weights. It is in the hundreds if
  * the brightest rays are those to a window. It is one or two if single rays are several times as
  * bright as the many others. If the brightest rays are few and make up most of the sensor's
- * variance, they are treated as events of one size, with a Poisson law and a separate rate for each
- * sensor. The rates are assumed to be exponentially distributed over sensors (the law of maximum
- * entropy for a given mean). The mean is estimated from all sensors. Given k events of its own, a
- * sensor's rate then has a gamma distribution of shape 1 + k. If every sensor has many brightest
- * rays, nothing changes.
+ * variance, they are treated as events of one size. Their number has a Poisson law, with a separate
+ * rate for each sensor. The rates are assumed to be exponentially distributed over sensors (the law
+ * of maximum entropy for a given mean). The mean is estimated from all sensors. Given k events of
+ * its own, a sensor's rate then has a gamma distribution of shape 1 + k. If every sensor has many
+ * brightest rays, nothing changes.
  *
  * Sensors of different orientation see different light. So the sensors of a job are pooled by the
  * axis, up or down it, that each faces most.

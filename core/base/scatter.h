@@ -1,7 +1,8 @@
 /*
  * Low-discrepancy order of numbers, in which every range of indices is spread evenly over all
- * numbers: multiples of a stride near the golden section of their count, and coprime to it. Work
- * done in this order is representative at any time, so that the remaining time can be estimated.
+ * numbers. It consists of multiples of a stride that is near the golden section of their count, and
+ * coprime to it. Work done in this order is representative at any time, so that the remaining time
+ * can be estimated.
  */
 #ifndef ORL_BASE_SCATTER_H
 #define ORL_BASE_SCATTER_H

@@ -13,9 +13,9 @@ struct header {
     char magic[8];
     uint32_t version, byte_order;
     uint64_t shape;
-    uint64_t size; /* of the file */
+    uint64_t size; /* file size, bytes */
     unsigned char content[ORL_SEALED_CONTENT];
-    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* of all data after the header */
+    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* checksum of all data after the header */
     unsigned char reserved[32];                 /* 0 */
     unsigned char of_header[ORL_CHECKSUM_BYTES];
 };

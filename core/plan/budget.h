@@ -6,8 +6,8 @@
  * on they get as many photons as the global map. Below that they get fewer, in proportion, since
  * noise and blur of faint light are faint; but never so few that a kernel is empty. Their rays are
  * bounded relative to those of the global photons: 0.5 at no worth, 30 more at full worth, and in
- * between by the square of the worth. They also get no more rays than half of the global ones plus
- * the number for which the error of the light where they land is least (Neyman 1934, Journal of the
+ * between by the square of the worth. A second bound on their rays is half of the global ones, plus
+ * the number for which the light where they land has the least error (Neyman 1934, Journal of the
  * Royal Statistical Society 97, 558). Beyond that, global photons improve the picture more. The
  * first bound, or a larger one if caustics outshine the other light there, also limits a job's
  * request, unless the job asks for an exact number.

@@ -19,22 +19,22 @@
  *
  * Direct. This definition of direct sunlight holds for everything that reads it: ASE, LM-83's
  * blinds and other controls by sun, hours of direct sunlight, .direct.ill. Direct sunlight reaches
- * a sensor after any number of transmissions and no reflection: from the disc, through panes of
- * glass, and through a pane described by a BSDF, into any direction (redirected and scattered light
- * count). IES LM-83-12 defines ASE by the beam of the sun alone, without light from other surfaces
- * and with shades open. It has no rule for glazing that scatters. Radiance's two-phase method with
- * black surfaces, by which Honeybee computes ASE, counts the same light. A matrix of Klems' basis
- * spreads the sun over one of its cells, which is 10 to 15 degrees wide. The flux of a patch of sun
- * is then right, but its rim is blurred, and more sensors exceed 1000 lx than behind glass. For
- * clear panes, aBSDF, a tensor tree or glass keep the rim. Light through trans and other diffuse
- * surfaces is not direct.
+ * a sensor after any number of transmissions and no reflection. It comes from the disc, through
+ * panes of glass, or through a pane described by a BSDF, into any direction. Redirected and
+ * scattered light counts. IES LM-83-12 defines ASE by the beam of the sun alone, without light from
+ * other surfaces and with shades open. It has no rule for glazing that scatters. Radiance's
+ * two-phase method with black surfaces, by which Honeybee computes ASE, counts the same light. A
+ * matrix of Klems' basis spreads the sun over one of its cells, which is 10 to 15 degrees wide. The
+ * flux of a patch of sun is then right, but its rim is blurred, and more sensors exceed 1000 lx
+ * than behind glass. For clear panes, aBSDF, a tensor tree or glass keep the rim. Light through
+ * trans and other diffuse surfaces is not direct.
  *
  * Errors. `se` is the standard error of `total`, and includes that of `direct`. It is estimated
  * from the differences between independent batches of paths, between groups of photons, and between
  * two ways of interpolating between the sun's nodes. Errors of ONE sensor are strongly correlated
  * over hours, since all hours use the same paths: the mean of a year is hardly more certain than an
  * hour. To get an interval of a quantity derived from a sensor's hours, move the whole row by a
- * common factor: evaluate the quantity at value - z se and at value + z se, in every hour at once.
+ * common factor. Evaluate the quantity at value - z se and at value + z se, in every hour at once.
  * Sensors' errors are nearly independent of each other: they share only the sunlight on surfaces
  * inside.
  *
@@ -74,7 +74,7 @@ struct orl_annual_request {
     char *weather_file;             /* EPW or WEA, for the provider */
     int weather_year;               /* keep only the rows of this year; 0: all rows */
     double north_deg;               /* true north, counter-clockwise from +Y */
-    double ground_reflectance;      /* of the ground outside, if the scene has none; 0..1 */
+    double ground_reflectance;      /* ground outdoors, if the scene has none; 0..1 */
     enum orl_sun_method sun_method; /* ORL_SUN_ACCURATE by default */
     struct orl_sensor *sensors;
     size_t n_sensors;
@@ -106,11 +106,11 @@ enum {
     ORL_ANNUAL_MOST_MAP_VALUES = 1 << 24 /* limit of values in the map of sunlight */
 };
 
-void orl_annual_request_init(struct orl_annual_request *request); /* defaults, nothing else set */
+void orl_annual_request_init(struct orl_annual_request *request); /* sets the defaults */
 /* NULL and half-filled are fine. */
 void orl_annual_request_done(struct orl_annual_request *request);
 
-/* Checks what can be checked without the scene: counts, limits, finite numbers, grids in bounds. */
+/* Checks everything that needs no scene: counts, limits, finite numbers, grids in bounds. */
 int orl_annual_validate(const struct orl_annual_request *request, struct orl_error *err);
 /* Does the checks of orl_annual_validate that are possible before the scene is known and before
  * sensor files are read. */
@@ -177,7 +177,8 @@ const char *orl_annual_stage_name(enum orl_annual_stage stage); /* "load", "skie
 struct orl_annual_result {
     uint64_t seed;
     uint32_t threads, samples;
-    double latitude_deg, longitude_deg, time_zone_h; /* of the weather file; both east */
+    /* Site of the weather file; longitude and time zone east. */
+    double latitude_deg, longitude_deg, time_zone_h;
     int first_weekday; /* weekday of 1 January in the file: 0 Monday ... 6 Sunday; -1: not given */
     size_t n_moved;    /* steps from 1 January on that are the file's last rows (see
                           orl_annual_row_of_step) */

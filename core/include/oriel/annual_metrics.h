@@ -11,13 +11,13 @@
  * Errors. An hour's value has a standard error from 16 batches; intervals are Student's with 15
  * degrees of freedom, t = 2.13. Errors of one sensor are correlated over hours, since all hours use
  * the same paths. The interval of a sensor's metric is therefore its value at E exp(-t k se / E)
- * and at E exp(t k se / E), in all hours together. k is 1 in hours without sun, whose errors have
- * one common factor. In hours with sun k is the sensor's coherence (oriel/annual.h), since the
+ * and at E exp(t k se / E), in all hours together. Here k is 1 in hours without sun, whose errors
+ * have one common factor. In hours with sun k is the sensor's coherence (oriel/annual.h), since the
  * sun's positions share less. If the coherence is not known, k is 1, and intervals are too wide.
- * The interval uses factors because values that come out low have errors that are too small; se
- * never exceeds E, since both come from means that are not negative, and 0 stays 0. UDI's useful
- * part gains at one bound what it loses at the other: the changes by the two bounds are added in
- * squares.
+ * The interval uses factors because values that come out low have errors that are too small. se
+ * never exceeds E, since both come from means that are not negative. Values of 0 stay 0. UDI's
+ * useful part gains at one bound what it loses at the other: the changes by the two bounds are
+ * added in squares.
  *
  * Sensors have separate paths, and their errors are independent. Each sensor has a t at which it
  * would change sides, which gives its probability to pass. The number of sensors that pass follows
@@ -48,13 +48,13 @@
  *   the year with the most daylight (global horizontal; half the steps of a leap year). In half of
  *   them 300, 500 or 750 lx on 50 % of the area, and 100, 300 or 500 lx on 95 %: minimum, medium,
  *   high. For roof lights: the target on 95 %. As in Honeybee.
- * - DF: daylight factor, the illuminance over that of an unobstructed level plane under the CIE
- *   overcast sky of 10 000 lx (CIE S 011/E:2003, type 16), with shades open, ground included.
- *   Figures are its mean over an area, its minimum (EN 12464), or the share of the area with so
- *   much. By EN 17037, annex A.2, method 1, the requirement is the DF that gives 300 lx (500, 750;
- *   the minimum target 100, 300, 500) of the median outdoor diffuse illuminance, on 50 % of the
- *   area (95 %). Here that median is the weather's over EN's 4380 hours; a value of the standard's
- *   table A.3 of capitals can be given instead.
+ * - DF: daylight factor, the illuminance over that of an unobstructed level plane outdoors. The sky
+ *   is the CIE overcast sky of 10 000 lx (CIE S 011/E:2003, type 16); shades are open, and the
+ *   ground is included. Figures are its mean over an area, its minimum (EN 12464), or the share of
+ *   the area with so much. EN 17037, annex A.2, method 1, requires the DF that gives 300 lx (500,
+ *   750) at the median outdoor diffuse illuminance, on 50 % of the area. The minimum target is 100
+ *   lx (300, 500) on 95 %. Here that median is the weather's over EN's 4380 hours; a value of the
+ *   standard's table A.3 of capitals can be given instead.
  * - LEED v4.1, EQ Daylight, option 1: sDA300/50 of 40, 55 or 75 % for 1, 2 or 3 points. For a room
  *   with ASE above 10 % the design must state how it limits glare; in v4 such a room did not count.
  * - WELL v2: L01 sDA150/50 >= 30 %, or 200 lx in half of the daylight hours on 30 %; L06 sDA300/50

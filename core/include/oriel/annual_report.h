@@ -159,9 +159,9 @@ struct orl_annual_report {
     struct orl_annual_year year;
     unsigned char *marks;                             /* for each step: 1 if in use and measured */
     struct orl_annual_period periods[ORL_WHEN_COUNT]; /* by enum orl_annual_when */
-    double hours_wanted[ORL_WHEN_COUNT]; /* of each period, including hours that are not measured */
-    double median_diffuse_lx;            /* as requested, or over EN 17037's daylight hours */
-    struct orl_annual_grid *grids;       /* as in the request, or one grid of all sensors */
+    double hours_wanted[ORL_WHEN_COUNT];              /* hours of each period, measured or not */
+    double median_diffuse_lx;      /* as requested, or over EN 17037's daylight hours */
+    struct orl_annual_grid *grids; /* as in the request, or one grid of all sensors */
     size_t n_grids, n_sensors;
     double *area; /* for each sensor */
     struct orl_annual_metric *metrics;

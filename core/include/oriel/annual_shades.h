@@ -16,9 +16,9 @@
  * middle of the row's interval; outside all spans the group is open. Controls close groups by the
  * light that the open ones let in, in each hour by itself, without a lag:
  * - By sun: IES LM-83-12, 2.2.6. Closed in hours in which more than share_percent of the points of
- *   a grid have direct sunlight of above_lx or more by windows of that group, with the blinds of
- *   all other groups open. With several grids, one of them is enough. LM-83 has 2 % and 1000 lx:
- *   "more than", and "or more".
+ *   a grid have direct sunlight of above_lx or more. The sunlight is that by windows of the group,
+ *   with the blinds of all other groups open. With several grids, one of them is enough. LM-83 has
+ *   2 % and 1000 lx: "more than", and "or more".
  * - By light: closed in hours in which a sensor of the grid has above_lx or more in total, with all
  *   groups open. For a grid of eyes this is the vertical illuminance at the eye.
  * - By glare: closed in hours in which DGP at one of the control's seats exceeds above_dgp, with

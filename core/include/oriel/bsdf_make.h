@@ -89,7 +89,7 @@ struct orl_bsdf_make_request {
      * which the next subdivision would show (goniometer/resolve.h).
      *
      * Half of the paths decide whether all of them are enough. The other half is independent of the
-     * first and gives the stated errors (goniometer/sheet.h); so among thousands of values some
+     * first and gives the stated errors (goniometer/sheet.h). So among thousands of values some
      * errors exceed the request by chance, by up to a factor of two. The accuracy is a standard
      * error over the paths that were drawn, not a bound. Among tens of thousands of values the
      * worst is off by four standard errors (the office's panel 64 by 64: 7.7 % for 0.02, 1.5 % for

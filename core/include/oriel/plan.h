@@ -72,7 +72,7 @@ struct orl_foresight {
     double photons_s;        /* sum for both kinds */
     double ray_s;            /* per ray of the photons; 0: there was no clock */
     double job_s;            /* whole job, from its start; NaN: not known */
-    double caustic_share;    /* of all light */
+    double caustic_share;    /* caustics' share of the light */
     uint64_t enough_caustic; /* number of caustic photons beyond which more do not pay off,
                                 independent of the job's targets */
     char why[ORL_WHY_MAX];

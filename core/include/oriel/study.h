@@ -48,7 +48,7 @@ struct orl_study_setting {
 struct orl_study_given {
     char *name;
     double seconds, rms;
-    double rays_per_s; /* of its machine, as orl_study.rays_per_s; 0: not known */
+    double rays_per_s; /* rate of its machine, as orl_study.rays_per_s; 0: not known */
     double here_s;     /* results only: seconds converted to this machine by both rates */
 };
 
@@ -129,8 +129,8 @@ struct orl_study_fit {
     size_t points;
     double terms[ORL_FIT_TERMS];  /* not negative, or NaN */
     double errors[ORL_FIT_TERMS]; /* standard deviation over refits to redrawn data */
-    double chi2;                  /* of relative residuals, over the degrees of freedom */
-    double residual;              /* rms of ln(rms^2 / fitted): 0.2 is 20 % of rms^2 */
+    double chi2;     /* sum of squared relative residuals, over the degrees of freedom */
+    double residual; /* rms of ln(rms^2 / fitted): 0.2 is 20 % of rms^2 */
 };
 
 /* Returns the fitted rms at a setting; NaN if it needs a term that is absent. */
@@ -163,7 +163,7 @@ struct orl_study_step {
     bool in_parts; /* true: other processes make all runs; `run` is then the approximate number of
                       complete ones */
     uint32_t run, runs; /* current seed, from 1, and number of seeds */
-    double fraction;    /* of the whole study, by the estimated cost of its runs */
+    double fraction;    /* completed share of the study, by the estimated cost of its runs */
     double left_s;      /* estimated seconds left, from the runs so far */
 };
 /* "reference", "parts", "gather"... */

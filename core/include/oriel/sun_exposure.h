@@ -4,14 +4,14 @@
  * recommendations are 1.5 h (minimum), 3 h (medium) and 4 h (high), for one habitable room of a
  * dwelling and similar rooms.
  *
- * The point is defined by the standard: in the plane of the inner surface, in the middle of the
+ * The standard defines the point: in the plane of the inner surface and in the middle of the
  * opening's width, at least 1.2 m above the floor and 0.3 m above the sill. Any day of the period
  * may be chosen: the day with the most sun is reported, and 21 March beside it. The sun is
  * represented by the middle of its disc, every minute. It counts from least_altitude_deg up, for
  * which the standard has a table of places. The sun's position is that of the request's sun_method
  * in 2017, whatever the years of the weather file. On a date in March, declinations differ between
- * years by up to 0.4 degrees, which is 20 minutes behind a horizon of 28 degrees in Helsinki; 2017
- * lies in the middle. Windows count as open, even if their glazing scatters or is tinted: glass,
+ * years by up to 0.4 degrees; 2017 lies in the middle. Behind a horizon of 28 degrees in Helsinki
+ * that is 20 minutes. Windows count as open, even if their glazing scatters or is tinted: glass,
  * dielectrics, BSDFs and illums. Shades are in their first state. Everything else is opaque.
  *
  * South of the equator the period is half a year later, 1 August to 21 September.

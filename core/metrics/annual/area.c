@@ -73,9 +73,9 @@ static size_t list_undecided(const double *crossing, double harder, const double
  * side of the bound, close to it, more values cross it one way than the other, and no single value
  * shows it. Therefore the lower end is computed as if all sensors were `one_sided` standard errors
  * lower, and the upper end as if they were as much higher. Measured with 48 sensors of 64 paths
- * each in two rooms, over all thresholds: with 0, 93 and 94 % of intervals contained the truth (71
- * % at the worst thresholds), and 3 and 1.2 % missed it by 3 % of the area or more; with 0.35, 98
- * and 99 % (0.3 and 0.1 %).
+ * each in two rooms, over all thresholds. With 0, 93 and 94 % of intervals contained the truth (71
+ * % at the worst thresholds), and 3 and 1.2 % missed it by 3 % of the area or more. With 0.35, 98
+ * and 99 % contained it, and 0.3 and 0.1 % missed it by as much.
  */
 static int find_bounds(const double *crossing, const double *area, size_t n,
                        const atomic_bool *cancel, double *ret_low, double *ret_high)
