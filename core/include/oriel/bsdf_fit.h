@@ -139,7 +139,7 @@ struct orl_bsdf_fitted {
     double theta_most_deg[2][2]; /* largest measured theta; incidence beyond it is extrapolated */
     size_t n_outliers;           /* number of all outliers; `outliers` lists the first ones */
     struct orl_bsdf_outlier outliers[ORL_BSDF_FIT_OUTLIERS_TOLD];
-    bool color_left_out; /* true: CIE X and Z were present */
+    bool color_left_out; /* true: CIE X and Z were present, but are not used */
     char sample[128];    /* sample name in the files, or "" */
 };
 

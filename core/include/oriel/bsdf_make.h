@@ -107,7 +107,8 @@ void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request);
 void orl_bsdf_make_request_done(struct orl_bsdf_make_request *request);
 
 /* Returns the number of paths of the request, or the default of its basis: 16384 for matrices,
- * 32768 for trees of rank 3, 4096 for trees of rank 4, and 2048 with an accuracy. */
+ * 32768 for trees of rank 3, and 4096 for trees of rank 4. For trees with an accuracy it is
+ * 2048. */
 uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request);
 
 /* Returns a rough estimate of the single-core seconds; it knows nothing of the panel. With an

@@ -60,7 +60,7 @@ struct orl_glare_settings {
     bool low_light;        /* true: apply DGP's correction below 1000 lx */
     double age_years;      /* DGP for people of that age; 0: no age correction */
     double eye_lx;         /* measured illuminance that replaces the view's; 0: the view's */
-    bool at_whole_pixels;  /* evaluate indices as evalglare does: metrics/evalglare.md */
+    bool at_whole_pixels;  /* position indices as evalglare takes them: metrics/evalglare.md */
     uint32_t directions;   /* number of lines of sight, rotated about up; 0 or 1: the view's only */
     double directions_deg; /* angle from the first to the last, centred on the view's */
     double band_rad;       /* half height of a horizontal band about the picture's middle row for
@@ -122,9 +122,10 @@ struct orl_glare {
 void orl_glare_done(struct orl_glare *glare); /* NULL is fine */
 
 /*
- * Input picture of orl_glare_of_picture, which evaluates a Radiance HDR picture. `view`: options
- * that replace its VIEW line, or NULL. `mask`: another picture of the same size, or NULL. Returns
- * 0, ORL_ERR_SYNTAX, _RANGE, _UNSUPPORTED, _LIMIT or _NOMEM. The caller releases ret_glare.
+ * Picture file in memory, for orl_glare_of_picture. That function evaluates a Radiance HDR picture.
+ * `view`: options that replace its VIEW line, or NULL. `mask`: another picture of the same size, or
+ * NULL. Returns 0, ORL_ERR_SYNTAX, _RANGE, _UNSUPPORTED, _LIMIT or _NOMEM. The caller releases
+ * ret_glare.
  */
 struct orl_picture_bytes {
     const char *name; /* for messages */

@@ -85,7 +85,7 @@ struct orl_job {
     uint32_t pixel_samples;     /* per pixel, backward technique only; 0 = default */
     struct orl_goal goal;       /* replaces photon and sample counts */
     bool dark_expected;         /* true: results without any light are no error */
-    struct orl_sky_request sky; /* used if the scene has no distant sources */
+    struct orl_sky_request sky; /* job's own sky; the scene must then have no distant sources */
     /* Alternative to sky: skies rendered one after the other (oriel/skies.h). */
     struct orl_named_sky *skies;
     size_t n_skies;

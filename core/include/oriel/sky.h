@@ -1,7 +1,7 @@
 /*
- * Sky of a job, beside or in place of the scene's own, so that one scene serves many hours. Sun,
- * sky and ground are distant sources around the scene, as gendaylit or gensky with the usual
- * "source" lines describe them.
+ * Sky of a job, for a scene without distant sources, so that one scene serves many hours. Sun, sky
+ * and ground are distant sources around the scene, as gendaylit or gensky with the usual "source"
+ * lines describe them.
  *
  * Conventions: degrees; latitude north, longitude EAST, time zone in hours EAST of Greenwich
  * (Radiance's programs take longitude west); azimuth of the sun from south towards west, as in
