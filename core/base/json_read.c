@@ -9,7 +9,8 @@
 
 #include <oriel/crew.h>
 
-static _Thread_local bool reading, refused; /* flags while jansson parses in this thread */
+/* State of jansson in this thread. reading: it parses. refused: an allocation has failed. */
+static _Thread_local bool reading, refused;
 
 /*
  * Reserve for jansson's token buffer. If the buffer cannot grow, jansson continues without the

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const uint32_t nobody = UINT32_MAX;
+static const uint32_t not_listed = UINT32_MAX;
 
 /* Pixel at the edge of a group, with its cube. */
 struct edge {
@@ -24,7 +24,7 @@ struct union_find {
     size_t count;
     double chord2;    /* squared chord of the angle */
     uint32_t *parent; /* for each list entry: an earlier entry, or itself */
-    uint32_t *listed; /* for each pixel of the picture: its index in the list, or nobody */
+    uint32_t *listed; /* for each pixel of the picture: its index in the list, or not_listed */
 };
 
 static uint32_t root_of(struct union_find *u, uint32_t i)
@@ -54,14 +54,14 @@ static bool are_close(const struct union_find *u, uint32_t a, uint32_t b)
     return orl_dot(apart, apart) <= u->chord2;
 }
 
-/* Returns the list index of the pixel's neighbour; nobody if it is not listed or outside the
+/* Returns the list index of the pixel's neighbour; not_listed if it is not listed or outside the
  * picture. */
 static uint32_t neighbour_of(const struct union_find *u, uint32_t pixel, int dx, int dy)
 {
     const uint32_t width = u->field->width;
     const int64_t x = (int64_t)(pixel % width) + dx, y = (int64_t)(pixel / width) + dy;
     if (x < 0 || y < 0 || x >= width || y >= u->field->height)
-        return nobody;
+        return not_listed;
     return u->listed[(size_t)y * width + (size_t)x];
 }
 
@@ -72,7 +72,7 @@ static bool join_neighbours(struct union_find *u, uint32_t index)
     for (int dy = -1; dy <= 1; dy++)
         for (int dx = -1; dx <= 1; dx++) {
             const uint32_t other = neighbour_of(u, u->pixels[index], dx, dy);
-            if (other != nobody && are_close(u, index, other))
+            if (other != not_listed && are_close(u, index, other))
                 join_groups(u, index, other);
             else
                 at_edge = true;

@@ -111,7 +111,7 @@ void orl_bsdf_make_request_done(struct orl_bsdf_make_request *request);
  * 2048. */
 uint32_t orl_bsdf_make_paths(const struct orl_bsdf_make_request *request);
 
-/* Returns a rough estimate of the single-core seconds; it knows nothing of the panel. With an
+/* Returns a rough estimate of the single-core seconds, without knowledge of the panel. With an
  * accuracy it covers the initial paths only. */
 double orl_bsdf_make_core_s(const struct orl_bsdf_make_request *request);
 

@@ -26,7 +26,7 @@ struct orl_files {
     /* The callbacks from here on are optional. digest returns the SHA-256 of an open file if it is
      * known without reading; false: not known. */
     bool (*digest)(void *ctx, const char *name, unsigned char ret_digest[32]);
-    /* Tells that these bytes are not needed for now: the provider may release their memory. */
+    /* Called when these bytes are not needed for now: the provider may release their memory. */
     void (*passed)(void *ctx, const struct orl_file *file, size_t begin, size_t end);
     /* Opens a file of the user's own library (function files, fonts and data that scenes rely on),
      * by a name that open does not know. Errors and close are those of open. */

@@ -19,12 +19,10 @@ enum orl_path_class {
     ORL_PATHS_DIRECT,       /* suns and lamps, directly or through panes and openings */
     ORL_PATHS_FLAT_MIRRORS, /* suns and lamps by flat mirrors and panes with virtual images */
     ORL_PATHS_LOBES,        /* suns and lamps scattered by BSDFs, rough metal or plastic, trans */
-    ORL_PATHS_NARROW_LOBES, /* by narrow lobes of function materials, which sampling does not find
-                             */
+    ORL_PATHS_NARROW_LOBES, /* by function lobes too narrow for sampling to find */
     ORL_PATHS_CURVED,       /* suns and lamps by curved mirrors, lenses, prisms, thick glass */
     ORL_PATHS_SKY_CURVED,   /* skies and glows by curved mirrors, lenses, prisms, thick glass */
-    ORL_PATHS_MANY_SUN_MIRRORS,  /* suns by flat mirrors in more directions than have virtual images
-                                  */
+    ORL_PATHS_MANY_SUN_MIRRORS,  /* suns by flat mirrors in directions without virtual images */
     ORL_PATHS_MANY_LAMP_MIRRORS, /* lamps by lamp-mirror pairs beyond those with virtual images */
     ORL_PATHS_TWO_LAMP_MIRRORS,  /* lamps by two flat mirrors in succession */
     ORL_PATHS_DIFFUSE,           /* reflected diffusely */
@@ -34,9 +32,9 @@ enum orl_path_class {
 const char *orl_path_class_name(enum orl_path_class class);  /* "sky", "flat-mirrors", ... */
 const char *orl_path_class_words(enum orl_path_class class); /* "suns and lamps by ..." */
 
-/* The sampling strategies, as flags. */
+/* Sampling strategies, as flags. */
 enum orl_path_strategy {
-    ORL_FIND_BY_RAYS = 1,        /* BSDF and cosine sampling, which hits it often */
+    ORL_FIND_BY_RAYS = 1,        /* BSDF and cosine sampling, where it is effective */
     ORL_FIND_BY_PORT_RAYS = 2,   /* rays aimed at windows and openings; combined with the above by
                                     multiple importance sampling (MIS) */
     ORL_FIND_BY_SHADOW_RAYS = 4, /* next-event estimation; MIS with rays that hit lamps */

@@ -28,7 +28,7 @@ struct orl_piece {
     char kind[ORL_PIECE_KIND]; /* "sensors", "view", "sky", "global", "annual", ... */
     char key[ORL_PIECE_KEY];   /* lower-case hex */
     double work;               /* work relative to other pieces of the same call, above 0 */
-    double core_s;  /* estimated single-core seconds, within a factor of several; 0: not known */
+    double core_s;  /* single-core seconds, estimated to within a factor of several; 0: not known */
     uint64_t bytes; /* memory in bytes beside that of the job itself; 0: little */
 };
 

@@ -8,13 +8,13 @@
  *     high     54 degrees               50 m               sky, landscape, ground
  *
  * The level of a point is the lowest of its levels by the three criteria. They are evaluated by
- * rays from the point, a quarter of a degree apart in azimuth and one degree in altitude:
+ * rays from the point, a quarter of a degree apart in azimuth and one degree in altitude.
  *
- * Openings are the photon ports of jobs that consist of glass. The standard wants it clear,
- * undistorted and neutral in colour. Such panes can be listed by name (then also BSDFs); otherwise
- * all glass counts. Ports in one plane at most 0.3 m apart are one opening, so that the bars of a
- * window do not divide a view. Holes without a pane are no openings. Shades are in their first
- * state.
+ * Openings are the photon ports of jobs that consist of glass. The standard requires clear,
+ * undistorted glass of neutral colour. Such panes can be listed by name (then also BSDFs);
+ * otherwise all glass counts. Ports in one plane at most 0.3 m apart are one opening, so that the
+ * bars of a window do not divide a view. Holes without a pane are no openings. Shades are in their
+ * first state.
  *
  * Layers. A ray that has passed an opening sees sky if it leaves the scene upwards, and ground if
  * it leaves downwards. A surface that it hits is landscape (the standard's natural or urban
