@@ -5,8 +5,8 @@
  * daylight saving): 8760 hours, or 8784 with 29 February, each divided into a whole number of
  * steps. Step i lasts from i to i + 1 and is evaluated at its middle, as EPW's hour 1 (0:00 to
  * 1:00) is at 0:30. Arrays have columns only for the steps with the sun up. All other steps are
- * dark and count as 0 lx. Tools that leave dark steps out of UDI's lower part do not add up to 100
- * %.
+ * dark and count as 0 lx. If a tool leaves dark steps out of UDI's lower part, its parts do not add
+ * up to 100 %.
  *
  * Errors. An hour's value has a standard error from 16 batches; intervals are Student's with 15
  * degrees of freedom, t = 2.13. Errors of one sensor are correlated over hours, since all hours use

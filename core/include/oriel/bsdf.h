@@ -127,7 +127,8 @@ enum orl_bsdf_dummy { ORL_BSDF_DUMMY_NONE, ORL_BSDF_DUMMY_ZERO, ORL_BSDF_DUMMY_C
  * The part of a transmission that stands out around the straight direction, found when the file is
  * loaded. The material aBSDF passes this part undeviated and scatters the rest. core/bsdf/peak.h
  * describes the method. f(in, out) = straight part + rest. orl_bsdf_straight is the integral of the
- * straight part, so that straight and scattered light sum to orl_bsdf_albedo. */
+ * straight part, so that straight and scattered light sum to orl_bsdf_albedo.
+ */
 
 /* Returns the share of light from `in` that passes straight through: 0..1 per channel. */
 struct orl_rgb orl_bsdf_straight(const struct orl_bsdf *bsdf, struct orl_vec3 in);
@@ -200,7 +201,8 @@ void orl_bsdf_describe(const struct orl_bsdf *bsdf, struct orl_bsdf_info *ret_in
 /* ---- The check on upload ---------------------------------------------------------------------
  *
  * Directions are those that the light comes from: theta from the normal on its side, phi from +x
- * towards +y. Index 1 is light from the front, 0 from the back (outside), as in has[][]. */
+ * towards +y. Index 1 is light from the front, 0 from the back (outside), as in has[][].
+ */
 
 enum {
     ORL_BSDF_CHECK_DIRECTIONS = 21, /* 0, and 15 to 75 degrees at four azimuths */
@@ -227,8 +229,8 @@ struct orl_bsdf_extremes {
 /*
  * Light that passes straight through, and the effect of the data's resolution on the sun seen in
  * it. The sun fills the data cell that it shines through: its image is `smear` times too large and
- * as much too dim. Glare sums luminance squared times solid angle, which the smear divides by
- * `smear`. The term 0.0918 log10(1 + s) of DGP (Wienold and Christoffersen 2006) then loses 0.0918
+ * as much too dim. Glare sums luminance squared times solid angle, which this divides by `smear`.
+ * The term 0.0918 log10(1 + s) of DGP (Wienold and Christoffersen 2006) then loses 0.0918
  * log10(smear) at the most.
  */
 struct orl_bsdf_peak {
