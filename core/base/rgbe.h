@@ -23,8 +23,8 @@ struct orl_rgbe {
     const char *name; /* for errors; borrowed, as is the data */
     const unsigned char *at, *end;
     int line;                   /* current header line; 0 after the header */
-    uint32_t scanlines, length; /* as stored */
-    uint32_t width, height;     /* as displayed */
+    uint32_t scanlines, length; /* dimensions as stored */
+    uint32_t width, height;     /* dimensions as displayed */
     char order[4];              /* "-Y+X": signs and axes, the slower first */
 };
 

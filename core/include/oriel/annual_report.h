@@ -160,8 +160,8 @@ struct orl_annual_report {
     unsigned char *marks;                             /* for each step: 1 if in use and measured */
     struct orl_annual_period periods[ORL_WHEN_COUNT]; /* by enum orl_annual_when */
     double hours_wanted[ORL_WHEN_COUNT];              /* hours of each period, measured or not */
-    double median_diffuse_lx;      /* as requested, or over EN 17037's daylight hours */
-    struct orl_annual_grid *grids; /* as in the request, or one grid of all sensors */
+    double median_diffuse_lx;      /* requested value, or median over EN 17037's daylight hours */
+    struct orl_annual_grid *grids; /* grids of the request, or one grid of all sensors */
     size_t n_grids, n_sensors;
     double *area; /* for each sensor */
     struct orl_annual_metric *metrics;

@@ -24,7 +24,7 @@ int orl_bsdf_convert(const struct orl_bsdf *bsdf, const char *source,
 /* ---- Differences ----------------------------------------------------------------------------- */
 
 struct orl_bsdf_place {
-    double theta_deg, phi_deg; /* as in oriel/bsdf.h: away from the surface */
+    double theta_deg, phi_deg; /* direction as in oriel/bsdf.h: away from the surface */
 };
 
 /* Difference of one component, over light from ORL_BSDF_COMPARED directions, as shares of the

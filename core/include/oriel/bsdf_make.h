@@ -169,7 +169,7 @@ struct orl_bsdf_made_direction {
 struct orl_bsdf_made {
     char *xml; /* owned, NUL-terminated */
     size_t xml_size;
-    /* The same file with standard errors in place of values, 1/sr, for inspection and plots; NULL
+    /* Copy of xml with standard errors in place of values, 1/sr, for inspection and plots; NULL
      * unless requested. For merged tree cells the error includes their rms deviation from the mean.
      * Owned. */
     char *errors_xml;

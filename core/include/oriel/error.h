@@ -33,7 +33,7 @@ enum { ORL_ERROR_NAME_MAX = 256, ORL_ERROR_TEXT_MAX = 512 };
 /* Error detail: cause, place and remedy. Fields that do not apply are "" or 0. */
 struct orl_error {
     int code;                           /* enum orl_err */
-    char file[ORL_ERROR_NAME_MAX];      /* as the user named it */
+    char file[ORL_ERROR_NAME_MAX];      /* file name as given by the user */
     int line;                           /* 1-based; 0 when there is none */
     char primitive[ORL_ERROR_NAME_MAX]; /* "polygon wall_w", "WavelengthDataBlock" */
     char message[ORL_ERROR_TEXT_MAX];   /* one sentence: the cause */

@@ -319,7 +319,7 @@ struct orl_curve {
         double seconds, error;
     } points[ORL_CURVE];
     uint32_t n_points;       /* 0: not known */
-    char model[ORL_WHY_MAX]; /* as in orl_cost, or the reason why there is no curve */
+    char model[ORL_WHY_MAX]; /* method, as in orl_cost, or the reason why there is no curve */
 };
 
 enum { ORL_RESULT_MAPS = 3 };

@@ -20,7 +20,7 @@ static bool is_direct(enum orl_metric_kind kind)
 struct light {
     const float *value, *error, *factor;
     const unsigned char *sunny; /* columns whose errors are partly coherent; NULL: none */
-    double coherence;           /* of the errors in sunny columns */
+    double coherence;           /* coherence of the errors in sunny columns */
 };
 
 static struct light light_of_total(const struct orl_annual_light *row)
