@@ -7,8 +7,8 @@
 enum { ORL_BSDF_PEAKS = 4 };
 
 struct orl_bsdf_lobe {
-    double theta_deg,
-        phi_deg;  /* centroid of the light within 2.5 degrees; angles as in bsdf_polar.h */
+    /* Centroid of the light within 2.5 degrees; angles as in bsdf_polar.h. */
+    double theta_deg, phi_deg;
     double f;     /* largest value there, 1/sr */
     double share; /* share of the incident light within 2.5 degrees of the centroid: 0..1 */
 };
