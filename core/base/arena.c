@@ -49,7 +49,8 @@ static struct block *add_block(struct orl_arena *arena, size_t bytes)
     return block;
 }
 
-/* Sees to room for a small piece in the newest block; a large one gets a block of its own. */
+/* Makes room for a small piece in the newest block, or allocates a separate block for a large
+ * piece. */
 static bool make_room(struct orl_arena *arena, size_t bytes, void **ret_own)
 {
     *ret_own = NULL;
@@ -67,8 +68,8 @@ static bool make_room(struct orl_arena *arena, size_t bytes, void **ret_own)
     return true;
 }
 
-/* From the front; bytes is rounded up to keep what follows aligned. */
-static void *take(struct orl_arena *arena, size_t bytes)
+/* Takes bytes from the front of the block; `bytes` is a multiple of the alignment. */
+static void *take_from_front(struct orl_arena *arena, size_t bytes)
 {
     void *taken;
     if (!make_room(arena, bytes, &taken) || taken)
@@ -84,10 +85,10 @@ void *orl_arena_take(struct orl_arena *arena, size_t size)
     const size_t align = alignof(double);
     if (size > SIZE_MAX - align)
         return NULL;
-    return take(arena, (size + align - 1) / align * align);
+    return take_from_front(arena, (size + align - 1) / align * align);
 }
 
-/* From the back, where nothing has to be aligned. */
+/* Takes bytes from the back of the block, which needs no alignment. */
 char *orl_arena_letters(struct orl_arena *arena, size_t size)
 {
     void *taken;

@@ -1,6 +1,6 @@
 /*
- * Which build of the program this is: what is kept from one run to the next may depend on all of
- * its code, and goes by that then.
+ * Identity of this build of the program. Cache keys include it if the cached data may depend on all
+ * of the program's code.
  */
 #ifndef ORL_BASE_BUILD_H
 #define ORL_BASE_BUILD_H
@@ -9,7 +9,8 @@
 
 #include <oriel/sha256.h>
 
-/* Adds the linker's digest of the program (its note NT_GNU_BUILD_ID). False: it has none. */
+/* Adds the linker's digest of the program (its note NT_GNU_BUILD_ID). Returns false if there is
+ * none. */
 bool orl_build_add(struct orl_sha256 *hash);
 
 #endif

@@ -1,5 +1,5 @@
-/* The one question in a file of its own: a test that links a function of this name instead sees
- * every poll there is (tests/unit/test_reader_polls.c). */
+/* This function has its own file so that a test can link another definition in its place and
+ * observe every poll (tests/unit/test_reader_polls.c). */
 #include <oriel/crew.h>
 
 bool orl_is_cancelled(const atomic_bool *cancel)

@@ -1,6 +1,6 @@
 /*
- * A checksum of 128 bits that is as quick as reading (XXH3 of xxHash, inlined): it tells files that
- * were damaged, cut or swapped, not ones that were forged. The same on every machine.
+ * Checksum of 128 bits, as fast as reading (XXH3 of xxHash, inlined). It detects files that were
+ * damaged, truncated or exchanged, but not forged ones. It is the same on every machine.
  */
 #ifndef ORL_BASE_CHECKSUM_H
 #define ORL_BASE_CHECKSUM_H
@@ -27,7 +27,7 @@ static inline void orl_checksum_add(struct orl_checksum *sum, const void *data, 
     XXH3_128bits_update(&sum->state, data, size);
 }
 
-/* In xxHash's canonical order of bytes. */
+/* Returns the checksum in xxHash's canonical byte order. */
 static inline void orl_checksum_finish(const struct orl_checksum *sum,
                                        unsigned char ret[ORL_CHECKSUM_BYTES])
 {
@@ -36,7 +36,7 @@ static inline void orl_checksum_finish(const struct orl_checksum *sum,
     memcpy(ret, canonical.digest, ORL_CHECKSUM_BYTES);
 }
 
-/* The whole at once. */
+/* Returns the checksum of one buffer. */
 static inline void orl_checksum_of(const void *data, size_t size,
                                    unsigned char ret[ORL_CHECKSUM_BYTES])
 {

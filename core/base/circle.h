@@ -1,7 +1,7 @@
 /*
- * Sines and cosines for sampling: without a call, without tables, and the same to the last bit on
- * any machine (a C library's own differ in it with the instructions at hand). Series of Taylor's
- * as far as the last bit of an eighth of a turn; errors are within 3e-16.
+ * Sines and cosines for sampling: inlined, without tables, and with the same bits on any machine
+ * (the results of a C library vary with the processor's instructions). Taylor series up to the last
+ * bit of an eighth of a turn; errors are within 3e-16.
  */
 #ifndef ORL_BASE_CIRCLE_H
 #define ORL_BASE_CIRCLE_H
@@ -10,7 +10,7 @@ struct orl_circle {
     double cosine, sine;
 };
 
-/* Of an angle in radians, at most pi / 4 either way. */
+/* Returns cosine and sine of an angle in radians, -pi / 4 to pi / 4. */
 static inline struct orl_circle orl_circle_near(double angle)
 {
     const double a = angle * angle, b = a * a, c = b * b;
@@ -24,7 +24,7 @@ static inline struct orl_circle orl_circle_near(double angle)
     return (struct orl_circle){cosine, angle * sine};
 }
 
-/* Of a share of a whole turn, 0 to 1. */
+/* Returns cosine and sine of a share of a whole turn, 0 to 1. */
 static inline struct orl_circle orl_circle_turn(double turn)
 {
     const int quarter = (int)(4 * turn + 0.5);

@@ -28,7 +28,7 @@ int orl_check_direction(struct orl_vec3 direction, const char *what, struct orl_
         return orl_error_set(err, ORL_ERR_RANGE,
                              "%s: a direction needs finite components of at most %g in magnitude",
                              what, ORL_LIMIT_DISTANCE);
-    /* Squares that fade out leave no unit vector. */
+    /* The squares of a very short direction underflow, and then it has no unit vector. */
     if (!isnormal(orl_dot(direction, direction)))
         return orl_error_set(err, ORL_ERR_RANGE, "%s: the direction has no length", what);
     return 0;

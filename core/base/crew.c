@@ -7,7 +7,7 @@
 
 struct orl_crew {
     uint32_t size;
-    pthread_mutex_t lock; /* guards what follows, but for next, which is claimed without it */
+    pthread_mutex_t lock; /* guards the members below except next, which is claimed without it */
     pthread_cond_t work, idle;
     uint64_t round;   /* bumped for each loop, so that a server joins a loop once */
     uint32_t working; /* servers inside the current loop */
@@ -16,9 +16,9 @@ struct orl_crew {
     orl_crew_body body;
     void *arg;
     atomic_size_t next;
-    const atomic_bool *heeded; /* by orl_crew_try; or NULL */
-    const atomic_bool *cancel; /* of the current loop; or NULL */
-    pthread_t *threads;        /* of orl_crew_start: n_threads of them; else NULL */
+    const atomic_bool *heeded; /* flag for orl_crew_try; or NULL */
+    const atomic_bool *cancel; /* flag for the current loop; or NULL */
+    pthread_t *threads;        /* n_threads threads of orl_crew_start; else NULL */
     uint32_t n_threads;
 };
 
@@ -114,7 +114,7 @@ static void run_loop(struct orl_crew *crew, size_t count, orl_crew_body body, vo
 
     claim_all(crew, count, body, arg, cancel, 0);
 
-    /* With body gone no server can join late; those inside are waited for. */
+    /* Clearing body keeps servers from joining late; the lead waits for those that are inside. */
     pthread_mutex_lock(&crew->lock);
     crew->body = NULL;
     while (crew->working > 0)
@@ -173,7 +173,7 @@ struct orl_crew *orl_crew_start(uint32_t size)
         }
         crew->n_threads++;
     }
-    return crew; /* a smaller crew than asked for still does all the work */
+    return crew; /* also a smaller crew than requested completes all work */
 }
 
 void orl_crew_stop(struct orl_crew *crew)

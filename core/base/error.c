@@ -26,7 +26,7 @@ int orl_error_set(struct orl_error *err, int code, const char *format, ...)
 
 void orl_error_at(struct orl_error *err, const char *file, int line, const char *primitive)
 {
-    if (!err || err->code == ORL_ERR_CANCELLED) /* wherever it was seen, it is no fault of that */
+    if (!err || err->code == ORL_ERR_CANCELLED) /* a cancellation has no place */
         return;
     if (file)
         snprintf(err->file, sizeof err->file, "%s", file);
@@ -64,8 +64,9 @@ const char *orl_err_name(int code)
     return index >= 0 && index < (int)(sizeof names / sizeof *names) ? names[index] : "unknown";
 }
 
-/* Appends to text, which holds size bytes of which *used are taken; cuts what does not fit. */
-static void append(char *text, unsigned long size, unsigned long *used, const char *part)
+/* Appends part to text, a buffer of size bytes of which *used are in use; truncates if it is
+ * full. */
+static void append_text(char *text, unsigned long size, unsigned long *used, const char *part)
 {
     const unsigned long length = strlen(part);
     const unsigned long room = size - *used - 1;
@@ -75,7 +76,7 @@ static void append(char *text, unsigned long size, unsigned long *used, const ch
     text[*used] = '\0';
 }
 
-/* Mistakes in JSON documents have their path in the sentence as well: once is enough. */
+/* Returns true if the message already begins with the path, as errors in JSON documents do. */
 static bool begins_with_place(const struct orl_error *err)
 {
     const unsigned long length = strlen(err->primitive);
@@ -90,21 +91,21 @@ void orl_error_format(const struct orl_error *err, char *ret_text, unsigned long
         return;
     ret_text[0] = '\0';
     if (err->file[0]) {
-        append(ret_text, size, &used, err->file);
+        append_text(ret_text, size, &used, err->file);
         if (err->line > 0) {
             snprintf(number, sizeof number, ":%d", err->line);
-            append(ret_text, size, &used, number);
+            append_text(ret_text, size, &used, number);
         }
-        append(ret_text, size, &used, ": ");
+        append_text(ret_text, size, &used, ": ");
     }
     if (err->primitive[0] && !begins_with_place(err)) {
-        append(ret_text, size, &used, err->primitive);
-        append(ret_text, size, &used, ": ");
+        append_text(ret_text, size, &used, err->primitive);
+        append_text(ret_text, size, &used, ": ");
     }
-    append(ret_text, size, &used, err->message);
+    append_text(ret_text, size, &used, err->message);
     if (err->hint[0]) {
-        append(ret_text, size, &used, " (");
-        append(ret_text, size, &used, err->hint);
-        append(ret_text, size, &used, ")");
+        append_text(ret_text, size, &used, " (");
+        append_text(ret_text, size, &used, err->hint);
+        append_text(ret_text, size, &used, ")");
     }
 }

@@ -3,10 +3,11 @@
 #include <math.h>
 
 static const double normal_95 = 1.959963984540054;
-/* Of one group: that of 16 normal ones has a standard deviation of 0.56. */
+/* Smallest skewness of a single group that counts. Chance gives 16 normal groups a standard
+ * deviation of 0.56. */
 static const double least_skewness = 1;
-/* So many times what 16 groups show of it: of lognormal ones (sigma 0.5 to 1) they see a half to a
- * quarter. */
+/* Ratio of true to observed skewness for 16 groups. Lognormal groups (sigma 0.5 to 1) show a half
+ * to a quarter of it. */
 static const double unseen_skewness = 2;
 
 struct orl_estimate orl_estimate_of_mean(const struct orl_rgb *values, uint32_t count)
@@ -40,8 +41,8 @@ struct orl_estimate orl_estimate_add(struct orl_estimate a, struct orl_estimate 
                                  .rays = orl_rays_mix(a.rays, 1, b.rays, 1)};
 }
 
-/* Student's t over the normal law, at 97.5 %: the first terms in 1 / degrees, good to 1 % from 3
- * degrees on. */
+/* Returns the ratio of Student's t to the normal law at 97.5 %. The first terms in 1 / degrees are
+ * good to 1 % from 3 degrees on. */
 static double student_over_normal(double degrees)
 {
     const double z2 = normal_95 * normal_95, d = degrees;
@@ -54,7 +55,8 @@ static double normal_below(double x)
     return 0.5 * erfc(-x * sqrt(0.5));
 }
 
-/* The 95th percentile of |N(bias, 1)|, by Newton's method: from above, where the law is concave. */
+/* Returns the 95th percentile of |N(bias, 1)|, by Newton's method from above, where the law is
+ * concave. */
 static double biased_95(double bias)
 {
     double c = bias + normal_95;
@@ -68,8 +70,9 @@ static double biased_95(double bias)
     return c;
 }
 
-/* What rare light adds above, in standard errors; t is Student's. */
-static double stretch(const struct orl_estimate *e, double t)
+/* Returns the extension of the upper margin due to sparse events, in standard errors; t is
+ * Student's. */
+static double skewness_margin(const struct orl_estimate *e, double t)
 {
     const double cube = e->standard_error * e->standard_error * e->standard_error;
     const double skewness = cube > 0 ? e->third / cube : 0;
@@ -85,5 +88,5 @@ struct orl_margins orl_estimate_margins(const struct orl_estimate *e)
         return (struct orl_margins){bias, bias};
     const double student = student_over_normal(e->degrees);
     const double half = se * student * biased_95(bias / se);
-    return (struct orl_margins){half, half + se * stretch(e, student * normal_95)};
+    return (struct orl_margins){half, half + se * skewness_margin(e, student * normal_95)};
 }

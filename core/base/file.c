@@ -9,7 +9,7 @@
 
 #include <oriel/open.h>
 
-/* Devices and pipes are written to, and never replaced: /dev/null, /dev/stdout. */
+/* Devices and pipes, such as /dev/null and /dev/stdout, are written to but never replaced. */
 static bool is_replaced(const char *path)
 {
     struct stat info;
@@ -43,7 +43,7 @@ void orl_out_floats(const struct orl_out_file *file, const float *values, size_t
         fwrite(values + at, sizeof *values, n - at < BLOCK ? n - at : BLOCK, file->stream);
 }
 
-/* A large file is synced step by step, so that a cancel does not wait for all of it. */
+/* Syncs a large file step by step, so that a cancel does not wait for all of it. */
 static void sync_in_steps(const struct orl_out_file *file)
 {
     enum { STEP = 32 << 20 };
@@ -53,7 +53,7 @@ static void sync_in_steps(const struct orl_out_file *file)
     const off_t size = lseek(fd, 0, SEEK_END);
     for (off_t at = 0; file->cancel && at + STEP < size && orl_out_goes_on(file); at += STEP)
         if (sync_file_range(fd, at, STEP, whole) != 0)
-            return; /* the sync that follows says why */
+            return; /* the final fsync reports the error */
 }
 
 int orl_out_close(struct orl_out_file *file, int code, struct orl_error *err)

@@ -1,6 +1,6 @@
 /*
- * Writing a file so that it is whole or absent: path.part, sync, rename. Devices and pipes, as
- * /dev/stdout, are written to as they are.
+ * Writes files so that they are whole or absent: path.part, sync, rename. Devices and pipes, such
+ * as /dev/stdout, are written to directly.
  */
 #ifndef ORL_BASE_FILE_H
 #define ORL_BASE_FILE_H
@@ -17,12 +17,12 @@ struct orl_out_file {
 };
 
 int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *err);
-/* False once the file's cancel flag is set: loops that write a lot end then. */
+/* Returns false once the file's cancel flag is set, so that long loops of writes can end. */
 bool orl_out_goes_on(const struct orl_out_file *file);
 /* Writes n floats, and polls the cancel flag between blocks. */
 void orl_out_floats(const struct orl_out_file *file, const float *values, size_t n);
-/* Commits when code is 0 and nothing is cancelled; else removes. Returns code, ORL_ERR_CANCELLED,
- * or ORL_ERR_IO when committing failed. */
+/* Commits the file if code is 0 and it is not cancelled; otherwise removes it. Returns code,
+ * ORL_ERR_CANCELLED, or ORL_ERR_IO if the commit failed. */
 int orl_out_close(struct orl_out_file *file, int code, struct orl_error *err);
 
 #endif

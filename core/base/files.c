@@ -59,7 +59,7 @@ static bool folder_other_case(void *ctx, const char *name, char *ret_name, size_
     return orl_find_other_case(ctx, name, ret_name, size);
 }
 
-static int refuse_to_open(const char *folder, const char *name, int why, struct orl_error *err)
+static int report_open_failure(const char *folder, const char *name, int why, struct orl_error *err)
 {
     const struct orl_files files = orl_files_from_folder(folder);
     if (why == ORL_OPEN_NOT_REGULAR)
@@ -84,7 +84,7 @@ static int folder_open(void *ctx, const char *name, struct orl_file *ret_file,
         return orl_error_set(err, ORL_ERR_LIMIT, "the path of '%s' is too long", name);
     const int fd = orl_open_regular(path, O_RDONLY);
     if (fd < 0)
-        return refuse_to_open(folder, name, errno, err);
+        return report_open_failure(folder, name, errno, err);
     if (fstat(fd, &st) != 0) {
         code = orl_error_set(err, ORL_ERR_IO, "cannot read '%s': %s", name, strerror(errno));
     } else if ((unsigned long)st.st_size > ORL_LIMIT_FILE_BYTES) {

@@ -1,14 +1,15 @@
-/* Arrays that grow by doubling. */
+/* Arrays with capacity, which doubles when they are full. */
 #ifndef ORL_BASE_GROW_H
 #define ORL_BASE_GROW_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Makes room for one more item in a growing array. Returns false when out of memory. */
+/* Makes room for one more item. *array holds count items, with capacity *room. Returns false when
+ * out of memory. */
 bool orl_grow(void *array, size_t *room, size_t count, size_t item);
 
-/* Makes room for so many more items. Returns false when out of memory. */
+/* Makes room for `more` items. Returns false when out of memory. */
 bool orl_grow_by(void *array, size_t *room, size_t count, size_t more, size_t item);
 
 #endif

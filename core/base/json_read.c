@@ -9,13 +9,14 @@
 
 #include <oriel/crew.h>
 
-static _Thread_local bool reading, refused; /* an allocation of jansson's, in this thread */
+/* State of jansson in this thread. reading: it parses. refused: an allocation has failed. */
+static _Thread_local bool reading, refused;
 
 /*
- * jansson's buffer for a token: where that cannot grow it goes on without the byte, which an
- * assertion may find later and end the process. So there is a reserve for it, in which it comes to
- * the token's end; whatever else is asked for then is refused, and reading ends. Its sizes are
- * powers of two. One thread has the reserve at a time.
+ * Reserve for jansson's token buffer. If the buffer cannot grow, jansson continues without the
+ * byte, and an assertion may fail later and end the process. The reserve lets jansson finish the
+ * token. All other allocations then fail, and parsing ends. The buffer's sizes are powers of two.
+ * One thread uses the reserve at a time.
  */
 enum { RESERVE = 512 << 10, BUFFER_LEAST = 32 };
 static _Alignas(16) char reserve[RESERVE];
@@ -38,7 +39,7 @@ static void *take_reserve(size_t size)
     return block;
 }
 
-static void *allocate(size_t size)
+static void *allocate_memory(size_t size)
 {
     void *memory = malloc(size);
     if (memory || size == 0)
@@ -47,7 +48,7 @@ static void *allocate(size_t size)
     return reading && size >= BUFFER_LEAST && (size & (size - 1)) == 0 ? take_reserve(size) : NULL;
 }
 
-static void give_back(void *memory)
+static void release_memory(void *memory)
 {
     const uintptr_t at = (uintptr_t)memory, from = (uintptr_t)reserve;
     if (at < from || at >= from + RESERVE) {
@@ -60,16 +61,16 @@ static void give_back(void *memory)
     pthread_mutex_unlock(&reserve_mutex);
 }
 
-/* Once, before any thread is there: what malloc gave is given back to free. */
+/* Runs once, before any thread exists. Blocks allocated earlier by malloc are freed by free. */
 __attribute__((constructor)) static void watch_allocations(void)
 {
-    json_set_alloc_funcs(allocate, give_back);
+    json_set_alloc_funcs(allocate_memory, release_memory);
 }
 
 uint64_t orl_json_weight(const char *text, size_t size)
 {
-    /* Bytes in jansson 2.14 on 64 bits, with malloc's own: of an object and an array without
-     * members, a member's key, and any value. */
+    /* Bytes in jansson 2.14 on 64 bits, including malloc's overhead: an empty object, an empty
+     * array, a member's key, and any value. */
     enum { OBJECT = 256, ARRAY = 144, KEY = 80, VALUE = 40 };
     uint64_t weight = size;
     bool quoted = false;
@@ -90,7 +91,7 @@ uint64_t orl_json_weight(const char *text, size_t size)
     return weight;
 }
 
-/* Text that jansson takes in small pieces, with a poll for cancellation now and then. */
+/* Text that jansson reads in small pieces, with regular polls for cancellation. */
 struct text_source {
     const char *text;
     size_t size, at, polled_at;

@@ -14,11 +14,11 @@ struct point {
     double x, y;
 };
 
-/* A stroke on its way, in the letter's units. */
+/* Stroke in progress, in the letter's units. */
 struct stroke {
     void (*to)(void *ctx, bool begins, struct point p);
     void *ctx;
-    struct point first, at, bend; /* bend: to be passed by */
+    struct point first, at, bend; /* bend: middle point of the next parabola */
     bool has_first, has_bend, is_closed;
 };
 
@@ -27,7 +27,7 @@ static struct point between(struct point a, struct point b, double share)
     return (struct point){a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
 }
 
-static void go_to(struct stroke *s, struct point p)
+static void extend_stroke(struct stroke *s, struct point p)
 {
     for (int i = 1; s->has_bend && i < BENDS; i++) {
         const double t = (double)i / BENDS;
@@ -38,25 +38,26 @@ static void go_to(struct stroke *s, struct point p)
     s->has_bend = false;
 }
 
-static void begin(struct stroke *s, struct point p)
+static void begin_stroke(struct stroke *s, struct point p)
 {
     s->first = s->at = p;
     s->has_first = true;
     s->to(s->ctx, true, p);
 }
 
-/* A closed stroke may begin with points that it bends towards: it begins half way then. */
+/* Adds a point to the stroke. A closed stroke may begin with bend points; it then begins half way
+ * between the first two. */
 static void take_point(struct stroke *s, struct point p, bool is_bend)
 {
     if (!s->has_first && !is_bend) {
-        begin(s, p);
+        begin_stroke(s, p);
     } else if (!is_bend) {
-        go_to(s, p);
+        extend_stroke(s, p);
     } else {
         if (s->has_bend && !s->has_first)
-            begin(s, between(s->bend, p, 0.5));
+            begin_stroke(s, between(s->bend, p, 0.5));
         else if (s->has_bend)
-            go_to(s, between(s->bend, p, 0.5));
+            extend_stroke(s, between(s->bend, p, 0.5));
         s->bend = p;
         s->has_bend = true;
     }
@@ -88,7 +89,7 @@ static void walk_stroke(const char **text, struct stroke *s)
     if (s->is_closed && has_skipped)
         take_point(s, skipped, true);
     if (s->is_closed && s->has_first)
-        go_to(s, s->first);
+        extend_stroke(s, s->first);
 }
 
 static void walk_letter(const struct orl_letter *letter, struct stroke *s)
@@ -101,7 +102,7 @@ static void walk_letter(const struct orl_letter *letter, struct stroke *s)
 
 /* ---- Texts ----------------------------------------------------------------------------------- */
 
-/* The next character of UTF-8; bytes that are none count as U+FFFD, one by one. */
+/* Returns the next character of UTF-8. Each invalid byte counts as U+FFFD. */
 static uint32_t next_code(const char **text)
 {
     const unsigned char *at = (const unsigned char *)*text;
@@ -126,13 +127,13 @@ double orl_letters_width(const char *text, double size)
     return units * size / ORL_LETTER_HEIGHT;
 }
 
-/* Where the letter's units are on the picture. */
+/* Transform from the letter's units to pixels. */
 struct frame {
-    double x, y;        /* of its origin */
-    double along, down; /* of a unit to the right: along x and y */
+    double x, y;        /* position of the letter's origin */
+    double along, down; /* unit step to the right, along x and y */
 };
 
-static struct point place(const struct frame *f, struct point p)
+static struct point to_pixels(const struct frame *f, struct point p)
 {
     return (struct point){f->x + f->along * p.x + f->down * p.y,
                           f->y + f->down * p.x - f->along * p.y};
@@ -146,15 +147,15 @@ static struct frame frame_of(const struct orl_pen *pen, double x, double y)
         f.along = unit * cos(pen->turn);
         f.down = -unit * sin(pen->turn);
     }
-    const struct point start = place(&f, (struct point){ORL_LETTER_GAP / 2.0, 0});
+    const struct point start = to_pixels(&f, (struct point){ORL_LETTER_GAP / 2.0, 0});
     f.x = start.x;
     f.y = start.y;
     return f;
 }
 
-static void go_past(struct frame *f, const struct orl_letter *letter)
+static void advance_frame(struct frame *f, const struct orl_letter *letter)
 {
-    const struct point next = place(f, (struct point){letter->width + ORL_LETTER_GAP, 0});
+    const struct point next = to_pixels(f, (struct point){letter->width + ORL_LETTER_GAP, 0});
     f->x = next.x;
     f->y = next.y;
 }
@@ -165,12 +166,12 @@ struct line {
     struct point a, b;
 };
 
-/* What of a letter is drawn at once, so that strokes that meet are not darker there. */
+/* Strokes of one letter that are drawn together, so that they are not darker where they meet. */
 struct inking {
     const struct orl_raster *raster;
     const unsigned char *rgb;
     const struct frame *frame;
-    double half; /* of a stroke's width */
+    double half; /* half of a stroke's width */
     struct point last;
     size_t count;
     struct line lines[MOST_LINES];
@@ -186,40 +187,42 @@ static double square_to(const struct line *l, double x, double y)
     return ox * ox + oy * oy;
 }
 
-static void blend(unsigned char *pixel, const unsigned char rgb[3], double share)
+static void blend_pixel(unsigned char *pixel, const unsigned char rgb[3], double share)
 {
     for (int c = 0; c < 3; c++)
         pixel[c] = (unsigned char)lrint(pixel[c] + share * (rgb[c] - pixel[c]));
 }
 
-/* The pixels from and to which something reaches along an axis. */
-static uint32_t first_of(double low, uint32_t size)
+/* Return the range of pixels, first and end, that an interval covers along an axis. */
+static uint32_t first_pixel(double low, uint32_t size)
 {
     return !(low > 0) ? 0 : low >= size ? size : (uint32_t)low;
 }
 
-static uint32_t last_of(double high, uint32_t size)
+static uint32_t end_pixel(double high, uint32_t size)
 {
     return !(high > 0) ? 0 : high >= size ? size : (uint32_t)ceil(high);
 }
 
-/* Of a row of pixels the lines that reach it, and how far along it. */
+/* Lines that reach a row of pixels, with their extents along it. */
 struct inked_row {
-    double y; /* of the pixels' middles */
+    double y; /* middle of the row's pixels */
     size_t count;
     const struct line *lines[MOST_LINES];
     double from[MOST_LINES], to[MOST_LINES];
 };
 
-/* Whether line l comes within reach of the row, and where along it at the most. */
-static bool reaches(const struct line *l, double y, double reach, double *ret_from, double *ret_to)
+/* Returns true if line l comes within `reach` of the row, with a bound on its extent along the
+ * row. */
+static bool line_reaches_row(const struct line *l, double y, double reach, double *ret_from,
+                             double *ret_to)
 {
     const bool rising = l->b.y >= l->a.y;
     const struct point low = rising ? l->a : l->b, high = rising ? l->b : l->a;
     if (low.y > y + reach || high.y < y - reach)
         return false;
     const double height = high.y - low.y, slope = height > 0 ? (high.x - low.x) / height : 0;
-    /* Its ends, or where it leaves the band about the row; rounded outwards. */
+    /* The ends of the line, or of its part in the band about the row; rounded outwards. */
     const double x0 = low.y < y - reach ? low.x + (y - reach - low.y) * slope : low.x;
     const double x1 = high.y > y + reach ? low.x + (y + reach - low.y) * slope : high.x;
     *ret_from = (x0 < x1 ? x0 : x1) - reach - 0.01;
@@ -227,12 +230,12 @@ static bool reaches(const struct line *l, double y, double reach, double *ret_fr
     return true;
 }
 
-static void find_row(const struct inking *k, double y, double reach, struct inked_row *row)
+static void collect_row_lines(const struct inking *k, double y, double reach, struct inked_row *row)
 {
     row->y = y;
     row->count = 0;
     for (size_t i = 0; i < k->count; i++)
-        if (reaches(&k->lines[i], y, reach, &row->from[row->count], &row->to[row->count]))
+        if (line_reaches_row(&k->lines[i], y, reach, &row->from[row->count], &row->to[row->count]))
             row->lines[row->count++] = &k->lines[i];
 }
 
@@ -248,7 +251,7 @@ static double least_square(const struct inked_row *row, double x)
     return least;
 }
 
-static void ink_row(const struct inking *k, const struct inked_row *row, uint32_t y, double reach)
+static void draw_row(const struct inking *k, const struct inked_row *row, uint32_t y, double reach)
 {
     const struct orl_raster *raster = k->raster;
     double from = INFINITY, to = -INFINITY;
@@ -256,15 +259,16 @@ static void ink_row(const struct inking *k, const struct inked_row *row, uint32_
         from = row->from[i] < from ? row->from[i] : from;
         to = row->to[i] > to ? row->to[i] : to;
     }
-    const uint32_t x1 = last_of(to, raster->width);
-    for (uint32_t x = first_of(from, raster->width); x < x1; x++) {
+    const uint32_t x1 = end_pixel(to, raster->width);
+    for (uint32_t x = first_pixel(from, raster->width); x < x1; x++) {
         const double share = reach - sqrt(least_square(row, x + 0.5));
         if (share > 0)
-            blend(raster->rgb + 3 * ((size_t)y * raster->width + x), k->rgb, share < 1 ? share : 1);
+            blend_pixel(raster->rgb + 3 * ((size_t)y * raster->width + x), k->rgb,
+                        share < 1 ? share : 1);
     }
 }
 
-static void ink(const struct inking *k)
+static void draw_lines(const struct inking *k)
 {
     const struct orl_raster *raster = k->raster;
     const double reach = k->half + 0.5;
@@ -274,24 +278,24 @@ static void ink(const struct inking *k)
         low = fmin(low, fmin(k->lines[i].a.y, k->lines[i].b.y));
         high = fmax(high, fmax(k->lines[i].a.y, k->lines[i].b.y));
     }
-    const uint32_t y1 = last_of(high + reach, raster->height);
-    for (uint32_t y = first_of(low - reach, raster->height); y < y1; y++) {
-        find_row(k, y + 0.5, reach, &row);
+    const uint32_t y1 = end_pixel(high + reach, raster->height);
+    for (uint32_t y = first_pixel(low - reach, raster->height); y < y1; y++) {
+        collect_row_lines(k, y + 0.5, reach, &row);
         if (row.count > 0)
-            ink_row(k, &row, y, reach);
+            draw_row(k, &row, y, reach);
     }
 }
 
 static void add_line(void *ctx, bool begins, struct point p)
 {
     struct inking *k = ctx;
-    const struct point at = place(k->frame, p);
+    const struct point at = to_pixels(k->frame, p);
     if (!begins && k->count < MOST_LINES)
         k->lines[k->count++] = (struct line){k->last, at};
     k->last = at;
 }
 
-static double half_of(const struct orl_pen *pen)
+static double half_weight(const struct orl_pen *pen)
 {
     const double weight = pen->weight > 0 ? pen->weight : 0.13 * pen->size;
     return fmax(weight, 1) / 2;
@@ -302,14 +306,14 @@ void orl_letters_draw(const struct orl_raster *raster, const struct orl_pen *pen
 {
     struct frame frame = frame_of(pen, x, y);
     struct inking inking = {
-        .raster = raster, .rgb = pen->rgb, .frame = &frame, .half = half_of(pen)};
+        .raster = raster, .rgb = pen->rgb, .frame = &frame, .half = half_weight(pen)};
     struct stroke stroke = {.to = add_line, .ctx = &inking};
     while (*text) {
         const struct orl_letter *letter = orl_letter_find(next_code(&text));
         inking.count = 0;
         walk_letter(letter, &stroke);
-        ink(&inking);
-        go_past(&frame, letter);
+        draw_lines(&inking);
+        advance_frame(&frame, letter);
     }
 }
 
@@ -321,16 +325,16 @@ void orl_raster_line(const struct orl_raster *raster, const struct orl_pen *pen,
                             .half = fmax(pen->weight, 1) / 2,
                             .count = 1,
                             .lines = {{{x0, y0}, {x1, y1}}}};
-    ink(&inking);
+    draw_lines(&inking);
 }
 
 void orl_raster_fill(const struct orl_raster *raster, double x0, double y0, double x1, double y1,
                      const unsigned char rgb[3])
 {
-    const uint32_t left = first_of(x0 + 0.5, raster->width),
-                   right = first_of(x1 + 0.5, raster->width);
-    const uint32_t top = first_of(y0 + 0.5, raster->height),
-                   bottom = first_of(y1 + 0.5, raster->height);
+    const uint32_t left = first_pixel(x0 + 0.5, raster->width),
+                   right = first_pixel(x1 + 0.5, raster->width);
+    const uint32_t top = first_pixel(y0 + 0.5, raster->height),
+                   bottom = first_pixel(y1 + 0.5, raster->height);
     for (uint32_t y = top; y < bottom; y++)
         for (uint32_t x = left; x < right; x++)
             memcpy(raster->rgb + 3 * ((size_t)y * raster->width + x), rgb, 3);

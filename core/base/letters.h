@@ -1,15 +1,15 @@
 /*
- * Letters and lines, drawn into pixels without a library and without memory of their own.
+ * Draws text and lines into pixels, without a library and without allocating memory.
  *
- * The letters are drawn here for Oriel: each is a few strokes of a round pen along straight lines
- * and parabolas (letters_table.c). A pixel is covered by how near its middle is to the stroke, so
- * edges are smooth at any size; the same calls give the same bytes.
+ * The font was made for Oriel. Each letter is a few strokes of a round pen along straight lines and
+ * parabolas (letters_table.c). The coverage of a pixel is computed from the distance of its middle
+ * to the stroke, so edges are smooth at any size. The same calls give the same bytes.
  *
- * Texts are UTF-8. There are letters for ASCII, Latin-1, and what pictures and charts say beside
- * (– − × ± ≤ ≥ Δ √); others are drawn as an empty box.
+ * Texts are UTF-8. The font has ASCII, Latin-1, and some characters for pictures and charts (– − ×
+ * ± ≤ ≥ Δ √); other characters are drawn as an empty box.
  *
  * Frame: pixels from the upper left corner of the picture, x to the right and y down; the middle of
- * the first pixel is (0.5, 0.5). What lies outside of the picture is not drawn.
+ * the first pixel is (0.5, 0.5). Content outside the picture is clipped.
  */
 #ifndef ORL_BASE_LETTERS_H
 #define ORL_BASE_LETTERS_H
@@ -18,32 +18,32 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Three bytes a pixel, red first, rows from the top without gaps. */
+/* RGB picture with three bytes per pixel, red first, rows from the top without gaps. */
 struct orl_raster {
     unsigned char *rgb;
     uint32_t width, height;
 };
 
 struct orl_pen {
-    double
-        size; /* height of capitals, pixels; small x has 0.7 of it, and letters reach 0.3 below */
-    double weight; /* width of strokes, pixels; 0: what suits the size */
+    double size;   /* height of capitals, pixels; small x has 0.7 of it, and descenders reach 0.3
+                      below */
+    double weight; /* width of strokes, pixels; 0: chosen by the size */
     double turn;   /* direction of the line, radians anticlockwise; 0: to the right */
     unsigned char rgb[3];
 };
 
-/* How far the text reaches along its line, pixels. */
+/* Returns the length of the text along its line, pixels. */
 double orl_letters_width(const char *text, double size);
 
-/* The text from (x, y): the left end of the line that it stands on. */
+/* Draws the text from (x, y), the left end of its baseline. */
 void orl_letters_draw(const struct orl_raster *raster, const struct orl_pen *pen, double x,
                       double y, const char *text);
 
-/* A straight line with round ends, of the pen's weight (1 where that is 0) and colour. */
+/* Draws a straight line with round ends in the pen's weight (1 if that is 0) and colour. */
 void orl_raster_line(const struct orl_raster *raster, const struct orl_pen *pen, double x0,
                      double y0, double x1, double y1);
 
-/* A rectangle's pixels; of those that it has in part, what their middle says. */
+/* Fills a rectangle: all pixels whose middle lies in it. */
 void orl_raster_fill(const struct orl_raster *raster, double x0, double y0, double x1, double y1,
                      const unsigned char rgb[3]);
 

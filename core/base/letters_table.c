@@ -6,7 +6,7 @@
 #define ROUND "@~0,6 ~0,14 ~5,20 ~11,20 ~16,14 ~16,6 ~11,0 ~5,0"
 #define SNAKE "11,17 ~9,20 ~4,20 ~1,18 ~1,13 ~4,11 6,10 ~9,9 ~12,8 ~12,2 ~9,0 ~3,0 0,3"
 
-/* ASCII from the space on. */
+/* ASCII from the space character on. */
 static const struct orl_letter ascii[] = {
     {' ', 2, "", 0},
     {'!', 0, "0,20 0,6; 0,0 0,1", 0},
@@ -119,7 +119,7 @@ static const struct orl_letter ascii[] = {
 
 static const struct orl_letter box = {0, 10, "@0,0 0,20 10,20 10,0", 0};
 
-/* Marks stand where they do above small letters of 12, and 6 higher above capitals of 14. */
+/* Diacritics are placed for small letters 12 wide, and 6 higher for capitals 14 wide. */
 static const struct orl_letter others[] = {
     {0xa0, 2, "", 0},
     {0xb0, 6, "@~0,15 ~0,18 ~2,20 ~4,20 ~6,18 ~6,15 ~4,13 ~2,13", 0},

@@ -1,10 +1,10 @@
 /*
- * The shapes of letters. Units: capitals are 20 high, small x is 14, descenders reach to -6; y is
- * up, and strokes stand on y = 0.
+ * Shapes of letters. Units: capitals are 20 high, small x is 14, descenders reach to -6; y is up,
+ * and letters stand on y = 0.
  *
- * A shape is text: strokes apart by ';', points "x,y" apart by spaces. A point with '~' is one that
- * the stroke bends towards (the middle point of a parabola; between two of them the stroke passes
- * half way); '@' before the first point says that the stroke is closed.
+ * A shape is a text of strokes separated by ';', with points "x,y" separated by spaces. A point
+ * with '~' is the middle point of a parabola; between two such points the stroke passes half way.
+ * '@' before the first point marks a closed stroke.
  */
 #ifndef ORL_BASE_LETTERS_TABLE_H
 #define ORL_BASE_LETTERS_TABLE_H
@@ -13,14 +13,14 @@
 
 struct orl_letter {
     uint32_t code;     /* Unicode */
-    int width;         /* of the strokes' middles; beside it is ORL_LETTER_GAP */
-    const char *shape; /* of the letter */
-    uint32_t base;     /* the letter that it has beneath that; 0: none */
+    int width;         /* width between the strokes' middles; ORL_LETTER_GAP is added */
+    const char *shape; /* strokes of the letter */
+    uint32_t base;     /* letter drawn beneath the shape; 0: none */
 };
 
 enum { ORL_LETTER_HEIGHT = 20, ORL_LETTER_GAP = 5 };
 
-/* Never NULL: a box where there is no letter. */
+/* Returns the letter for a character, or a box for an unknown one. Never NULL. */
 const struct orl_letter *orl_letter_find(uint32_t code);
 
 #endif

@@ -1,4 +1,4 @@
-/* Memory in large pieces, and memory that is done with before it can be freed. */
+/* Allocation of large blocks, and early release of memory that is no longer needed. */
 #ifndef ORL_BASE_MEMORY_H
 #define ORL_BASE_MEMORY_H
 
@@ -7,8 +7,8 @@
 #include <sys/mman.h>
 
 /*
- * As malloc, to be freed likewise. A large array asks for huge pages: to have the kernel make small
- * ones, one by one as they are first touched, takes longer than to fill them.
+ * Same as malloc, and freed by free. A large block requests huge pages: page faults for small pages
+ * would take longer than filling the block.
  */
 static inline void *orl_memory_new(size_t bytes)
 {
@@ -17,16 +17,17 @@ static inline void *orl_memory_new(size_t bytes)
         return malloc(bytes);
     void *memory = aligned_alloc(huge, (bytes + huge - 1) / huge * huge);
 #ifdef MADV_HUGEPAGE
+    /* Only a hint. */
     if (memory)
-        madvise(memory, bytes, MADV_HUGEPAGE); /* a wish: nothing depends on it */
+        madvise(memory, bytes, MADV_HUGEPAGE);
 #endif
     return memory;
 }
 
 /*
- * Gives back the pages that lie wholly between two places of memory from malloc. What was there is
- * gone; the memory stays allocated. For arrays that are read once, from front to back, where the
- * next one is being filled: together they take no more than one.
+ * Releases the pages that lie completely between two addresses of memory from malloc. Their content
+ * is lost; the memory stays allocated. For arrays that are read once, from front to back, while
+ * another one is filled: together they use no more than one.
  */
 static inline void orl_memory_let_go(const void *begin, const void *end)
 {

@@ -1,4 +1,4 @@
-/* Arrays of floats as NPY files. */
+/* Writes arrays of floats as NPY files. */
 #include <oriel/npy.h>
 
 #include <stdio.h>
@@ -6,7 +6,7 @@
 
 #include "base/file.h"
 
-/* The format's header is a multiple of 64 bytes long, space before the line's end. */
+/* The format requires a header length that is a multiple of 64 bytes, padded with spaces. */
 static void write_npy_header(FILE *stream, size_t rows, size_t columns)
 {
     enum { ALIGN = 64, FIXED = 10 };

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* A decimal number taken apart: (negative ? - : +) digits * 10^exponent, if exact. */
+/* Parsed decimal number: (negative ? - : +) digits * 10^exponent, if exact. */
 struct decimal {
     uint64_t digits;
     int exponent;
@@ -19,7 +19,7 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* A run of digits; those past the 19th do not fit and make the number inexact. */
+/* Reads a run of digits. Digits past the 19th do not fit and make the number inexact. */
 static const char *read_digits(const char *at, const char *end, struct decimal *number, int step)
 {
     for (; at < end && is_digit(*at); at++) {
@@ -48,7 +48,7 @@ static const char *read_exponent(const char *at, const char *end, struct decimal
 }
 
 /* Checks the form; returns false if text is not a number. */
-static bool take_apart(const char *text, size_t length, struct decimal *ret_number)
+static bool parse_decimal(const char *text, size_t length, struct decimal *ret_number)
 {
     const char *at = text, *end = text + length, *start;
     struct decimal number = {0, 0, false, true};
@@ -74,7 +74,7 @@ static bool take_apart(const char *text, size_t length, struct decimal *ret_numb
     return at == end;
 }
 
-static bool names_no_number(const char *text, size_t length)
+static bool is_nan_or_inf(const char *text, size_t length)
 {
     static const char *const names[] = {"nan", "inf", "infinity"};
     if (length > 0 && (*text == '-' || *text == '+'))
@@ -85,8 +85,8 @@ static bool names_no_number(const char *text, size_t length)
     return false;
 }
 
-/* The slow, exact way, for long mantissas and large exponents. */
-static double read_slowly(const char *text, size_t length)
+/* Reads the number by strtod: slower and exact, for long mantissas and large exponents. */
+static double read_by_strtod(const char *text, size_t length)
 {
     char buffer[512];
     char *copy = length < sizeof buffer ? buffer : malloc(length + 1);
@@ -108,8 +108,8 @@ enum orl_number_fault orl_number_read(const char *text, size_t length, double *r
                                   1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
     struct decimal number;
     double value;
-    if (!take_apart(text, length, &number))
-        return names_no_number(text, length) ? ORL_NUMBER_INFINITE : ORL_NUMBER_NOT_ONE;
+    if (!parse_decimal(text, length, &number))
+        return is_nan_or_inf(text, length) ? ORL_NUMBER_INFINITE : ORL_NUMBER_NOT_ONE;
     /* Both factors are exact doubles, so that one operation rounds correctly (Clinger 1990). */
     if (number.exact && number.digits <= (UINT64_C(1) << 53) && abs(number.exponent) <= 22) {
         value = (double)number.digits;
@@ -118,7 +118,7 @@ enum orl_number_fault orl_number_read(const char *text, size_t length, double *r
         *ret_value = number.negative ? -value : value;
         return ORL_NUMBER_OK;
     }
-    value = read_slowly(text, length);
+    value = read_by_strtod(text, length);
     if (!isfinite(value))
         return ORL_NUMBER_INFINITE;
     *ret_value = value;

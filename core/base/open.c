@@ -1,4 +1,5 @@
-/* The only calls of open() on paths that others choose: tests/check_boundaries finds any other. */
+/* This file has the only calls of open() on paths from outside; tests/check_boundaries finds
+ * others. */
 #include <oriel/open.h>
 
 #include <errno.h>

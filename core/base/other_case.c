@@ -8,7 +8,7 @@
 
 enum { PATH_BYTES = 4096, NAME_BYTES = 256 };
 
-/* An entry of the folder by that name in any case; of several the first by name. */
+/* Finds an entry of the folder that matches the name in any case; of several the first by name. */
 static bool find_entry(const char *folder, const char *name, char ret_entry[NAME_BYTES])
 {
     DIR *const entries = opendir(folder);
@@ -23,8 +23,8 @@ static bool find_entry(const char *folder, const char *name, char ret_entry[NAME
     return ret_entry[0] != '\0';
 }
 
-/* Appends a part of a path. */
-static bool append(char *path, size_t size, const char *part)
+/* Appends a component to a path. */
+static bool append_component(char *path, size_t size, const char *part)
 {
     const size_t length = strlen(path);
     const char *const between = length > 0 && path[length - 1] != '/' ? "/" : "";
@@ -43,14 +43,14 @@ bool orl_find_other_case(const char *folder, const char *name, char *ret_name, s
         const size_t base = strlen(path);
         snprintf(part, sizeof part, "%.*s", (int)length, name);
         name += length;
-        found = length < sizeof part && append(path, sizeof path, part);
+        found = length < sizeof part && append_component(path, sizeof path, part);
         if (found && access(path, F_OK) != 0) {
             path[base] = '\0';
-            found = find_entry(path, part, entry) && append(path, sizeof path, entry);
+            found = find_entry(path, part, entry) && append_component(path, sizeof path, entry);
             snprintf(part, sizeof part, "%s", entry);
             differs = true;
         }
-        found = found && append(ret_name, size, part);
+        found = found && append_component(ret_name, size, part);
     }
     return found && differs;
 }

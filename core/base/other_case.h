@@ -1,6 +1,4 @@
-/*
- * Names of files as systems write them that do not tell upper from lower case.
- */
+/* Case-insensitive search of file names, for scenes from systems that ignore case. */
 #ifndef ORL_BASE_OTHER_CASE_H
 #define ORL_BASE_OTHER_CASE_H
 
@@ -8,7 +6,7 @@
 #include <stddef.h>
 
 /* Finds a file below the folder, or from the root for an absolute name, whose name differs from
- * this one in upper and lower case alone; of several the first by name. */
+ * this one only in upper and lower case; of several the first by name. */
 bool orl_find_other_case(const char *folder, const char *name, char *ret_name, size_t size);
 
 #endif

@@ -1,11 +1,8 @@
-/*
- * Shares in percent. All of the whole is 100 exactly, and 7 of 25 is 28, whatever rounding does to
- * quotients.
- */
+/* Shares in percent, without rounding artefacts: the whole is exactly 100, and 7 of 25 is 28. */
 #ifndef ORL_BASE_PERCENT_H
 #define ORL_BASE_PERCENT_H
 
-/* part of whole, 0 ... 100; of nothing 0. */
+/* Returns part of whole, 0 ... 100; 0 if whole is 0. */
 static inline double orl_percent(double part, double whole)
 {
     if (!(whole > 0))

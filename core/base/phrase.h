@@ -1,7 +1,7 @@
 /*
- * The words of a command in the making, as those who read commands take them.
+ * Builds the words of a command, in the form that command readers take.
  *
- * Errors: none; who makes a phrase knows how many words it gets at most, and that none is longer
+ * Errors: none. The caller ensures that there are at most ORL_PHRASE_WORDS words, each no longer
  * than a number.
  */
 #ifndef ORL_BASE_PHRASE_H
@@ -13,11 +13,11 @@ enum { ORL_PHRASE_WORDS = 32, ORL_PHRASE_WORD_BYTES = 40 };
 
 struct orl_phrase {
     char text[ORL_PHRASE_WORDS][ORL_PHRASE_WORD_BYTES];
-    const char *words[ORL_PHRASE_WORDS]; /* in text */
+    const char *words[ORL_PHRASE_WORDS]; /* pointers into text */
     size_t count;
 };
 
-/* Adds one word, printed. */
+/* Adds one word, formatted as by printf. */
 void orl_phrase_add(struct orl_phrase *phrase, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 

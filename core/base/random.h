@@ -1,7 +1,7 @@
 /*
- * Random numbers by counting: a stream is named by (seed, purpose, index), never by a thread, so
- * that photon 17 or pixel (3, 4) draws the same numbers wherever and whenever it is computed.
- * The generator is SplitMix64 (Steele, Lea, Flood 2014) started at a hashed position.
+ * Counter-based random numbers. A stream is keyed by (seed, purpose, index), never by a thread, so
+ * that photon 17 or pixel (3, 4) gets the same numbers wherever and whenever it is computed. The
+ * generator is SplitMix64 (Steele, Lea, Flood 2014) started at a hashed position.
  */
 #ifndef ORL_BASE_RANDOM_H
 #define ORL_BASE_RANDOM_H
@@ -12,7 +12,7 @@ struct orl_random {
     uint64_t state;
 };
 
-/* What a stream is for; streams of different purposes never meet. */
+/* Purpose of a stream; streams of different purposes are independent. */
 enum orl_purpose {
     ORL_PURPOSE_PILOT = 1,
     ORL_PURPOSE_PHOTON,
@@ -52,7 +52,7 @@ static inline uint64_t orl_random_bits(struct orl_random *random)
     return orl_mix64(random->state);
 }
 
-/* Uniform in [0, 1), 53 bits. */
+/* Returns a uniform number in [0, 1), 53 bits. */
 static inline double orl_random_uniform(struct orl_random *random)
 {
     return (double)(orl_random_bits(random) >> 11) * 0x1p-53;

@@ -2,13 +2,15 @@
 
 #include <math.h>
 
-/* A variance that rests on so many events is known as well as by 16 groups of many rays: its
- * relative variance is the inverse of their number, and 2 / 15 by groups. */
+/* Number of events below which they count as few. A variance from so many events is known as well
+ * as one from 16 groups of many rays: its relative variance is 1 / number, and 2 / 15 for
+ * groups. */
 static const double fewest_events = 7.5;
 
-static const double least_share = 0.5; /* of a variance, of events that are its cause */
+static const double least_share = 0.5; /* share of a variance that events must cause to count */
 
-static const double darkest = 1e-3; /* of the mean of sensors: of those without light */
+/* Floor of a sensor's value, relative to the mean of the sensors. */
+static const double darkest = 1e-3;
 
 static const double normal_95 = 1.959963984540054;
 
@@ -19,7 +21,7 @@ struct orl_rays orl_rays_mix(struct orl_rays a, double of_a, struct orl_rays b, 
                              a4 * a4 * a.eighths + b4 * b4 * b.eighths};
 }
 
-/* How many rays are the brightest; 0 where there is no light, or where they are many. */
+/* Returns the effective number of the brightest rays; 0 if there is no light, or they are many. */
 static double few_of(const struct orl_rays *rays)
 {
     const double n = rays->eighths > 0 ? rays->fourths * rays->fourths / rays->eighths : 0;
@@ -39,14 +41,15 @@ int orl_rare_side(struct orl_vec3 direction)
     return y >= x ? 2 + (direction.y < 0) : 4 + (direction.x < 0);
 }
 
-/* What an event is measured in, at a sensor of that light. */
+/* Returns the unit of event sizes at a sensor of that value. */
 static double unit_of(double value, double mean)
 {
     return sqrt(fmax(value, darkest * mean));
 }
 
-static void find_light(const struct orl_rare_sensors *s, struct orl_rare ret_rare[ORL_RARE_SIDES],
-                       size_t ret_counts[ORL_RARE_SIDES])
+static void average_light(const struct orl_rare_sensors *s,
+                          struct orl_rare ret_rare[ORL_RARE_SIDES],
+                          size_t ret_counts[ORL_RARE_SIDES])
 {
     for (int side = 0; side < ORL_RARE_SIDES; side++) {
         ret_rare[side] = (struct orl_rare){0, 0, 0};
@@ -66,7 +69,7 @@ void orl_rare_of(const struct orl_rare_sensors *s, struct orl_rare ret_rare[ORL_
 {
     double events[ORL_RARE_SIDES] = {0}, squares[ORL_RARE_SIDES] = {0};
     size_t counts[ORL_RARE_SIDES];
-    find_light(s, ret_rare, counts);
+    average_light(s, ret_rare, counts);
     for (size_t i = 0; i < s->count; i++) {
         const int side = orl_rare_side(s->sensors[i].direction);
         const double few = few_of(&s->rays[i]), square = few > 0 ? few * size2_of(&s->rays[i]) : 0;
@@ -83,7 +86,7 @@ void orl_rare_of(const struct orl_rare_sensors *s, struct orl_rare ret_rare[ORL_
         }
 }
 
-/* A percentile of a gamma law of scale 1, given as that of the normal law. */
+/* Returns a percentile of a gamma law of scale 1; `normal` is the percentile of the normal law. */
 static double gamma_at(double shape, double normal)
 {
     const double root = 1 - 1 / (9 * shape) + normal / (3 * sqrt(shape));

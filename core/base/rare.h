@@ -1,27 +1,30 @@
 /*
- * Rare light: what so few of a sensor's rays happen on that their spread does not tell its error.
+ * Error bounds for sparse events: light that so few of a sensor's rays find that their spread does
+ * not give its error.
  *
- * A sensor whose rays have met none of it is low, and by its own rays knows nothing of that. But
- * others of the job have met some. Of a sensor's rays the sums of the fourth and of the eighth
- * powers of what each adds tell how many are the brightest, (sum of fourths)^2 / (sum of eighths),
- * as Kish's effective number of weights does: hundreds where those to a window are, one or two
- * where these are several times as bright as what many meet. Few ones, if they make up most of the
- * sensor's variance, are events of one size, and of a Poisson law with a rate of each sensor's own;
- * over sensors rates are thought to be exponential (the law of most entropy for a mean), the mean
- * being that of what all have met. With k events of its own a sensor's rate is then a gamma's of
- * shape 1 + k. Where every sensor's brightest rays are many, nothing changes.
+ * A sensor whose rays have found none of this light is too low, and its own rays do not show it.
+ * But other sensors of the job have found some. Let f be the sum of the fourth powers of the
+ * contributions of a sensor's rays, and e the sum of their eighth powers. The effective number of
+ * the brightest rays is f^2 / e, as Kish's effective number of weights. It is in the hundreds if
+ * the brightest rays are those to a window. It is one or two if single rays are several times as
+ * bright as the many others. If the brightest rays are few and make up most of the sensor's
+ * variance, they are treated as events of one size. Their number has a Poisson law, with a separate
+ * rate for each sensor. The rates are assumed to be exponentially distributed over sensors (the law
+ * of maximum entropy for a given mean). The mean is estimated from all sensors. Given k events of
+ * its own, a sensor's rate then has a gamma distribution of shape 1 + k. If every sensor has many
+ * brightest rays, nothing changes.
  *
- * Sensors that face another way see other things: those of one job tell each other of what they
- * have met by the axis, up or down it, that each faces most.
+ * Sensors of different orientation see different light. So the sensors of a job are pooled by the
+ * axis, up or down it, that each faces most.
  *
- * Where one sensor has a hundredth of another's light, indoors beside a street, it is not known
- * whether such an event would be as bright there or a hundredth of it: it is taken to go by the
- * root of the light, half way between the two.
+ * If one sensor has a hundredth of another's light, indoors beside a street, the size of such an
+ * event there is not known: the same or a hundredth. It is assumed to scale with the square root of
+ * the light, half way between the two.
  *
- * What all such sensors have missed stays unknown, and so does what a single one has.
+ * Events that all such sensors have missed stay unknown; so do those of a single sensor.
  *
  * References: Kish 1965, Survey Sampling (effective numbers); Buehlmann 1967, ASTIN Bulletin 4, 199
- * (credibility: how much of a claim rate is one's own); Wilson and Hilferty 1931, Proceedings of
+ * (credibility: the weight of a claim rate's own data); Wilson and Hilferty 1931, Proceedings of
  * the National Academy of Sciences 17, 684 (percentiles of gamma laws).
  */
 #ifndef ORL_BASE_RARE_H
@@ -31,7 +34,7 @@
 
 #include <oriel/run.h>
 
-/* What a sensor's rays add to its luma, each by itself: sums of powers. */
+/* Sums of powers of the contributions of single rays to a sensor's luma. */
 struct orl_rays {
     double fourths, eighths;
 };
@@ -43,22 +46,22 @@ static inline void orl_rays_add(struct orl_rays *rays, double luma)
     rays->eighths += fourth * fourth;
 }
 
-/* Those of a sum in which these and others' have such factors. */
+/* Returns the moments of a sum of two sets of rays, scaled by these factors. */
 struct orl_rays orl_rays_mix(struct orl_rays a, double of_a, struct orl_rays b, double of_b);
 
-enum { ORL_RARE_SIDES = 6 }; /* which way sensors face: along which axis, and whether down it */
+enum { ORL_RARE_SIDES = 6 }; /* orientations of sensors: dominant axis and its sign */
 
 int orl_rare_side(struct orl_vec3 direction);
 
-/* What all sensors of a job that face one way have met of it. */
+/* Sparse events of all sensors of a job with one orientation. */
 struct orl_rare {
-    double events; /* mean over sensors; 0: there is no rare light */
-    double size;   /* of an event, in the root of the unit of what rays add */
-    double light;  /* mean over sensors */
+    double events; /* mean number per sensor; 0: no sparse events */
+    double size;   /* size of an event, in the square root of the unit of contributions */
+    double light;  /* mean value of the sensors */
 };
 
-/* What sensors are told of: values, and standard errors by the spread of their groups, both in the
- * unit of what rays add. */
+/* Input of orl_rare_of: values, and standard errors by the spread of groups, both in the unit of
+ * contributions. */
 struct orl_rare_sensors {
     const struct orl_sensor *sensors;
     const struct orl_rays *rays;
@@ -67,8 +70,8 @@ struct orl_rare_sensors {
 };
 void orl_rare_of(const struct orl_rare_sensors *sensors, struct orl_rare ret_rare[ORL_RARE_SIDES]);
 
-/* What a sensor's standard error is at the least, and how far its 95 % interval reaches from its
- * value at the least; all 0 without rare light. */
+/* Lower bounds on a sensor's standard error, and on the distances from its value to the ends of its
+ * 95 % interval; all 0 without sparse events. */
 struct orl_rare_bounds {
     double standard_error, below, above;
 };

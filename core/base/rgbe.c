@@ -17,7 +17,7 @@ int orl_rgbe_fail(const struct orl_rgbe *rgbe, int code, struct orl_error *err, 
 
 /* ---- The header ------------------------------------------------------------------------------ */
 
-/* One line without its end; cut to what there is room for. False at the end of the bytes. */
+/* Reads one line without its end, truncated to the buffer. Returns false at the end of the data. */
 static bool next_line(struct orl_rgbe *r, char ret_line[LINE])
 {
     const size_t left = (size_t)(r->end - r->at);
@@ -32,7 +32,7 @@ static bool next_line(struct orl_rgbe *r, char ret_line[LINE])
     return true;
 }
 
-/* A sign, an axis and a count, such as -Y 400; where it ends, NULL when it is none. */
+/* Parses a sign, an axis and a count, such as -Y 400. Returns its end, or NULL if it is invalid. */
 static const char *read_axis(const char *text, char ret_order[2], uint32_t *ret_count)
 {
     char *end;
@@ -65,7 +65,7 @@ static int read_resolution(struct orl_rgbe *r, struct orl_error *err)
     return 0;
 }
 
-/* Pictures of before 1992 begin with the commands that made them. */
+/* Pictures from before 1992 begin with the commands that made them. */
 bool orl_rgbe_is_one(const void *data, size_t size)
 {
     static const char format[] = "FORMAT=32-bit_rle_";
@@ -107,21 +107,21 @@ int orl_rgbe_begin(struct orl_rgbe *rgbe, const char *name, const void *data, si
 
 /* ---- Scanlines ------------------------------------------------------------------------------- */
 
-static size_t left(const struct orl_rgbe *r)
+static size_t bytes_left(const struct orl_rgbe *r)
 {
     return (size_t)(r->end - r->at);
 }
 
-/* One component of a scanline, every fourth byte. */
+/* Reads one component of a scanline into every fourth byte. */
 static bool read_component(struct orl_rgbe *r, unsigned char *out)
 {
     for (uint32_t x = 0; x < r->length;) {
-        if (left(r) < 2)
+        if (bytes_left(r) < 2)
             return false;
         const uint32_t code = *r->at++;
         const bool is_run = code > 128;
         const uint32_t count = is_run ? code & 127 : code;
-        if (count == 0 || count > r->length - x || left(r) < (is_run ? 1 : count))
+        if (count == 0 || count > r->length - x || bytes_left(r) < (is_run ? 1 : count))
             return false;
         for (uint32_t i = 0; i < count; i++, x++)
             out[(size_t)4 * x] = is_run ? *r->at : r->at[i];
@@ -130,13 +130,13 @@ static bool read_component(struct orl_rgbe *r, unsigned char *out)
     return true;
 }
 
-/* Pixels as they are, or, where the mantissas are all 1, repeats of the last one; repeats that
- * follow one another count 256 times as much each. */
+/* Reads a scanline of flat pixels. A pixel with mantissas of 1 repeats the last one; the count of
+ * each further consecutive repeat is multiplied by 256 once more. */
 static bool read_by_pixel(struct orl_rgbe *r, unsigned char *out)
 {
     uint32_t x = 0, shift = 0;
     while (x < r->length) {
-        if (left(r) < 4)
+        if (bytes_left(r) < 4)
             return false;
         const unsigned char *p = r->at;
         r->at += 4;
@@ -158,7 +158,7 @@ static bool read_by_pixel(struct orl_rgbe *r, unsigned char *out)
 static bool read_scanline(struct orl_rgbe *r, unsigned char *out)
 {
     const unsigned char *p = r->at;
-    if (left(r) < 4 || r->length < SHORTEST_RLE || r->length > LONGEST_RLE || p[0] != 2 ||
+    if (bytes_left(r) < 4 || r->length < SHORTEST_RLE || r->length > LONGEST_RLE || p[0] != 2 ||
         p[1] != 2 || (p[2] & 128) != 0)
         return read_by_pixel(r, out);
     if (((uint32_t)p[2] << 8 | p[3]) != r->length)
@@ -170,7 +170,7 @@ static bool read_scanline(struct orl_rgbe *r, unsigned char *out)
     return true;
 }
 
-/* Where the pixel of a scanline lies. */
+/* Returns the index of a scanline's pixel in the output. */
 static size_t place_of(const struct orl_rgbe *r, uint32_t scanline, uint32_t along)
 {
     const bool by_rows = r->order[1] == 'Y';

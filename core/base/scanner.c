@@ -30,7 +30,7 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* ---- Encoding ------------------------------------------------------------------------- */
+/* ---- Encoding -------------------------------------------------------------------------------- */
 
 static int refuse_file(const char *name, struct orl_error *err, const char *what,
                        const char *remedy)
@@ -82,7 +82,7 @@ static void skip_mark(struct orl_slice *text)
     }
 }
 
-/* Cuts off Ctrl-Z and the blanks after it. Blanks at the end of a text without Ctrl-Z stay. */
+/* Removes Ctrl-Z and the blanks after it. Blanks at the end of a text without Ctrl-Z stay. */
 static void cut_ctrl_z(struct orl_slice *text)
 {
     size_t length = text->length;
@@ -144,8 +144,8 @@ int orl_scanner_rest_is_text(struct orl_scanner *scanner, struct orl_error *err)
 
 /* ---- Lines ----------------------------------------------------------------------------------- */
 
-/* Most lines are too short to be worth a call of memchr. Longer ones are searched by stretches of
- * STRETCH bytes: otherwise a file of lines that end in "\r" alone would be searched to its end for
+/* Most lines are too short for a call of memchr to pay off. Longer ones are searched in chunks of
+ * STRETCH bytes. Otherwise a file whose lines end in "\r" alone would be searched to its end for
  * each line. */
 const char *orl_line_end(const char *at, const char *end)
 {
@@ -181,7 +181,7 @@ static void pass_line_end(struct orl_scanner *scanner, const char *at)
     scanner->line++;
 }
 
-/* Returns the line's end if a backslash and blanks alone stand before it, else NULL. */
+/* Returns the line's end if only a backslash and blanks stand before it, else NULL. */
 static const char *continuation_end(const struct orl_scanner *scanner, const char *at)
 {
     if (*at++ != '\\')
@@ -295,7 +295,7 @@ struct orl_slice orl_slice_before(struct orl_slice slice, char byte)
     return (struct orl_slice){slice.text, at ? (size_t)(at - slice.text) : slice.length};
 }
 
-static void drop(struct orl_slice *slice, size_t n)
+static void drop_front(struct orl_slice *slice, size_t n)
 {
     slice->text += n;
     slice->length -= n;
@@ -304,7 +304,7 @@ static void drop(struct orl_slice *slice, size_t n)
 static void skip_blanks(struct orl_slice *slice)
 {
     while (slice->length > 0 && orl_byte_kind_of(*slice->text) != ORL_BYTE_WORD)
-        drop(slice, 1);
+        drop_front(slice, 1);
 }
 
 struct orl_slice orl_slice_take_word(struct orl_slice *rest)
@@ -313,7 +313,7 @@ struct orl_slice orl_slice_take_word(struct orl_slice *rest)
     struct orl_slice word = {rest->text, 0};
     while (word.length < rest->length && orl_byte_kind_of(word.text[word.length]) == ORL_BYTE_WORD)
         word.length++;
-    drop(rest, word.length);
+    drop_front(rest, word.length);
     return word;
 }
 
@@ -327,26 +327,26 @@ int orl_slice_take_quoted(struct orl_slice *rest, struct orl_slice *ret_word)
         *ret_word = orl_slice_take_word(rest);
         return 1;
     }
-    drop(rest, 1);
+    drop_front(rest, 1);
     *ret_word = orl_slice_before(*rest, quote);
     if (ret_word->length == rest->length)
         return -1;
-    drop(rest, ret_word->length + 1);
+    drop_front(rest, ret_word->length + 1);
     return 1;
 }
 
-/* Takes a text between double quotes, which may hold separators, off the head of a cell. Returns
- * false if the cell does not begin with one. */
+/* Takes a text between double quotes, which may hold separators, off the start of a cell. Returns
+ * false if the cell does not begin with a double quote. */
 static bool take_quotes(struct orl_slice *rest, struct orl_slice *ret_text)
 {
     struct orl_slice ahead = *rest;
     if (ahead.length < 2 || *ahead.text != '"')
         return false;
-    drop(&ahead, 1);
+    drop_front(&ahead, 1);
     *ret_text = orl_slice_before(ahead, '"');
     if (ret_text->length == ahead.length)
         return false;
-    drop(&ahead, ret_text->length + 1);
+    drop_front(&ahead, ret_text->length + 1);
     *rest = ahead;
     return true;
 }
@@ -357,7 +357,7 @@ bool orl_slice_take_cell(struct orl_slice *rest, char separator, struct orl_slic
         return false;
     struct orl_slice text = {NULL, 0};
     while (rest->length > 0 && *rest->text != separator && is_blank(*rest->text))
-        drop(rest, 1);
+        drop_front(rest, 1);
     const bool quoted = take_quotes(rest, &text);
     const char *at = rest->text, *const end = at + rest->length;
     while (at < end && *at != separator)
@@ -377,7 +377,7 @@ static bool is_mark(char c)
     return c == ',' || c == ';';
 }
 
-/* Returns true if blanks alone, or semicolons, separate some of the words. */
+/* Returns true if some of the words are separated only by blanks, or by semicolons. */
 static bool is_spaced(struct orl_slice line)
 {
     char before = ',';

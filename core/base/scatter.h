@@ -1,14 +1,15 @@
 /*
- * An order of numbers in which every stretch is spread over all of them: multiples of a stride near
- * the golden section of their count, and coprime to it. What is worked through in it is worked
- * through evenly, so that a part that is done tells what the rest takes.
+ * Low-discrepancy order of numbers, in which every range of indices is spread evenly over all
+ * numbers. It consists of multiples of a stride that is near the golden section of their count, and
+ * coprime to it. Work done in this order is representative at any time, so that the remaining time
+ * can be estimated.
  */
 #ifndef ORL_BASE_SCATTER_H
 #define ORL_BASE_SCATTER_H
 
 #include <stddef.h>
 
-/* Of so many numbers. */
+/* Returns the stride for a count. */
 static inline size_t orl_scatter_stride(size_t count)
 {
     size_t stride = (size_t)(0.6180339887498949 * (double)count);
@@ -25,7 +26,7 @@ static inline size_t orl_scatter_stride(size_t count)
     return 1;
 }
 
-/* The index-th of them. Counts are below 2^32. */
+/* Returns the number at an index. Counts are below 2^32. */
 static inline size_t orl_scatter(size_t index, size_t stride, size_t count)
 {
     return (index * stride) % count;

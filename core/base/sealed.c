@@ -13,9 +13,9 @@ struct header {
     char magic[8];
     uint32_t version, byte_order;
     uint64_t shape;
-    uint64_t size; /* of the file */
+    uint64_t size; /* file size, bytes */
     unsigned char content[ORL_SEALED_CONTENT];
-    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* of all after the header */
+    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* checksum of all data after the header */
     unsigned char reserved[32];                 /* 0 */
     unsigned char of_header[ORL_CHECKSUM_BYTES];
 };
@@ -37,7 +37,7 @@ static void write_all(struct orl_sealed_writer *writer, const char *data, size_t
     }
 }
 
-static void flush(struct orl_sealed_writer *writer)
+static void flush_buffer(struct orl_sealed_writer *writer)
 {
     write_all(writer, writer->buffer, writer->filled);
     writer->filled = 0;
@@ -62,9 +62,9 @@ void orl_sealed_put(struct orl_sealed_writer *writer, const void *data, size_t b
     orl_checksum_add(&writer->sum, data, bytes);
     writer->size += bytes;
     if (writer->filled + bytes > ORL_SEALED_BUFFER)
-        flush(writer);
+        flush_buffer(writer);
     if (bytes > ORL_SEALED_BUFFER / 2) {
-        flush(writer);
+        flush_buffer(writer);
         write_all(writer, data, bytes);
     } else if (bytes > 0) {
         memcpy(writer->buffer + writer->filled, data, bytes);
@@ -91,11 +91,11 @@ int orl_sealed_end(struct orl_sealed_writer *writer,
     memcpy(h.content, content, sizeof h.content);
     orl_checksum_finish(&writer->sum, h.checksum);
     orl_checksum_of(&h, offsetof(struct header, of_header), h.of_header);
-    flush(writer);
+    flush_buffer(writer);
     if (writer->error == 0 && lseek(writer->fd, 0, SEEK_SET) != 0)
         writer->error = errno;
     write_all(writer, (const char *)&h, sizeof h);
-    if (close(writer->fd) != 0 && writer->error == 0) /* a file system of others may tell now */
+    if (close(writer->fd) != 0 && writer->error == 0) /* may report a write error */
         writer->error = errno;
     *ret_bytes = h.size;
     if (writer->error == 0)
@@ -132,7 +132,8 @@ static int map_file(const struct orl_sealed_kind *kind, const char *path,
     return code;
 }
 
-/* Of a large file the pages are let go as they are read: what is asked of it comes back. */
+/* Computes the checksum of the body. Pages of a large file are released after reading; later
+ * accesses load them again. */
 static void sum_body(const struct orl_sealed_file *file, unsigned char ret_sum[ORL_CHECKSUM_BYTES])
 {
     struct orl_checksum sum;
@@ -147,8 +148,8 @@ static void sum_body(const struct orl_sealed_file *file, unsigned char ret_sum[O
     orl_checksum_finish(&sum, ret_sum);
 }
 
-static int check(const struct orl_sealed_kind *kind, const struct orl_sealed_file *file,
-                 const unsigned char *content, const char *path, struct orl_error *err)
+static int check_contents(const struct orl_sealed_kind *kind, const struct orl_sealed_file *file,
+                          const unsigned char *content, const char *path, struct orl_error *err)
 {
     const struct header *const h = (const void *)file->data;
     unsigned char sum[ORL_CHECKSUM_BYTES];
@@ -179,7 +180,7 @@ int orl_sealed_open(const struct orl_sealed_kind *kind, const char *path,
     if (!file.data)
         return code;
     if (code == 0)
-        code = check(kind, &file, content, path, err);
+        code = check_contents(kind, &file, content, path, err);
     if (code == 0)
         *ret_file = file;
     else

@@ -6,7 +6,7 @@
 #include <string.h>
 
 struct item {
-    struct item *next; /* put there earlier */
+    struct item *next; /* next older item */
     char key[ORL_SHELF_KEY];
     void *thing;
     uint64_t bytes;
@@ -31,7 +31,7 @@ struct orl_shelf *orl_shelf_new(uint64_t most_bytes)
     return shelf;
 }
 
-/* A list of items, and what they hold. */
+/* Frees a list of items and their contents. */
 static void free_items(struct item *items)
 {
     while (items) {
@@ -62,8 +62,8 @@ struct orl_shelf_totals orl_shelf_totals(struct orl_shelf *shelf)
     return totals;
 }
 
-/* Unhooks the item under that key; with the mutex held. */
-static struct item *unhook(struct orl_shelf *shelf, const char *key)
+/* Removes the item under that key from the list; the mutex is held. */
+static struct item *unlink_item(struct orl_shelf *shelf, const char *key)
 {
     for (struct item **at = &shelf->latest; *at; at = &(*at)->next) {
         struct item *item = *at;
@@ -79,8 +79,9 @@ static struct item *unhook(struct orl_shelf *shelf, const char *key)
     return NULL;
 }
 
-/* Unhooks what is beyond the shelf's room; with the mutex held. */
-static struct item *unhook_oldest(struct orl_shelf *shelf)
+/* Removes the oldest items beyond the capacity from the list, and returns them; the mutex is
+ * held. */
+static struct item *unlink_oldest(struct orl_shelf *shelf)
 {
     uint64_t bytes = 0, things = 0, shared = 0;
     struct item **at = &shelf->latest;
@@ -103,7 +104,7 @@ void *orl_shelf_take(struct orl_shelf *shelf, const char *key)
     if (!shelf)
         return NULL;
     pthread_mutex_lock(&shelf->mutex);
-    struct item *item = unhook(shelf, key);
+    struct item *item = unlink_item(shelf, key);
     shelf->totals.hits += item != NULL;
     pthread_mutex_unlock(&shelf->mutex);
     void *thing = item ? item->thing : NULL;
@@ -111,7 +112,7 @@ void *orl_shelf_take(struct orl_shelf *shelf, const char *key)
     return thing;
 }
 
-/* NULL: it is too large, or there is no shelf or no memory. */
+/* Creates an item. NULL: it is too large, or there is no shelf or no memory. */
 static struct item *item_for(const struct orl_shelf *shelf, const char *key, void *thing,
                              uint64_t bytes, void (*let_go)(void *thing))
 {
@@ -124,7 +125,7 @@ static struct item *item_for(const struct orl_shelf *shelf, const char *key, voi
     return item;
 }
 
-static void hook(struct orl_shelf *shelf, struct item *item)
+static void link_item(struct orl_shelf *shelf, struct item *item)
 {
     item->next = shelf->latest;
     shelf->latest = item;
@@ -139,22 +140,22 @@ void orl_shelf_put(struct orl_shelf *shelf, const char *key, void *thing, uint64
         return;
     }
     pthread_mutex_lock(&shelf->mutex);
-    struct item *same = unhook(shelf, key);
-    hook(shelf, item);
-    struct item *rest = unhook_oldest(shelf);
+    struct item *same = unlink_item(shelf, key);
+    link_item(shelf, item);
+    struct item *rest = unlink_oldest(shelf);
     pthread_mutex_unlock(&shelf->mutex);
     free_items(same);
     free_items(rest);
 }
 
-/* Held for the caller, and put in front; with the mutex held. */
-static void *share(struct orl_shelf *shelf, const char *key,
-                   const struct orl_shelf_sharing *sharing)
+/* Adds a reference for the caller and moves the item to the front; the mutex is held. */
+static void *reference_item(struct orl_shelf *shelf, const char *key,
+                            const struct orl_shelf_sharing *sharing)
 {
-    struct item *item = unhook(shelf, key);
+    struct item *item = unlink_item(shelf, key);
     if (!item)
         return NULL;
-    hook(shelf, item);
+    link_item(shelf, item);
     shelf->totals.bytes += item->bytes;
     shelf->totals.things++;
     shelf->totals.shared++;
@@ -167,7 +168,7 @@ void *orl_shelf_share(struct orl_shelf *shelf, const char *key,
     if (!shelf)
         return NULL;
     pthread_mutex_lock(&shelf->mutex);
-    void *thing = share(shelf, key, sharing);
+    void *thing = reference_item(shelf, key, sharing);
     shelf->totals.hits += thing != NULL;
     shelf->totals.shared_hits += thing != NULL;
     pthread_mutex_unlock(&shelf->mutex);
@@ -182,11 +183,11 @@ void *orl_shelf_put_shared(struct orl_shelf *shelf, const char *key, void *thing
         return thing;
     item->shared = true;
     pthread_mutex_lock(&shelf->mutex);
-    void *same = share(shelf, key, sharing);
+    void *same = reference_item(shelf, key, sharing);
     if (!same) {
         sharing->hold(thing);
-        hook(shelf, item);
-        rest = unhook_oldest(shelf);
+        link_item(shelf, item);
+        rest = unlink_oldest(shelf);
     }
     pthread_mutex_unlock(&shelf->mutex);
     free_items(rest);

@@ -19,7 +19,7 @@ static inline uint32_t reverse_bits(uint32_t x)
     return ((x & 0x55555555U) << 1) | ((x & 0xaaaaaaaaU) >> 1);
 }
 
-/* An Owen scramble of the reversed bits: each bit is flipped by a hash of those above it. */
+/* Owen scramble of the reversed bits: each bit is flipped by a hash of the bits above it. */
 static inline uint32_t scramble_reversed(uint32_t x, uint32_t seed)
 {
     x ^= x * 0x3d20adeaU;
@@ -76,7 +76,7 @@ void orl_sobol_init(struct orl_sobol *sobol)
     }
 }
 
-/* x * 2^-32 by way of a signed number, which any machine converts in one step. */
+/* Returns x * 2^-32, converted from a signed number, which any machine does in one step. */
 static double unit_of(uint32_t x)
 {
     return ((double)(int32_t)(x ^ 0x80000000U) + 0x1p31) * 0x1p-32;
@@ -93,7 +93,7 @@ static inline uint32_t seed_of(uint32_t seed, uint32_t dimension)
     return hash32(seed ^ (0x9e3779b9U * (dimension + 1)));
 }
 
-/* Both scrambles work on reversed bits, and so does what lies between them. */
+/* Both scrambles, and the steps between them, work on reversed bits. */
 void orl_sobol_point(const struct orl_sobol *sobol, uint32_t index, uint32_t seed, uint32_t count,
                      double *ret_point)
 {
@@ -103,7 +103,7 @@ void orl_sobol_point(const struct orl_sobol *sobol, uint32_t index, uint32_t see
             scramble_reversed(point_of(sobol->by_byte[d], shuffled), seed_of(seed, d))));
 }
 
-/* Integers alone, and conversions that are exact: the same from either form. */
+/* Uses only integers and exact conversions, so that both compiled forms give the same result. */
 ORL_FOR_WIDE_VECTORS
 void orl_sobol_block(const struct orl_sobol *sobol, uint32_t index,
                      const uint32_t seeds[ORL_SOBOL_BLOCK], struct orl_sobol_block *ret_block)

@@ -1,9 +1,9 @@
 /*
- * Owen-scrambled Sobol points: the first few dimensions of an emission or of a hemisphere, filled
- * evenly. Points are named by index, as orl_random streams are.
+ * Owen-scrambled Sobol points for the first few dimensions of an emission or of a hemisphere.
+ * Points are keyed by index, as orl_random streams are.
  *
- * Generator matrices are made from the primitive polynomials and initial numbers of Joe and Kuo
- * 2008; the scramble is the hash of Laine and Karras 2011 as improved by Vegdahl 2021, with the
+ * Generator matrices are built from the primitive polynomials and initial numbers of Joe and Kuo
+ * 2008. The scramble is the hash of Laine and Karras 2011 as improved by Vegdahl 2021, with the
  * index shuffled likewise for independent sequences (Burley 2020).
  */
 #ifndef ORL_BASE_SOBOL_H
@@ -13,10 +13,9 @@
 
 enum { ORL_SOBOL_DIMENSIONS = 6, ORL_SOBOL_BLOCK = 16 };
 
-/* Constant once made, shared by all threads. */
+/* Generator tables: constant after orl_sobol_init, shared by all threads. */
 struct orl_sobol {
-    /* Direction numbers, summed for every byte of an index of reversed bits, their bits reversed.
-     */
+    /* Bit-reversed sums of direction numbers, for every byte of a bit-reversed index. */
     uint32_t by_byte[ORL_SOBOL_DIMENSIONS][4][256];
 };
 
@@ -26,7 +25,7 @@ void orl_sobol_init(struct orl_sobol *sobol);
 void orl_sobol_point(const struct orl_sobol *sobol, uint32_t index, uint32_t seed, uint32_t count,
                      double *ret_point);
 
-/* The same for one index of several sequences at once, all coordinates: at[dimension][sequence]. */
+/* All coordinates of one index in several sequences at once: at[dimension][sequence]. */
 struct orl_sobol_block {
     double at[ORL_SOBOL_DIMENSIONS][ORL_SOBOL_BLOCK];
 };

@@ -5,8 +5,8 @@
 
 #include <oriel/error.h>
 
-/* Blocks that qsort takes, which is stable for so few: glibc's merges, and falls back to another
- * way only where a quarter of the memory would not do. */
+/* Block size for qsort. glibc's qsort is a merge sort, and stable, for blocks of this size; it uses
+ * another method only if they would need a quarter of the memory. */
 enum { BLOCK = 1 << 14 };
 
 struct merge {
@@ -15,9 +15,9 @@ struct merge {
     const atomic_bool *cancel;
 };
 
-/* Merges [from, middle) and [middle, to) of source into target; false: cancelled. */
-static bool merge(const struct merge *m, const char *source, char *target, size_t from,
-                  size_t middle, size_t to)
+/* Merges [from, middle) and [middle, to) of source into target. Returns false if cancelled. */
+static bool merge_runs(const struct merge *m, const char *source, char *target, size_t from,
+                       size_t middle, size_t to)
 {
     size_t a = from, b = middle;
     for (size_t at = from; at < to; at++) {
@@ -46,7 +46,7 @@ int orl_sort(void *items, size_t n, size_t size, int (*compare)(const void *, co
         for (size_t from = 0; from < n && goes_on; from += 2 * width) {
             const size_t middle = n - from < width ? n : from + width;
             const size_t to = n - from < 2 * width ? n : from + 2 * width;
-            goes_on = merge(&m, source, target, from, middle, to);
+            goes_on = merge_runs(&m, source, target, from, middle, to);
         }
         char *const other = source;
         source = target;

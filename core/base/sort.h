@@ -1,8 +1,7 @@
 /*
- * Sorting of many items with polls for cancellation: qsort of a million takes half a second.
+ * Sorts many items with polls for cancellation; a qsort of a million takes half a second.
  *
- * Stable: equal items keep their order, so that results do not depend on the amount of memory, as
- * those of qsort may.
+ * The sort is stable, so that results do not depend on the amount of memory. Those of qsort may.
  */
 #ifndef ORL_BASE_SORT_H
 #define ORL_BASE_SORT_H
@@ -11,8 +10,8 @@
 
 #include <oriel/crew.h>
 
-/* As qsort. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED, in which cases the order is undefined.
- */
+/* Same as qsort, with cancellation. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED; on errors the
+ * order is undefined. */
 int orl_sort(void *items, size_t n, size_t size, int (*compare)(const void *, const void *),
              const atomic_bool *cancel);
 

@@ -24,8 +24,8 @@ void orl_stream_fail(struct orl_stream *stream, int code)
         stream->code = code;
 }
 
-/* Whether so much is left to be read. */
-static bool has(struct orl_stream *stream, size_t count, size_t item)
+/* Returns true if so many items can still be read. */
+static bool has_left(struct orl_stream *stream, size_t count, size_t item)
 {
     if (item > 0 && count > (size_t)(stream->end - stream->at) / item)
         orl_stream_fail(stream, ORL_ERR_CORRUPT);
@@ -36,7 +36,7 @@ void orl_stream_bytes(struct orl_stream *stream, void *data, size_t bytes)
 {
     if (stream->out) {
         orl_sealed_put(stream->out, data, bytes);
-    } else if (!has(stream, bytes, 1)) {
+    } else if (!has_left(stream, bytes, 1)) {
         memset(data, 0, bytes);
     } else if (bytes > 0) {
         memcpy(data, stream->at, bytes);
@@ -46,7 +46,7 @@ void orl_stream_bytes(struct orl_stream *stream, void *data, size_t bytes)
 
 void orl_stream_room(struct orl_stream *stream, void *slot, size_t count, size_t item)
 {
-    if (stream->out || !has(stream, count, 1))
+    if (stream->out || !has_left(stream, count, 1))
         return;
     void *const made = calloc(count + 1, item);
     if (!made)
@@ -59,7 +59,7 @@ static void pass_array(struct orl_stream *stream, struct orl_arena *arena, void 
     void *data = NULL;
     if (stream->out) {
         memcpy(&data, slot, sizeof data);
-    } else if (has(stream, bytes, 1)) {
+    } else if (has_left(stream, bytes, 1)) {
         data = arena ? orl_arena_take(arena, bytes) : malloc(bytes);
         if (!data)
             orl_stream_fail(stream, ORL_ERR_NOMEM);
@@ -71,7 +71,7 @@ static void pass_array(struct orl_stream *stream, struct orl_arena *arena, void 
 
 void orl_stream_array(struct orl_stream *stream, void *slot, size_t count, size_t item)
 {
-    if (stream->out || has(stream, count, item))
+    if (stream->out || has_left(stream, count, item))
         pass_array(stream, NULL, slot, count * item);
 }
 
@@ -81,7 +81,7 @@ void orl_stream_kept(struct orl_stream *stream, struct orl_arena *arena, void *s
     static void *const none = NULL;
     if (count == 0 && orl_stream_reads(stream))
         memcpy(slot, &none, sizeof none);
-    else if (count > 0 && (stream->out || has(stream, count, item)))
+    else if (count > 0 && (stream->out || has_left(stream, count, item)))
         pass_array(stream, arena, slot, count * item);
 }
 
@@ -94,7 +94,7 @@ void orl_stream_text(struct orl_stream *stream, struct orl_arena *arena, const c
         return;
     }
     *text = NULL;
-    if (length == 0 || !has(stream, length, 1))
+    if (length == 0 || !has_left(stream, length, 1))
         return;
     *text = orl_arena_text(arena, stream->at, length - 1);
     if (!*text)
@@ -111,10 +111,10 @@ const void *orl_stream_in_place(struct orl_stream *stream, const void *data, siz
     }
     const size_t at = (size_t)(stream->at - stream->begin);
     const size_t skipped = (ALIGNMENT - at % ALIGNMENT) % ALIGNMENT;
-    if (!has(stream, skipped, 1))
+    if (!has_left(stream, skipped, 1))
         return NULL;
     stream->at += skipped;
-    if (!has(stream, bytes, 1))
+    if (!has_left(stream, bytes, 1))
         return NULL;
     const void *const here = stream->at;
     stream->at += bytes;

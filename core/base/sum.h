@@ -1,6 +1,6 @@
 /*
- * Sums of many numbers: what each addition rounds off is kept and added at the end, so that the
- * error does not grow with their number (Neumaier 1974).
+ * Compensated summation: the rounding error of each addition is collected and added at the end, so
+ * that the error does not grow with the number of terms (Neumaier 1974).
  */
 #ifndef ORL_BASE_SUM_H
 #define ORL_BASE_SUM_H
@@ -8,7 +8,7 @@
 #include <math.h>
 
 struct orl_sum {
-    double high, low; /* zero: nothing added yet */
+    double high, low; /* zero: empty sum */
 };
 
 static inline void orl_sum_add(struct orl_sum *sum, double value)

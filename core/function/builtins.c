@@ -5,8 +5,9 @@
 
 #include "function/noise.h"
 
-/* A result of finite arguments that is not finite is no value. */
-static double defined(double value, bool *undefined)
+/* Returns the value if it is finite. Otherwise the function is undefined there, and the value is
+ * 0. */
+static double finite_or_undefined(double value, bool *undefined)
 {
     if (isfinite(value))
         return value;
@@ -24,73 +25,73 @@ static double at_sqrt(const double *a, uint32_t n, bool *undefined)
 static double at_exp(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(exp(a[0]), undefined);
+    return finite_or_undefined(exp(a[0]), undefined);
 }
 
 static double at_log(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(log(a[0]), undefined);
+    return finite_or_undefined(log(a[0]), undefined);
 }
 
 static double at_log10(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(log10(a[0]), undefined);
+    return finite_or_undefined(log10(a[0]), undefined);
 }
 
 static double at_sin(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(sin(a[0]), undefined);
+    return finite_or_undefined(sin(a[0]), undefined);
 }
 
 static double at_cos(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(cos(a[0]), undefined);
+    return finite_or_undefined(cos(a[0]), undefined);
 }
 
 static double at_tan(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(tan(a[0]), undefined);
+    return finite_or_undefined(tan(a[0]), undefined);
 }
 
 static double at_asin(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(asin(a[0]), undefined);
+    return finite_or_undefined(asin(a[0]), undefined);
 }
 
 static double at_acos(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(acos(a[0]), undefined);
+    return finite_or_undefined(acos(a[0]), undefined);
 }
 
 static double at_atan(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(atan(a[0]), undefined);
+    return finite_or_undefined(atan(a[0]), undefined);
 }
 
 static double at_atan2(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(atan2(a[0], a[1]), undefined);
+    return finite_or_undefined(atan2(a[0], a[1]), undefined);
 }
 
 static double at_erf(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(erf(a[0]), undefined);
+    return finite_or_undefined(erf(a[0]), undefined);
 }
 
 static double at_erfc(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(erfc(a[0]), undefined);
+    return finite_or_undefined(erfc(a[0]), undefined);
 }
 
 static double at_floor(const double *a, uint32_t n, bool *undefined)
@@ -125,7 +126,7 @@ static double at_max(const double *a, uint32_t n, bool *undefined)
     return most;
 }
 
-/* When all are evaluated, because they were given as a function. */
+/* Used when if() was passed as a function, so that all arguments are evaluated. */
 static double at_if(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
@@ -147,20 +148,20 @@ static double at_select(const double *a, uint32_t n, bool *undefined)
 static double at_rand(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(orl_noise_rand(a[0]), undefined);
+    return finite_or_undefined(orl_noise_rand(a[0]), undefined);
 }
 
 static double at_noise3(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(orl_noise3(a, NULL), undefined);
+    return finite_or_undefined(orl_noise3(a, NULL), undefined);
 }
 
 static double at_gradient(const double *a, int axis, bool *undefined)
 {
     double gradient[3];
     orl_noise3(a, gradient);
-    return defined(gradient[axis], undefined);
+    return finite_or_undefined(gradient[axis], undefined);
 }
 
 static double at_noise3x(const double *a, uint32_t n, bool *undefined)
@@ -184,7 +185,7 @@ static double at_noise3z(const double *a, uint32_t n, bool *undefined)
 static double at_fnoise3(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return defined(orl_noise_fractal3(a), undefined);
+    return finite_or_undefined(orl_noise_fractal3(a), undefined);
 }
 
 const struct orl_builtin orl_builtins[] = {
@@ -214,5 +215,5 @@ int orl_builtin_named(const char *name)
 
 double orl_builtin_power(double a, double b, bool *undefined)
 {
-    return defined(b == 2 ? a * a : pow(a, b), undefined);
+    return finite_or_undefined(b == 2 ? a * a : pow(a, b), undefined);
 }

@@ -6,10 +6,9 @@
 #include "base/grow.h"
 #include "function/program.h"
 
-/* ---- Compilation ------------------------------------------------------------------------------
- */
+/* ---- Compilation ----------------------------------------------------------------------------- */
 
-/* The expressions become the first bodies. */
+/* Parses the expressions, which become the first bodies. */
 static int read_expressions(struct orl_compiler *c)
 {
     const struct orl_function_request *const request = c->request;
@@ -39,8 +38,8 @@ static int read_expressions(struct orl_compiler *c)
     return 0;
 }
 
-/* Notes that a segment is a part of the program. */
-static int use(struct orl_compiler *c, uint32_t slot)
+/* Marks a segment as part of the program. */
+static int use_segment(struct orl_compiler *c, uint32_t slot)
 {
     if (c->segments[slot].is_used)
         return 0;
@@ -55,19 +54,20 @@ static int use_instruction(struct orl_compiler *c, const struct orl_instruction 
 {
     int code = 0;
     if (one->operation == ORL_OP_VARIABLE)
-        return use(c, (uint32_t)one->index);
+        return use_segment(c, (uint32_t)one->index);
     if (one->operation != ORL_OP_CALL && one->operation != ORL_OP_CALL_PARAMETER)
         return 0;
     const struct orl_site site = c->sites[one->index];
     if (one->operation == ORL_OP_CALL)
-        code = use(c, site.callee);
+        code = use_segment(c, site.callee);
     for (uint32_t i = 0; code == 0 && i < site.n; i++)
         if (c->arguments[site.first + i].kind == ORL_ARGUMENT_FUNCTION)
-            code = use(c, c->arguments[site.first + i].index);
+            code = use_segment(c, c->arguments[site.first + i].index);
     return code;
 }
 
-/* Compiles the expressions and all that they use, as it turns out; the rest is left out. */
+/* Compiles the expressions and the bodies that their instructions use; other bodies are left
+ * out. */
 static int emit_all(struct orl_compiler *c)
 {
     int code = 0;
@@ -78,7 +78,7 @@ static int emit_all(struct orl_compiler *c)
     c->segments_room = c->n_bodies + 1;
     c->n_segments = c->n_bodies;
     for (uint32_t i = 0; code == 0 && i < c->request->n_expressions; i++)
-        code = use(c, i);
+        code = use_segment(c, i);
     while (code == 0 && c->n_used > 0) {
         const uint32_t slot = c->used[--c->n_used];
         code = orl_emit_body(c, slot);
@@ -90,7 +90,7 @@ static int emit_all(struct orl_compiler *c)
     return code;
 }
 
-static void *copy(const void *from, size_t bytes)
+static void *copy_bytes(const void *from, size_t bytes)
 {
     void *const made = malloc(bytes ? bytes : 1);
     if (made && bytes)
@@ -98,14 +98,14 @@ static void *copy(const void *from, size_t bytes)
     return made;
 }
 
-/* All code in one piece, and the rest as it is. */
+/* Joins all code in one array, and moves the other arrays to the function. */
 static int link_program(struct orl_compiler *c, struct orl_function *f)
 {
     const struct orl_function_request *const request = c->request;
     size_t at = 0;
     f->code = malloc((c->n_instructions + 1) * sizeof *f->code);
     f->segments = calloc(c->n_bodies + 1, sizeof *f->segments);
-    f->args = copy(request->arguments, request->n_arguments * sizeof(double));
+    f->args = copy_bytes(request->arguments, request->n_arguments * sizeof(double));
     if (!f->code || !f->segments || !f->args)
         return orl_compiler_no_memory(c);
     for (size_t i = 0; i < c->n_bodies; i++) {
@@ -140,7 +140,7 @@ static int link_program(struct orl_compiler *c, struct orl_function *f)
     return 0;
 }
 
-static void discard(struct orl_compiler *c)
+static void free_compiler(struct orl_compiler *c)
 {
     for (size_t i = 0; i < c->n_segments; i++)
         free(c->segments[i].code);
@@ -178,7 +178,7 @@ int orl_function_compile(struct orl_functions *functions,
     if (code == 0)
         code = link_program(&c, function);
     functions->folding = c.folding;
-    discard(&c);
+    free_compiler(&c);
     if (code < 0)
         orl_function_free(function);
     else

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* FNV-1a, of the context and the name. */
+/* FNV-1a hash of the context and the name. */
 static uint64_t hash_of(int context, const char *name, size_t length)
 {
     uint64_t hash = UINT64_C(0xcbf29ce484222325) ^ (uint64_t)context;
@@ -19,7 +19,7 @@ static bool is_named(const struct orl_definition *definition, int context, const
            definition->name[length] == '\0';
 }
 
-/* Its place in a table, or that where it would be. */
+/* Returns the table entry of a name, or the empty entry for it. */
 static struct orl_definition **place_in(struct orl_definition **table, size_t n_places, int context,
                                         const char *name, size_t length)
 {
@@ -29,7 +29,7 @@ static struct orl_definition **place_in(struct orl_definition **table, size_t n_
     return &table[at];
 }
 
-static bool widen(struct orl_functions *functions)
+static bool grow_table(struct orl_functions *functions)
 {
     const size_t n = functions->n_places ? 2 * functions->n_places : 256;
     struct orl_definition **const table = calloc(n, sizeof(struct orl_definition *));
@@ -57,7 +57,7 @@ struct orl_definition *orl_definitions_find(const struct orl_functions *function
 struct orl_definition *orl_definitions_at(struct orl_functions *functions, int context,
                                           const char *name, size_t length)
 {
-    if (2 * functions->n_definitions >= functions->n_places && !widen(functions))
+    if (2 * functions->n_definitions >= functions->n_places && !grow_table(functions))
         return NULL;
     struct orl_definition **const place =
         place_in(functions->table, functions->n_places, context, name, length);
@@ -81,7 +81,7 @@ bool orl_definitions_has(const struct orl_definition *definition, bool called)
     return definition && (definition->function.root || (!called && definition->variable.root));
 }
 
-/* The context that the last part of name`context names, if it is one's; else -1. */
+/* Returns the context that the last part of name`context names, or -1. */
 static int context_named(const struct orl_functions *functions, const char *name, size_t length,
                          size_t *ret_length)
 {

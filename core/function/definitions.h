@@ -1,7 +1,4 @@
-/*
- * What the names of a set of definitions stand for, context by context (function.h).
- * Inside of core/function only.
- */
+/* Symbol table of a set of definitions, by context (function.h). Inside of core/function only. */
 #ifndef ORL_FUNCTION_DEFINITIONS_H
 #define ORL_FUNCTION_DEFINITIONS_H
 
@@ -17,40 +14,41 @@ struct orl_functions {
     struct orl_arena *arena;
     const char *const *inputs;
     size_t n_inputs;
-    struct orl_definition **table; /* open addressing; a power of two of places */
+    struct orl_definition **table; /* open addressing; the number of places is a power of two */
     size_t n_places, n_definitions;
     struct orl_context *contexts; /* the first is the global one */
     size_t n_contexts, contexts_room;
     size_t text_bytes;
     uint32_t n_compilations;
-    uint32_t folding; /* operations left for constants */
-    size_t work;      /* terms looked at by compilations */
+    uint32_t folding; /* operations left for constant folding */
+    size_t work;      /* terms visited by compilations */
 };
 
-/* What an expression of a context means by a name. */
+/* Meaning of a name in an expression of a context. */
 struct orl_meaning {
     enum orl_node_kind kind; /* ORL_NODE_INPUT or ORL_NODE_NAME */
     uint32_t input;
     struct orl_definition *definition;
 };
 
-/* 0, or ORL_ERR_NOMEM. called: the name is a function's. */
+/* Resolves a name. called: the name is used as a function. Returns 0 or ORL_ERR_NOMEM. */
 int orl_definitions_mean(struct orl_functions *functions, int context, const char *name,
                          size_t length, bool called, struct orl_meaning *ret_meaning,
                          struct orl_error *err);
 
-/* The definition of a context by that name, made if there is none. NULL: out of memory. */
+/* Returns the definition of a name in a context; creates it if there is none. NULL: out of
+ * memory. */
 struct orl_definition *orl_definitions_at(struct orl_functions *functions, int context,
                                           const char *name, size_t length);
 
-/* The one there is, or NULL. */
+/* Returns the existing definition, or NULL. */
 struct orl_definition *orl_definitions_find(const struct orl_functions *functions, int context,
                                             const char *name, size_t length);
 
-/* Whether it stands for something: as a function, or, unless called, as a variable. NULL: no. */
+/* Returns true if a function is defined, or, unless called, a variable. False for NULL. */
 bool orl_definitions_has(const struct orl_definition *definition, bool called);
 
-/* What a name or call refers to; NULL: not defined in the text. */
+/* Returns the body that a name or call refers to; NULL if the text does not define it. */
 struct orl_formula *orl_body_of(const struct orl_term *node);
 
 #endif

@@ -7,8 +7,7 @@
 #include "base/grow.h"
 #include "function/builtins.h"
 
-/* ---- Bodies -----------------------------------------------------------------------------------
- */
+/* ---- Bodies ---------------------------------------------------------------------------------- */
 
 int orl_emit_body(struct orl_compiler *c, uint32_t slot)
 {
@@ -17,7 +16,7 @@ int orl_emit_body(struct orl_compiler *c, uint32_t slot)
     const bool plain = c->plain;
     const size_t room = 4;
     struct orl_segment *segment = &c->segments[slot];
-    if (segment->code) /* also while it is under way */
+    if (segment->code) /* compiled, or being compiled */
         return 0;
     segment->code = malloc(room * sizeof *segment->code);
     if (!segment->code)
@@ -31,9 +30,9 @@ int orl_emit_body(struct orl_compiler *c, uint32_t slot)
         code = orl_emit_operation(c, slot, ORL_OP_RETURN, 0, 0);
     c->file = file;
     c->plain = plain;
-    segment = &c->segments[slot]; /* which may have moved */
+    segment = &c->segments[slot]; /* the array may have moved */
     segment->finished = code == 0;
-    if (code < 0) { /* as if it had not been tried */
+    if (code < 0) { /* undo the attempt */
         c->n_instructions -= segment->n;
         free(segment->code);
         segment->code = NULL;
@@ -42,8 +41,9 @@ int orl_emit_body(struct orl_compiler *c, uint32_t slot)
     return code;
 }
 
-/* Mistakes in what may be used are found when it turns out that it is. */
-static bool is_grave(int code)
+/* Returns true for errors that end the compilation. Other errors in a referenced body are reported
+ * when the program uses it. */
+static bool is_fatal(int code)
 {
     return code == ORL_ERR_NOMEM || code == ORL_ERR_LIMIT;
 }
@@ -52,18 +52,17 @@ int orl_emit_waiting(struct orl_compiler *c, size_t base)
 {
     struct orl_error *const err = c->err;
     int code = 0;
-    while (!is_grave(code) && c->n_waiting > base) {
+    while (!is_fatal(code) && c->n_waiting > base) {
         c->err = NULL;
         code = orl_emit_body(c, c->waiting[--c->n_waiting]);
         c->err = err;
     }
-    if (is_grave(code))
+    if (is_fatal(code))
         return orl_error_set(err, code, "functions are too large to be compiled");
     return 0;
 }
 
-/* ---- Constants --------------------------------------------------------------------------------
- */
+/* ---- Constants ------------------------------------------------------------------------------- */
 
 static bool run_constant(struct orl_compiler *c, uint32_t slot, double *ret_value)
 {
@@ -82,9 +81,9 @@ static bool run_constant(struct orl_compiler *c, uint32_t slot, double *ret_valu
 
 static int emit_plain(struct orl_compiler *c, uint32_t slot, const struct orl_term *node);
 
-/* The value of a constant tree, by running it; *ret_found is false where it has none. */
-static int fold(struct orl_compiler *c, const struct orl_term *node, bool *ret_found,
-                double *ret_value)
+/* Computes the value of a constant tree by running it; *ret_found is false if it is undefined. */
+static int fold_constant(struct orl_compiler *c, const struct orl_term *node, bool *ret_found,
+                         double *ret_value)
 {
     struct orl_error *const err = c->err;
     const uint32_t slot = (uint32_t)c->n_segments;
@@ -111,7 +110,7 @@ static int fold(struct orl_compiler *c, const struct orl_term *node, bool *ret_f
     c->n_instructions -= orl_emit_length(c, slot);
     free(c->segments[slot].code);
     c->n_segments--;
-    if (is_grave(code))
+    if (is_fatal(code))
         return orl_error_set(err, code, "functions are too large to be compiled");
     return 0;
 }
@@ -175,7 +174,7 @@ int orl_emit(struct orl_compiler *c, uint32_t slot, const struct orl_term *node)
     int code = 0;
     c->depth++;
     if (!c->plain && is_worth_folding(node))
-        code = fold(c, node, &found, &value);
+        code = fold_constant(c, node, &found, &value);
     if (code == 0)
         code = found ? orl_emit_number(c, slot, value) : emit_plain(c, slot, node);
     c->depth--;

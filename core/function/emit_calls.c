@@ -6,12 +6,11 @@
 #include "base/grow.h"
 #include "function/builtins.h"
 
-enum { TABLE_LEAST = 4 }; /* numbers that are looked up rather than gone through */
+enum { TABLE_LEAST = 4 }; /* fewest numbers in select() for a look-up table */
 
-/* ---- Names and calls --------------------------------------------------------------------------
- */
+/* ---- Names and calls ------------------------------------------------------------------------- */
 
-static int undefined(struct orl_compiler *c, const struct orl_term *node, const char *name)
+static int report_undefined(struct orl_compiler *c, const struct orl_term *node, const char *name)
 {
     const bool called = node->kind == ORL_NODE_CALL;
     if (!called && (node->definition->function.root || orl_builtin_named(name) >= 0)) {
@@ -26,7 +25,7 @@ static int undefined(struct orl_compiler *c, const struct orl_term *node, const 
     return orl_emit_place(c, node->line, ORL_ERR_NOT_FOUND);
 }
 
-static int too_few(struct orl_compiler *c, const struct orl_term *node, uint32_t least)
+static int report_too_few(struct orl_compiler *c, const struct orl_term *node, uint32_t least)
 {
     orl_error_set(c->err, ORL_ERR_SYNTAX, "%.100s() takes %u arguments, %u are given",
                   node->definition->name, least, node->n_args);
@@ -40,7 +39,7 @@ int orl_emit_variable(struct orl_compiler *c, uint32_t slot, const struct orl_te
     double number;
     int code = 0;
     if (!body || body != &node->definition->variable)
-        return undefined(c, node, node->definition->name);
+        return report_undefined(c, node, node->definition->name);
     if (node->constant && c->depth <= ORL_FOLDING_DEPTH)
         code = orl_emit_body(c, body->slot);
     if (code < 0)
@@ -60,7 +59,7 @@ int orl_emit_variable(struct orl_compiler *c, uint32_t slot, const struct orl_te
     return code < 0 ? code : orl_emit_operation(c, slot, ORL_OP_VARIABLE, body->slot, 0);
 }
 
-/* An argument that is a function's name, or the caller's own; else code is to be written. */
+/* Classifies an argument: a function's name or the caller's parameter; otherwise it needs code. */
 static int pass_name(struct orl_compiler *c, const struct orl_term *node,
                      struct orl_argument *ret_argument)
 {
@@ -79,7 +78,7 @@ static int pass_name(struct orl_compiler *c, const struct orl_term *node,
     return orl_emit_await(c, body->slot);
 }
 
-/* Arguments are evaluated when they are asked for: their code stands before the call. */
+/* Emits a call. Arguments are evaluated lazily: their code is placed before the call. */
 int orl_emit_site(struct orl_compiler *c, uint32_t slot, const struct orl_term *node,
                   enum orl_operation operation, uint32_t callee)
 {
@@ -110,7 +109,7 @@ int orl_emit_site(struct orl_compiler *c, uint32_t slot, const struct orl_term *
     return orl_emit_operation(c, slot, operation, c->n_sites++, 0);
 }
 
-/* A parameter that is called has to be given a function. */
+/* Checks that function names are passed for parameters that the callee calls. */
 static int check_functions(struct orl_compiler *c, const struct orl_term *node,
                            const struct orl_formula *callee)
 {
@@ -131,8 +130,7 @@ static int check_functions(struct orl_compiler *c, const struct orl_term *node,
     return 0;
 }
 
-/* ---- What the language itself knows -----------------------------------------------------------
- */
+/* ---- Language constructs --------------------------------------------------------------------- */
 
 static int emit_if(struct orl_compiler *c, uint32_t slot, const struct orl_term *node)
 {
@@ -157,7 +155,7 @@ static int emit_if(struct orl_compiler *c, uint32_t slot, const struct orl_term 
     return code < 0 ? code : orl_emit_operation(c, slot, ORL_OP_END, 0, 0);
 }
 
-/* All numbers: they become a table. *ret_done is false where one is none. */
+/* Emits a table if all operands are numbers. Otherwise *ret_done is false. */
 static int emit_table(struct orl_compiler *c, uint32_t slot, const struct orl_term *node,
                       bool *ret_done)
 {
@@ -216,7 +214,7 @@ static int emit_select(struct orl_compiler *c, uint32_t slot, const struct orl_t
     return code < 0 ? code : orl_emit_operation(c, slot, ORL_OP_END_SELECT, 0, 0);
 }
 
-/* arg(n), of the arguments that the program has. */
+/* Emits arg(n), which reads the program's arguments. */
 static int emit_arg(struct orl_compiler *c, uint32_t slot, const struct orl_term *node)
 {
     const size_t since = orl_emit_length(c, slot), n = c->request->n_arguments;
@@ -243,9 +241,9 @@ static int emit_builtin(struct orl_compiler *c, uint32_t slot, const struct orl_
         return emit_arg(c, slot, node);
     const int which = orl_builtin_named(name);
     if (which < 0)
-        return undefined(c, node, name);
+        return report_undefined(c, node, name);
     if (node->n_args < orl_builtins[which].least)
-        return too_few(c, node, orl_builtins[which].least);
+        return report_too_few(c, node, orl_builtins[which].least);
     if (strcmp(name, "if") == 0)
         return emit_if(c, slot, node);
     if (strcmp(name, "select") == 0)
@@ -269,7 +267,7 @@ int orl_emit_call(struct orl_compiler *c, uint32_t slot, const struct orl_term *
     if (!body)
         return emit_builtin(c, slot, node);
     if (node->n_args < body->n_parameters)
-        return too_few(c, node, body->n_parameters);
+        return report_too_few(c, node, body->n_parameters);
     int code = check_functions(c, node, body);
     if (code == 0)
         code = orl_emit_await(c, body->slot);

@@ -86,7 +86,7 @@ int orl_functions_define(struct orl_functions *functions, int context, const cha
     return orl_syntax_define(functions, context, file, line, text, length, err);
 }
 
-/* A file's name without folders and ending, as contexts are named. */
+/* Derives a context's name from a file name, without folders and extension. */
 static void name_context(const char *file, char ret_name[64])
 {
     const char *const slash = strrchr(file, '/');

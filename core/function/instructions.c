@@ -10,13 +10,12 @@ int orl_compiler_no_memory(struct orl_compiler *c)
 
 int orl_emit_place(struct orl_compiler *c, int line, int code)
 {
-    if (c->file[0]) /* our own texts are no place to send anybody to */
+    if (c->file[0]) /* built-in texts have no place */
         orl_error_at(c->err, c->file, line, NULL);
     return code;
 }
 
-/* ---- Instructions -----------------------------------------------------------------------------
- */
+/* ---- Instructions ---------------------------------------------------------------------------- */
 
 int orl_emit_operation(struct orl_compiler *c, uint32_t slot, enum orl_operation operation,
                        uint64_t index, uint32_t count)
@@ -49,13 +48,11 @@ size_t orl_emit_length(const struct orl_compiler *c, uint32_t slot)
     return c->segments[slot].n;
 }
 
-/* Makes the instruction at a place lead to the next that will be added. */
 void orl_emit_land(struct orl_compiler *c, uint32_t slot, size_t at)
 {
     c->segments[slot].code[at].index = c->segments[slot].n;
 }
 
-/* Takes back a number that is all that was added since. */
 bool orl_emit_take_number(struct orl_compiler *c, uint32_t slot, size_t since, double *ret_number)
 {
     struct orl_segment *const segment = &c->segments[slot];

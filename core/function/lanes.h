@@ -1,7 +1,7 @@
 /*
- * Arithmetic of eight lanes. The first operand is replaced; what costs little is done for all
- * lanes, the rest for those that are active. Results are the lanes, among these, that have no
- * value: they are 0. Inside of core/function only.
+ * Arithmetic on eight lanes. The result replaces the first operand. Cheap operations are done for
+ * all lanes, others for the active ones only. The return value gives the active lanes whose result
+ * is undefined; their value is 0. Inside of core/function only.
  */
 #ifndef ORL_FUNCTION_LANES_H
 #define ORL_FUNCTION_LANES_H
@@ -15,18 +15,19 @@ void orl_lanes_negate(double *a);
 unsigned orl_lanes_divide(double *a, const double *b, unsigned active);
 unsigned orl_lanes_power(double *a, const double *b, unsigned active);
 
-/* A built-in function of count arguments, whose value replaces the first. At most
- * ORL_FUNCTION_PARAMETERS of them are taken. */
+/* Applies a built-in function to count arguments; the value replaces the first. At most
+ * ORL_FUNCTION_PARAMETERS arguments are used. */
 unsigned orl_lanes_apply(uint32_t which, double (*args)[ORL_FUNCTION_LANES], uint32_t count,
                          unsigned active);
 
-/* Replaces n, to the nearest integer, by the nth of a list; 0 by how many there are. */
+/* Replaces n, rounded to the nearest integer, by the nth entry of a list, and 0 by the list's
+ * length. */
 unsigned orl_lanes_look_up(double *value, const double *list, size_t count, unsigned active);
 
-/* The lanes above zero. */
+/* Returns the lanes above zero. */
 unsigned orl_lanes_above_zero(const double *a);
 
-/* Copies these lanes. */
+/* Copies the given lanes. */
 void orl_lanes_take(double *into, const double *from, unsigned lanes);
 
 #endif

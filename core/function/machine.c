@@ -10,18 +10,20 @@
 
 enum { LANES = ORL_FUNCTION_LANES, STACK = ORL_FUNCTION_STACK };
 
-/* Lanes at a choice: those that came, those that the first way or the case under way has. */
+/* Lanes at a branch: those that entered it, and those of the first alternative or of the current
+ * case. */
 struct branch {
     uint8_t active, chosen;
 };
 
 struct orl_function_scratch {
     alignas(64) double values[STACK][LANES];
-    uint8_t valid[STACK]; /* of arguments and variables: the lanes that have been evaluated */
+    uint8_t valid[STACK]; /* for arguments and variables: lanes that have been evaluated */
     struct branch branches[STACK];
 };
 
-/* A call under way: its arguments lie on the stack from base, and are evaluated for the caller. */
+/* Call frame: its arguments lie on the stack from base, and are evaluated in the caller's
+ * context. */
 struct frame {
     const struct orl_site *site;
     const struct frame *caller;
@@ -34,28 +36,28 @@ struct machine {
     struct orl_function_scratch *s;
     const struct orl_function_lanes *inputs;
     uint32_t *operations;
-    uint32_t top, branch; /* the first free place of the stacks */
+    uint32_t top, branch; /* first free index of each stack */
     uint32_t depth;
     unsigned active, undefined;
 };
 
-static bool run(struct machine *m, uint32_t segment, size_t at, const struct frame *frame);
+static bool run_segment(struct machine *m, uint32_t segment, size_t at, const struct frame *frame);
 
-/* The uppermost value but n. */
+/* Returns the value n places below the top. */
 static double *value_at(const struct machine *m, uint32_t n)
 {
     return m->s->values[m->top - 1 - n];
 }
 
-/* Room for a value, uninitialised; NULL: there is none. */
-static double *push(struct machine *m)
+/* Returns an uninitialised stack entry; NULL: the stack is full. */
+static double *push_value(struct machine *m)
 {
     return m->top < STACK ? m->s->values[m->top++] : NULL;
 }
 
 static bool push_number(struct machine *m, double number)
 {
-    double *const value = push(m);
+    double *const value = push_value(m);
     for (int l = 0; value && l < LANES; l++)
         value[l] = number;
     return value != NULL;
@@ -63,23 +65,22 @@ static bool push_number(struct machine *m, double number)
 
 static bool push_copy(struct machine *m, const double *from)
 {
-    double *const value = push(m);
+    double *const value = push_value(m);
     if (value)
         memcpy(value, from, sizeof m->s->values[0]);
     return value != NULL;
 }
 
-/* Takes the uppermost value into these lanes of another. */
+/* Moves the given lanes of the top value into another value. */
 static void take_lanes(struct machine *m, double *into, unsigned lanes)
 {
     orl_lanes_take(into, value_at(m, 0), lanes);
     m->top--;
 }
 
-/* ---- Choices ----------------------------------------------------------------------------------
- */
+/* ---- Branches -------------------------------------------------------------------------------- */
 
-/* Each returns the next instruction. */
+/* begin_if, go_else and go_case return the next instruction. */
 static size_t begin_if(struct machine *m, const struct orl_instruction *code, size_t at)
 {
     const unsigned holds = orl_lanes_above_zero(value_at(m, 0)) & m->active;
@@ -108,11 +109,11 @@ static void end_if(struct machine *m)
         take_lanes(m, value_at(m, 1), branch.active & ~(unsigned)branch.chosen);
 }
 
-/* Leaves the choices, rounded, below the value that will be. */
+/* Leaves the rounded choices on the stack, below the future value. */
 static bool begin_select(struct machine *m, uint32_t count)
 {
     double *const wanted = value_at(m, 0);
-    double *const value = push(m);
+    double *const value = push_value(m);
     for (int l = 0; value && l < LANES; l++) {
         wanted[l] = floor(wanted[l] + 0.5);
         value[l] = wanted[l] == 0 ? count : 0;
@@ -142,30 +143,30 @@ static void end_select(struct machine *m)
     m->top--;
 }
 
-/* ---- Arguments, variables, calls --------------------------------------------------------------
- */
+/* ---- Arguments, variables, calls ------------------------------------------------------------- */
 
 static bool push_parameter(struct machine *m, const struct frame *frame, uint32_t index);
 
-static bool push_nothing(struct machine *m)
+static bool push_undefined(struct machine *m)
 {
     m->undefined |= m->active;
     return push_number(m, 0);
 }
 
-/* An argument's value, where the call stands. */
+/* Pushes an argument's value, evaluated in the context of the call. */
 static bool push_argument(struct machine *m, struct orl_argument argument, uint32_t segment,
                           const struct frame *frame)
 {
     if (argument.kind == ORL_ARGUMENT_CODE)
-        return run(m, segment, argument.index, frame);
+        return run_segment(m, segment, argument.index, frame);
     if (argument.kind == ORL_ARGUMENT_PARAMETER)
         return push_parameter(m, frame, argument.index);
-    return push_nothing(m); /* a function is no number */
+    return push_undefined(m); /* a function has no value as a number */
 }
 
-/* What lies at a place of the stack, once run() or the like has made it for lanes without it. */
-static bool keep(struct machine *m, uint32_t place, unsigned missing, unsigned active)
+/* Stores the top value in a stack entry for the missing lanes, restores the active lanes, and
+ * pushes the entry. */
+static bool store_value(struct machine *m, uint32_t place, unsigned missing, unsigned active)
 {
     take_lanes(m, m->s->values[place], missing);
     m->s->valid[place] |= (uint8_t)missing;
@@ -187,7 +188,7 @@ static bool push_parameter(struct machine *m, const struct frame *frame, uint32_
                        frame->caller))
         return false;
     m->depth--;
-    return keep(m, place, missing, active);
+    return store_value(m, place, missing, active);
 }
 
 static bool push_variable(struct machine *m, uint32_t segment)
@@ -197,31 +198,31 @@ static bool push_variable(struct machine *m, uint32_t segment)
     if (!missing)
         return push_copy(m, m->s->values[place]);
     m->active = missing;
-    return run(m, segment, 0, NULL) && keep(m, place, missing, active);
+    return run_segment(m, segment, 0, NULL) && store_value(m, place, missing, active);
 }
 
-static bool call(struct machine *m, const struct orl_site *site, uint32_t callee, uint32_t segment,
-                 const struct frame *caller)
+static bool call_function(struct machine *m, const struct orl_site *site, uint32_t callee,
+                          uint32_t segment, const struct frame *caller)
 {
     const struct frame frame = {site, caller, segment, m->top};
     if (site->n > STACK - m->top)
         return false;
     memset(&m->s->valid[m->top], 0, site->n);
     m->top += site->n;
-    if (!run(m, callee, 0, &frame))
+    if (!run_segment(m, callee, 0, &frame))
         return false;
     memcpy(m->s->values[frame.base], value_at(m, 0), sizeof m->s->values[0]);
     m->top = frame.base + 1;
     return true;
 }
 
-static void apply(struct machine *m, uint32_t which, uint32_t count)
+static void apply_builtin(struct machine *m, uint32_t which, uint32_t count)
 {
     m->undefined |= orl_lanes_apply(which, &m->s->values[m->top - count], count, m->active);
     m->top -= count - 1;
 }
 
-/* Calls the function that a parameter names. */
+/* Calls the function that was passed for a parameter. */
 static bool call_parameter(struct machine *m, const struct orl_site *site, uint32_t segment,
                            const struct frame *frame)
 {
@@ -233,21 +234,20 @@ static bool call_parameter(struct machine *m, const struct orl_site *site, uint3
     }
     if (callee.kind == ORL_ARGUMENT_FUNCTION &&
         m->program->segments[callee.index].n_parameters <= site->n)
-        return call(m, site, callee.index, segment, frame);
+        return call_function(m, site, callee.index, segment, frame);
     if (callee.kind != ORL_ARGUMENT_BUILTIN || orl_builtins[callee.index].least > site->n)
-        return push_nothing(m);
+        return push_undefined(m);
     for (uint32_t i = 0; i < site->n; i++)
         if (!push_argument(m, m->program->arguments[site->first + i], segment, frame))
             return false;
-    apply(m, callee.index, site->n);
+    apply_builtin(m, callee.index, site->n);
     return true;
 }
 
-/* ---- The machine ------------------------------------------------------------------------------
- */
+/* ---- The machine ----------------------------------------------------------------------------- */
 
-/* What replaces the two uppermost values by one. */
-static bool compute(struct machine *m, enum orl_operation operation)
+/* Executes a binary operation on the two top values. */
+static bool apply_binary(struct machine *m, enum orl_operation operation)
 {
     double *const a = value_at(m, 1);
     const double *const b = value_at(m, 0);
@@ -265,13 +265,14 @@ static bool compute(struct machine *m, enum orl_operation operation)
     return true;
 }
 
-static void look_up(struct machine *m, const double *list, size_t count)
+static void look_up_value(struct machine *m, const double *list, size_t count)
 {
     m->undefined |= orl_lanes_look_up(value_at(m, 0), list, count, m->active);
 }
 
-/* What needs neither frame nor place; false: the stack is full. */
-static bool step(struct machine *m, const struct orl_instruction *one)
+/* Executes an instruction that needs neither frame nor position. Returns false if the stack is
+ * full. */
+static bool execute_simple(struct machine *m, const struct orl_instruction *one)
 {
     const struct orl_program *const program = m->program;
     switch ((enum orl_operation)one->operation) {
@@ -280,13 +281,13 @@ static bool step(struct machine *m, const struct orl_instruction *one)
     case ORL_OP_INPUT:
         return push_copy(m, m->inputs[one->index].at);
     case ORL_OP_ARG:
-        look_up(m, program->args, program->n_args);
+        look_up_value(m, program->args, program->n_args);
         return true;
     case ORL_OP_NEGATE:
         orl_lanes_negate(value_at(m, 0));
         return true;
     case ORL_OP_BUILTIN:
-        apply(m, (uint32_t)one->index, one->count);
+        apply_builtin(m, (uint32_t)one->index, one->count);
         return true;
     case ORL_OP_END:
         end_if(m);
@@ -300,14 +301,15 @@ static bool step(struct machine *m, const struct orl_instruction *one)
         end_select(m);
         return true;
     case ORL_OP_TABLE:
-        look_up(m, program->tables + one->index, one->count);
+        look_up_value(m, program->tables + one->index, one->count);
         return true;
     default:
-        return compute(m, (enum orl_operation)one->operation);
+        return apply_binary(m, (enum orl_operation)one->operation);
     }
 }
 
-static bool advance(struct machine *m, uint32_t segment, size_t at, const struct frame *frame)
+static bool execute_segment(struct machine *m, uint32_t segment, size_t at,
+                            const struct frame *frame)
 {
     const struct orl_program *const program = m->program;
     const struct orl_instruction *const code = program->segments[segment].code;
@@ -326,8 +328,8 @@ static bool advance(struct machine *m, uint32_t segment, size_t at, const struct
             ok = push_variable(m, (uint32_t)one->index);
             break;
         case ORL_OP_CALL:
-            ok = call(m, &program->sites[one->index], program->sites[one->index].callee, segment,
-                      frame);
+            ok = call_function(m, &program->sites[one->index], program->sites[one->index].callee,
+                               segment, frame);
             break;
         case ORL_OP_CALL_PARAMETER:
             ok = call_parameter(m, &program->sites[one->index], segment, frame);
@@ -345,19 +347,19 @@ static bool advance(struct machine *m, uint32_t segment, size_t at, const struct
             at = one->index - 1;
             break;
         default:
-            ok = step(m, one);
+            ok = execute_simple(m, one);
         }
     }
     return false;
 }
 
-/* Runs a segment until it returns, for the lanes that are active, and leaves its value on top. */
-static bool run(struct machine *m, uint32_t segment, size_t at, const struct frame *frame)
+/* Runs a segment until it returns, for the active lanes, and leaves its value on top. */
+static bool run_segment(struct machine *m, uint32_t segment, size_t at, const struct frame *frame)
 {
     if (!m->program->segments[segment].finished || ++m->depth > ORL_FUNCTION_DEPTH ||
         m->branch > STACK - ORL_FUNCTION_NESTING)
         return false;
-    const bool ok = advance(m, segment, at, frame);
+    const bool ok = execute_segment(m, segment, at, frame);
     m->depth--;
     return ok;
 }
@@ -382,7 +384,7 @@ struct orl_function_outcome orl_machine_run(const struct orl_program *program,
                         .operations = operations,
                         .top = program->n_variables,
                         .active = lanes & 0xffU};
-    const bool ok = run(&m, segment, 0, NULL);
+    const bool ok = run_segment(&m, segment, 0, NULL);
     for (int l = 0; l < LANES; l++)
         if (lanes >> l & 1)
             ret_value->at[l] = ok ? value_at(&m, 0)[l] : 0;

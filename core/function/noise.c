@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdint.h>
 
-/* Radiance's numbers from seeds: part of what its scenes mean. */
+/* Returns Radiance's pseudo-random number of a seed, which defines the look of its scenes. */
 static double number_of(int64_t seed)
 {
     uint64_t s = (uint64_t)seed;
@@ -20,7 +20,7 @@ double orl_noise_rand(double x)
     return quotient - floor(quotient);
 }
 
-/* Places beyond this are no place of a lattice of integers. */
+/* Limit of coordinates; beyond it they cannot be mapped to an integer lattice. */
 static const double farthest = 1e12;
 
 /* Perlin's permutation of 0 to 255. */
@@ -40,7 +40,7 @@ static const uint8_t permutation[256] = {
     115, 121, 50,  45,  127, 4,   150, 254, 138, 236, 205, 93,  222, 114, 67,  29,  24,  72,  243,
     141, 128, 195, 78,  66,  215, 61,  156, 180};
 
-/* Towards the middles of a cube's edges, four of them twice: Perlin's choice by four bits. */
+/* Directions to the middles of a cube's edges, four of them twice: Perlin's choice by four bits. */
 static const int8_t directions[16][3] = {
     {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}, {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1},
     {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 1, 0}, {0, -1, 1}, {-1, 1, 0}, {0, -1, -1}};
@@ -96,21 +96,21 @@ double orl_noise3(const double p[3], double ret_gradient[3])
     return value;
 }
 
-/* ---- Fractal noise ----------------------------------------------------------------------------
- */
+/* ---- Fractal noise --------------------------------------------------------------------------- */
 
-enum { CELL = 2000 }; /* units of the lattice that displacements are made on */
+enum { CELL = 2000 }; /* lattice units per cell for displacements */
 
-static double displaced(const int64_t p[3])
+static double displacement_at(const int64_t p[3])
 {
     return number_of(17 * p[0] + 23 * p[1] + 29 * p[2]);
 }
 
 /*
- * The eighth of a cell of corner values that a place lies in: of its corners, that which the cell
- * has too (by the bits of octant) stays; others are the mean of what they lie between, displaced.
+ * Reduces a cell of corner values to the octant that contains a point. The corner that the octant
+ * shares with the cell (by the bits of octant) stays. Other corners get the mean of the values they
+ * lie between, displaced.
  */
-static void halve(double corners[8], const int64_t low[3], int64_t half, int octant)
+static void halve_cell(double corners[8], const int64_t low[3], int64_t half, int octant)
 {
     double halved[8];
     for (int moved = 0; moved < 8; moved++) {
@@ -124,7 +124,7 @@ static void halve(double corners[8], const int64_t low[3], int64_t half, int oct
             }
         for (int axis = 0; axis < 3; axis++)
             p[axis] = low[axis] + (moved >> axis & 1 ? half : octant >> axis & 1 ? 2 * half : 0);
-        halved[octant ^ moved] = moved ? sum / n + (double)half / CELL * displaced(p) : sum;
+        halved[octant ^ moved] = moved ? sum / n + (double)half / CELL * displacement_at(p) : sum;
     }
     for (int i = 0; i < 8; i++)
         corners[i] = halved[i];
@@ -143,13 +143,13 @@ double orl_noise_fractal3(const double p[3])
     for (int i = 0; i < 8; i++) {
         const int64_t corner[3] = {low[0] + (i & 1 ? CELL : 0), low[1] + (i & 2 ? CELL : 0),
                                    low[2] + (i & 4 ? CELL : 0)};
-        corners[i] = displaced(corner);
+        corners[i] = displacement_at(corner);
     }
     for (int64_t half = CELL / 2; half > 0; half /= 2) {
         int octant = 0;
         for (int axis = 0; axis < 3; axis++)
             octant |= place[axis] > low[axis] + half ? 1 << axis : 0;
-        halve(corners, low, half, octant);
+        halve_cell(corners, low, half, octant);
         for (int axis = 0; axis < 3; axis++)
             low[axis] += octant >> axis & 1 ? half : 0;
     }

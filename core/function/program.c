@@ -34,10 +34,9 @@ bool orl_function_is_constant(const struct orl_function *function, size_t expres
     return orl_segment_is_number(&function->segments[expression], ret_value);
 }
 
-/* ---- Kept -------------------------------------------------------------------------------------
- */
+/* ---- Serialisation --------------------------------------------------------------------------- */
 
-/* Where each segment's code begins, in one array of all. */
+/* Passes the array of all code, and the start of each segment's code in it. */
 static void pass_code(struct orl_stream *stream, struct orl_function *f)
 {
     orl_stream_array(stream, &f->code, f->n_code, sizeof *f->code);
@@ -93,8 +92,7 @@ void orl_function_pass(struct orl_function **function, struct orl_stream *stream
                                  f->args,     f->program.n_args, f->program.n_variables};
 }
 
-/* ---- Values -----------------------------------------------------------------------------------
- */
+/* ---- Values ---------------------------------------------------------------------------------- */
 
 struct orl_function_outcome orl_function_evaluate(const struct orl_function *function,
                                                   struct orl_function_scratch *scratch,

@@ -1,14 +1,12 @@
-/*
- * A program once it is compiled. Inside of core/function only.
- */
+/* Compiled program. Inside of core/function only. */
 #ifndef ORL_FUNCTION_PROGRAM_H
 #define ORL_FUNCTION_PROGRAM_H
 
 #include "function/machine.h"
 
 struct orl_function {
-    struct orl_program program;   /* of what follows */
-    struct orl_instruction *code; /* of all segments */
+    struct orl_program program;   /* view of the arrays below */
+    struct orl_instruction *code; /* code of all segments */
     struct orl_segment *segments;
     struct orl_site *sites;
     struct orl_argument *arguments;

@@ -22,21 +22,21 @@ static const char start[] =
     /* Conditions. */
     "and(a,b) : if(a, b, a); or(a,b) : if(a, a, b); not(a) : if(a, -1, 1);\n"
     "xor(a,b) : if(a, not(b), b); inside(a,x,b) : and(x-a, b-x);\n"
-    /* Of a number. */
+    /* Functions of a number. */
     "abs(x) : if(x, x, -x); sgn(x) : if(x, 1, if(-x, -1, 0)); sq(x) : x*x; noop(v) : v;\n"
     "frac(x) : x - floor(x); mod(n,d) : n - d*floor(n/d); tri(n,d) : d - abs(d - mod(n, 2*d));\n"
     "linterp(t,p0,p1) : (1-t)*p0 + t*p1;\n"
     "clip(v) : bound(0, v, 1); noneg(v) : max(v, 0);\n"
-    /* Of a colour: luminance by the primaries' shares. */
+    /* Functions of a colour: luminance by the primaries' shares. */
     "red(r,g,b) : noneg(r); green(r,g,b) : noneg(g); blue(r,g,b) : noneg(b);\n"
     "grey(r,g,b) : noneg(.265074126*r + .670114631*g + .064811243*b);\n"
     "clip_r(r,g,b) : clip(r); clip_g(r,g,b) : clip(g); clip_b(r,g,b) : clip(b);\n"
     "clipgrey(r,g,b) : min(grey(r,g,b), 1);\n"
-    /* Of vectors, which are functions of an index. */
+    /* Functions of vectors, which are functions of an index. */
     "dot(v1,v2) : v1(1)*v2(1) + v1(2)*v2(2) + v1(3)*v2(3);\n"
     "cross(i,v1,v2) : select(i, v1(2)*v2(3) - v1(3)*v2(2), v1(3)*v2(1) - v1(1)*v2(3),\n"
     "                        v1(1)*v2(2) - v1(2)*v2(1));\n"
-    /* By distance, from near to far. */
+    /* Interpolation by distance, from near to far. */
     "fade(near_val,far_val,dist) : if(dist-15.99, far_val,\n"
     "                                 linterp(1/(1+dist*dist), far_val, near_val));\n"
     /* Cubics: by ends and slopes, by Bernstein's polynomials, uniform B-spline. */
@@ -77,13 +77,13 @@ static const char start[] =
     "Ldz(dx,dy,dz) = dx*NxP + dy*NyP + dz*NzP;\n"
     "Idx = -Ldx(Dx,Dy,Dz); Idy = -Ldy(Dx,Dy,Dz); Idz = RdotP;\n";
 
-/* Angles to the sun and blending at the horizon, which both skies share. */
+/* Angles to the sun and blending at the horizon, shared by both skies. */
 #define SKY                                                                                        \
     "wmean(a,x,b,y) : (a*x + b*y)/(a + b); gamma = Acos(cosgamma); eta = Acos(Dz);\n"              \
     "above = (Dz + 1.01)^10;\n"
 
-/* The skies of gensky(1): clear and intermediate by CIE's formulas, overcast by Moon and Spencer's.
- */
+/* The skies of gensky(1): clear and intermediate by CIE's formulas, overcast by Moon and
+ * Spencer's. */
 static const char skybright[] = SKY
     "cosgamma = Dx*A5 + Dy*A6 + Dz*A7; zt = Acos(A7);\n"
     "sunnysky = A2*(.91 + 10*exp(-3*gamma) + .45*cosgamma^2)\n"
@@ -99,8 +99,8 @@ static const char perezlum[] =
         "intersky = A1*(1 + A3*Exp(A4/max(Dz, .01)))*(1 + A5*Exp(A6*gamma) + A7*cosgamma^2);\n"
         "skybright = wmean(above, intersky, 1/above, A2);\n";
 
-/* Coordinates of mkillum(1)'s tables: of all directions, and of the half about the axis A7 to A9.
- */
+/* Coordinates of mkillum(1)'s tables: for all directions, and for the hemisphere about the axis A7
+ * to A9. */
 static const char illum[] =
     "norm_rad(r) : if(r, r, r + 2*PI); il_alt = Dz; il_azi = norm_rad(Atan2(Dy, Dx));\n"
     "il_alth = (Dx*A7 + Dy*A8 + Dz*A9)^2;\n"
@@ -111,25 +111,25 @@ static const char rev[] =
     "rev_rad = sqrt(Px*Px + Py*Py); rev_dr = A3*rev_rad + A4;\n"
     "rev_dx = rev_dr*Px/rev_rad; rev_dy = rev_dr*Py/rev_rad; rev_dz = A1*Pz + A2;\n";
 
-/* Normals of gensurf(1) -s, by the two coordinates beside the axis A1: A2 to A13 are four vectors,
- * of their product, the first, the second, and 1. */
+/* Smooth normals of gensurf(1) -s, by the two coordinates beside the axis A1. A2 to A13 are four
+ * vectors: coefficients of the coordinates' product, the first, the second, and 1. */
 static const char surf[] =
     "u`R. = select(A1 + 1, Py, Pz, Px); v`R. = select(A1 + 1, Pz, Px, Py);\n"
     "turn`R.(i) = u`R.*(v`R.*arg(i + 1) + arg(i + 4)) + v`R.*arg(i + 7) + arg(i + 10);\n"
     "surf_dx = turn`R.(1); surf_dy = turn`R.(2); surf_dz = turn`R.(3);\n";
 
-/* What corners of a triangle have, between them: three values, each linear in the two coordinates
- * beside the axis A1. Of a normal all three, less that of the triangle; of a picture's place two.
- */
+/* Interpolation between the corners of a triangle: three values, each linear in the two coordinates
+ * beside the axis A1. Normals use all three, minus the triangle's normal; picture coordinates use
+ * two. */
 static const char tmesh[] =
     "bu = select(A1 + 1, Py, Pz, Px); bv = select(A1 + 1, Pz, Px, Py);\n"
     "at`T.(i) = bu*arg(3*i - 1) + bv*arg(3*i) + arg(3*i + 1);\n"
     "v1 = at`T.(1); v2 = at`T.(2); v3 = at`T.(3); nf = 1/sqrt(v1*v1 + v2*v2 + v3*v3);\n"
     "dx = v1*nf - Nx; dy = v2*nf - Ny; dz = v3*nf - Nz; u = frac(v1); v = frac(v2);\n";
 
-/* Luminaires by ies2rad(1): theta from the z axis downwards, phi from x towards y, in degrees; what
- * a distribution of intensities becomes on flat things, boxes A2 A3 A4 and cylinders A2 A3, all in
- * metres. */
+/* Luminaires by ies2rad(1): theta from the z axis downwards, phi from x towards y, in degrees.
+ * Corrections of an intensity distribution for flat sources, boxes A2 A3 A4 and cylinders A2 A3,
+ * all in metres. */
 static const char source[] =
     "src_theta = Acos(Dz)/DEGREE; src_phi = mod(Atan2(-Dy, -Dx)/DEGREE, 360);\n"
     "src_phi2 = tri(src_phi, 180); src_phi4 = tri(src_phi, 90);\n"
@@ -142,14 +142,15 @@ static const char source[] =
     "lboxcorr(v) = corr(v)/box`S.(away`S.(Px,Dx,A2), away`S.(Py,Dy,A3), away`S.(Pz,Dz,A4));\n"
     "cylcorr(v) = corr(v)/(A2*(A3*Sqrt(1 - Dz*Dz) + A2*PI/4*abs(Dz)));\n";
 
-/* How far a luminaire is turned, in degrees: its axis from hanging straight; and about it, as
- * ies2rad asks of lamps that lie: the world's y axis above its plane x y, from 90 on. */
+/* Tilt of a luminaire, in degrees: the angle of its axis from hanging straight, and the rotation
+ * about it that ies2rad uses for horizontal lamps: the world's y axis above the luminaire's x y
+ * plane, from 90 on. */
 static const char tilt[] = "tilt_ang = Acos(Kz)/DEGREE; tilt_ang2 = tri(tilt_ang, 90);\n"
                            "tilt_xang = if(Jy*Jy - FTINY, Atan2(Jy, abs(Jz))/DEGREE, 0);\n"
                            "tilt_xang2 = tri(tilt_xang, 90);\n";
 
-/* Pictures in the plane z = 0, from the origin on, A1 as high as wide, the shorter side 1 long:
- * once, side by side, mirrored at the edges, or like bricks. */
+/* Pictures in the plane z = 0, from the origin on, with aspect A1 (height by width) and a shorter
+ * side of 1: once, tiled, mirrored at the edges, or staggered like bricks. */
 static const char picture[] =
     "pic_u = Px; pic_v = Py; pic_aspect = if(AC-.5, A1, 1);\n"
     "wide`I. = max(1, 1/pic_aspect); high`I. = max(1, pic_aspect);\n"
@@ -158,11 +159,11 @@ static const char picture[] =
     "match_u = tri(Px, wide`I.); match_v = tri(Py, high`I.);\n"
     "stag_u = mod(if(frac(Py/high`I./2)-.5, Px, Px + wide`I./2), wide`I.); stag_v = tile_v;\n";
 
-/* Coated and fritted panes as genglaze(1) describes them. At grazing angles all is reflected; glass
- * without a coating reflects .076 and passes .883 at right angles. Of one pane: A10 is 1 where its
- * plain side is the front; A11 the share that is fritted, or A11 to A13 and A14 to A16 what the
- * plain side and the coated one reflect, and A17 to A19 what it passes. Of two: functions for the
- * numbers that are written in the scene. */
+/* Coated and fritted panes as described by genglaze(1). At grazing angles the reflectance is 1;
+ * uncoated glass reflects .076 and transmits .883 at normal incidence. Single pane: A10 is 1 if its
+ * plain side is the front; A11 is the fritted share; or A11 to A13 and A14 to A16 are the
+ * reflectances of the plain and of the coated side, and A17 to A19 the transmittance. Double pane:
+ * functions of numbers that are written in the scene. */
 #define GLAZE "grazing`G. = exp(-5.85*abs(Rdot)) - exp(-5.85);\n"
 static const char glaze1[] = GLAZE
     "fresne_refl(r) = r + (1 - r)*grazing`G.; fresne_trans(t) = t - t*grazing`G.;\n"
@@ -178,8 +179,8 @@ static const char glaze2[] = GLAZE
     "fr(r) = r + (1 - r)*grazing`G.; ft(t) = t - t*grazing`G.; rclr = fr(.076); tclr = ft(.883);\n"
     "cr(front,t,back) : front + t*t*back;\n";
 
-/* Patterns of things, of how much A1: dirt by fractal noise; the rings of wood about a line along
- * x, y or z, which noise bends, bright and dark by turns; veins by turbulence. */
+/* Patterns of strength A1: dirt by fractal noise; wood rings about a line along x, y or z, bent by
+ * noise, alternately bright and dark; veins by turbulence. */
 static const char dirt[] = "dirt = 1 - .5*A1 - .5*A1*fnoise3(Px,Py,Pz);\n";
 static const char woodpat[] =
     "off`W.(x) = mod(x, 50) - 25; bend`W. = 7*fnoise3(Px/40, Py/40, Pz/40);\n"
@@ -189,8 +190,8 @@ static const char woodpat[] =
     "zgrain = shade`W.(ring`W.(Px,Py));\n";
 static const char marble[] = "marble = 1 + A1*(turbulence(Px,Py,Pz,.05) - 1);\n";
 
-/* Walls of bricks: joints A1 wide, courses A2 high, bricks A3 long, each course A4 further than the
- * one below; bricks return A5 and mortar A6 of the light. On walls along y or x, or on both. */
+/* Brick walls: joints A1 wide, courses A2 high, bricks A3 long, each course shifted by A4 relative
+ * to the one below; bricks have reflectance A5, mortar A6. For walls along y or x, or both. */
 static const char brick[] = "course`B. = floor(Pz/A2); on`B. = Pz - A2*course`B. - A1;\n"
                             "of`B.(h) = and(on`B., mod(h + A4*course`B., A3) - A1);\n"
                             "f_brick_x = of`B.(Px); f_brick_y = of`B.(Py);\n"
@@ -198,15 +199,15 @@ static const char brick[] = "course`B. = floor(Pz/A2); on`B. = Pz - A2*course`B.
                             "brick_x = if(f_brick_x, A5, A6); brick_y = if(f_brick_y, A5, A6);\n"
                             "brick_xy = if(f_brick_xy, A5, A6);\n";
 
-/* Normals of wrinkles A1 high and A2 long, A3 apart, along x, y or z by turns. */
+/* Normals of wrinkles A1 high and A2 long, A3 apart, alternately along x, y or z. */
 static const char wrinkle[] =
     "turn`W. = noise3(Px/(3*A2), Py/(3*A2), Pz/(3*A2)); rise`W. = Rdot*A1/A3;\n"
     "xwrink = rise`W.*Sqrt(-turn`W.)*fnoise3(Px/A3, Py/A2, Pz/A2);\n"
     "ywrink = rise`W.*Sqrt(1 - abs(turn`W.))*fnoise3(Px/A2, Py/A3, Pz/A2);\n"
     "zwrink = rise`W.*Sqrt(turn`W.)*fnoise3(Py/A2, Py/A2, Pz/A3);\n";
 
-/* Normals of plaster, A1 rough: the gradient of noise, and five times that of wider noise in
- * cracks, which lie where a sum of noises is nearly nothing. */
+/* Normals of plaster with roughness A1: the gradient of noise, plus five times that of coarser
+ * noise in cracks, which lie where a sum of noises is near zero. */
 static const char adobe[] =
     "bend`A. = fnoise3(Px, Py, Pz)/30; cu = Px/3 + bend`A.; cv = Py/3 + bend`A.;\n"
     "cw = Pz/3 + bend`A.; in_crack = .02 - abs(noise3(cu,cv,cw) + .4*fnoise3(cu,cv,cw));\n"
@@ -215,8 +216,8 @@ static const char adobe[] =
     "dy = A1*noise3y(Px,Py,Pz) + if(in_crack, cdy, 0);\n"
     "dz = A1*noise3z(Px,Py,Pz) + if(in_crack, cdz, 0);\n";
 
-/* Normals of sawn wood, A1 rough, the grain along x, y or z: turned across it by noise that is ten
- * times as long in z. */
+/* Normals of sawn wood with roughness A1 and grain along x, y or z: rotated across it by noise that
+ * is ten times as long in z. */
 static const char woodtex[] =
     "turn`W. = PI*fnoise3(Px, Py, Pz/10); sin`W. = A1*Rdot*sin(turn`W.);\n"
     "cos`W. = A1*Rdot*cos(turn`W.); xgrain_dx = 0; xgrain_dy = sin`W.; xgrain_dz = cos`W.;\n"

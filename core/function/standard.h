@@ -1,14 +1,14 @@
 /*
- * Texts of our own for function files that scenes count on without bringing them: the names that
- * Radiance's library has, by what its manual and the heads of its files say they mean, and by the
- * mathematics behind. They are found by their names, after the caller's own files.
+ * Oriel's own versions of function files that scenes use without including them. The names are
+ * those of Radiance's library. The definitions follow its manual, the headers of its files, and the
+ * underlying mathematics. They are found by file name, after the caller's own files.
  */
 #ifndef ORL_FUNCTION_STANDARD_H
 #define ORL_FUNCTION_STANDARD_H
 
-#define ORL_STANDARD_START "rayinit.cal" /* what every set of definitions begins with */
+#define ORL_STANDARD_START "rayinit.cal" /* implicit start of every set of definitions */
 
-/* NULL when there is none of that name. */
+/* Returns the text of a file, or NULL if there is none of that name. */
 const char *orl_standard_text(const char *name);
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "base/grow.h"
 
-/* Of two bodies, by slots: one uses the other. */
+/* Dependency between two bodies, by slots. */
 struct use {
     uint32_t used, user;
 };
@@ -18,7 +18,7 @@ struct survey {
 };
 
 /* Gives the body a slot, if it has none. */
-static int enlist(struct orl_compiler *c, struct orl_formula *body)
+static int assign_slot(struct orl_compiler *c, struct orl_formula *body)
 {
     if (body->compilation == c->number)
         return 0;
@@ -36,8 +36,8 @@ static bool is_fixed(const struct orl_compiler *c, uint32_t input)
     return c->request->fixed && !isnan(c->request->fixed[input]);
 }
 
-/* Notes what a node's bodies are, and whether inputs reach the user. */
-static int visit(struct survey *s, struct orl_term *node)
+/* Records the bodies that a tree uses, and marks the user as open if it reads an input. */
+static int visit_term(struct survey *s, struct orl_term *node)
 {
     struct orl_compiler *const c = s->c;
     int code = 0;
@@ -51,7 +51,7 @@ static int visit(struct survey *s, struct orl_term *node)
     if (node->kind == ORL_NODE_NAME || node->kind == ORL_NODE_CALL) {
         struct orl_formula *const body = orl_body_of(node);
         if (body) {
-            code = enlist(c, body);
+            code = assign_slot(c, body);
             if (code == 0 && !orl_grow(&s->uses, &s->uses_room, s->n_uses, sizeof *s->uses))
                 code = orl_compiler_no_memory(c);
             if (code == 0)
@@ -59,7 +59,7 @@ static int visit(struct survey *s, struct orl_term *node)
         }
     }
     for (uint32_t i = 0; code == 0 && i < node->n_args; i++)
-        code = visit(s, node->args[i]);
+        code = visit_term(s, node->args[i]);
     return code;
 }
 
@@ -71,8 +71,8 @@ static int compare_uses(const void *a, const void *b)
     return left->user < right->user ? -1 : left->user > right->user;
 }
 
-/* Users of what is open are open. */
-static int spread(struct survey *s)
+/* Propagates openness: bodies that use an open body are open. */
+static int propagate_open(struct survey *s)
 {
     struct orl_compiler *const c = s->c;
     const size_t n = c->n_bodies;
@@ -108,12 +108,12 @@ static int spread(struct survey *s)
     return 0;
 }
 
-/* Says of each node of a tree whether it is constant. */
-static bool mark(const struct orl_compiler *c, struct orl_term *node)
+/* Sets the constant flag of each node of a tree. */
+static bool mark_constants(const struct orl_compiler *c, struct orl_term *node)
 {
     bool constant = true;
     for (uint32_t i = 0; i < node->n_args; i++)
-        constant &= mark(c, node->args[i]);
+        constant &= mark_constants(c, node->args[i]);
     if (node->kind == ORL_NODE_PARAMETER || node->kind == ORL_NODE_CALL_PARAMETER)
         constant = false;
     if (node->kind == ORL_NODE_INPUT)
@@ -130,11 +130,11 @@ int orl_survey(struct orl_compiler *c)
     struct survey s = {.c = c};
     int code = 0;
     for (; code == 0 && s.user < c->n_bodies; s.user++)
-        code = visit(&s, c->bodies[s.user]->root);
+        code = visit_term(&s, c->bodies[s.user]->root);
     if (code == 0)
-        code = spread(&s);
+        code = propagate_open(&s);
     for (size_t i = 0; code == 0 && i < c->n_bodies; i++)
-        mark(c, c->bodies[i]->root);
+        mark_constants(c, c->bodies[i]->root);
     free(s.uses);
     return code;
 }

@@ -7,13 +7,13 @@
 #include "function/definitions.h"
 #include "function/words.h"
 
-/* One text as it is read. */
+/* Parser state for one text. */
 struct parser {
     struct orl_functions *functions;
     struct orl_function_words words;
     int context;
-    const char *file; /* the set's own */
-    /* The function that is being defined. */
+    const char *file; /* copy owned by the set */
+    /* State of the function being defined. */
     const char *parameters[ORL_FUNCTION_PARAMETERS];
     uint32_t n_parameters;
     uint64_t called;
@@ -31,17 +31,17 @@ static bool is_sign(const struct parser *p, char sign)
     return p->words.kind == ORL_WORD_SIGN && p->words.word[0] == sign;
 }
 
-static int next(struct parser *p)
+static int next_word(struct parser *p)
 {
     return orl_words_next(&p->words, p->err);
 }
 
-static int expect(struct parser *p, char sign, const char *what)
+static int expect_sign(struct parser *p, char sign, const char *what)
 {
-    return is_sign(p, sign) ? next(p) : orl_words_expected(&p->words, what, p->err);
+    return is_sign(p, sign) ? next_word(p) : orl_words_expected(&p->words, what, p->err);
 }
 
-static struct orl_term *make(struct parser *p, enum orl_node_kind kind)
+static struct orl_term *make_term(struct parser *p, enum orl_node_kind kind)
 {
     struct orl_term *const node = orl_arena_take(p->functions->arena, sizeof *node);
     if (!node)
@@ -52,15 +52,15 @@ static struct orl_term *make(struct parser *p, enum orl_node_kind kind)
     return node;
 }
 
-/* ---- Lists of nodes, before their length is known -------------------------------------------- */
+/* ---- Lists of nodes of unknown length -------------------------------------------------------- */
 
 struct list {
     struct orl_term **nodes;
-    char *operators; /* one before each */
+    char *operators; /* operator before each node */
     size_t n, room, operators_room;
 };
 
-static bool add(struct list *list, struct orl_term *node, char joint)
+static bool append_term(struct list *list, struct orl_term *node, char joint)
 {
     if (!orl_grow(&list->nodes, &list->room, list->n, sizeof(struct orl_term *)) ||
         !orl_grow(&list->operators, &list->operators_room, list->n, 1))
@@ -71,7 +71,7 @@ static bool add(struct list *list, struct orl_term *node, char joint)
 }
 
 /* Moves the list into the node. */
-static int settle(struct parser *p, struct list *list, struct orl_term *node)
+static int store_list(struct parser *p, struct list *list, struct orl_term *node)
 {
     node->n_args = (uint32_t)list->n;
     node->args = orl_arena_take(p->functions->arena, list->n * sizeof(struct orl_term *));
@@ -84,18 +84,17 @@ static int settle(struct parser *p, struct list *list, struct orl_term *node)
     return node->operators ? 0 : no_memory(p);
 }
 
-static void discard(struct list *list)
+static void free_list(struct list *list)
 {
     free(list->nodes);
     free(list->operators);
 }
 
-/* ---- Expressions ------------------------------------------------------------------------------
- */
+/* ---- Expressions ----------------------------------------------------------------------------- */
 
 static int read_sum(struct parser *p, struct orl_term **ret_node);
 
-static int enter(struct parser *p)
+static int enter_level(struct parser *p)
 {
     if (++p->nesting <= ORL_FUNCTION_NESTING)
         return 0;
@@ -106,7 +105,7 @@ static int enter(struct parser *p)
     return ORL_ERR_LIMIT;
 }
 
-/* A, B, C) up to and with the parenthesis. */
+/* Reads "A, B, C)", including the parenthesis. */
 static int read_list(struct parser *p, struct orl_term *call)
 {
     struct list list = {0};
@@ -114,23 +113,23 @@ static int read_list(struct parser *p, struct orl_term *call)
     int code;
     for (;;) {
         code = read_sum(p, &one);
-        if (code == 0 && !add(&list, one, ','))
+        if (code == 0 && !append_term(&list, one, ','))
             code = no_memory(p);
         if (code < 0 || !is_sign(p, ','))
             break;
-        code = next(p);
+        code = next_word(p);
         if (code < 0)
             break;
     }
     if (code == 0)
-        code = expect(p, ')', "')'");
+        code = expect_sign(p, ')', "')'");
     if (code == 0)
-        code = settle(p, &list, call);
-    discard(&list);
+        code = store_list(p, &list, call);
+    free_list(&list);
     return code;
 }
 
-/* Whether the name is a parameter's, of the function being defined. */
+/* Returns true if the name is a parameter of the function being defined. */
 static bool find_parameter(const struct parser *p, const char *name, size_t length,
                            uint32_t *ret_index)
 {
@@ -146,10 +145,10 @@ static int read_name(struct parser *p, struct orl_term **ret_node)
 {
     const char *const name = p->words.word;
     const size_t length = p->words.word_length;
-    struct orl_term *const node = make(p, ORL_NODE_NAME);
+    struct orl_term *const node = make_term(p, ORL_NODE_NAME);
     struct orl_meaning meaning;
     uint32_t index = 0;
-    int code = node ? next(p) : no_memory(p);
+    int code = node ? next_word(p) : no_memory(p);
     if (code < 0)
         return code;
     const bool called = is_sign(p, '(');
@@ -172,18 +171,18 @@ static int read_name(struct parser *p, struct orl_term **ret_node)
     *ret_node = node;
     if (!called)
         return 0;
-    code = next(p);
+    code = next_word(p);
     return code < 0 ? code : read_list(p, node);
 }
 
 static int read_number(struct parser *p, struct orl_term **ret_node)
 {
-    struct orl_term *const node = make(p, ORL_NODE_NUMBER);
+    struct orl_term *const node = make_term(p, ORL_NODE_NUMBER);
     if (!node)
         return no_memory(p);
     node->number = p->words.number;
     *ret_node = node;
-    return next(p);
+    return next_word(p);
 }
 
 static int read_atom(struct parser *p, struct orl_term **ret_node)
@@ -195,35 +194,35 @@ static int read_atom(struct parser *p, struct orl_term **ret_node)
         return read_name(p, ret_node);
     if (!is_sign(p, '('))
         return orl_words_expected(&p->words, "a number, a name or '('", p->err);
-    code = next(p);
+    code = next_word(p);
     if (code == 0)
         code = read_sum(p, ret_node);
-    return code < 0 ? code : expect(p, ')', "')'");
+    return code < 0 ? code : expect_sign(p, ')', "')'");
 }
 
-/* A sign belongs to what follows it, before any operator. */
+/* Reads an operand with an optional sign, which binds before any operator. */
 static int read_signed(struct parser *p, struct orl_term **ret_node)
 {
     struct orl_term *inner = NULL;
     const bool negative = is_sign(p, '-');
     int code = 0;
     if (negative || is_sign(p, '+'))
-        code = next(p);
+        code = next_word(p);
     if (code == 0)
         code = read_atom(p, &inner);
     if (code < 0 || !negative) {
         *ret_node = inner;
         return code;
     }
-    struct orl_term *const node = make(p, ORL_NODE_NEGATE);
+    struct orl_term *const node = make_term(p, ORL_NODE_NEGATE);
     struct list list = {&inner, NULL, 1, 0, 0};
     if (!node)
         return no_memory(p);
     *ret_node = node;
-    return settle(p, &list, node);
+    return store_list(p, &list, node);
 }
 
-/* One operand, or a chain of them by the two operators. */
+/* Reads one operand, or a chain of operands joined by the two operators. */
 static int read_chain(struct parser *p, const char *operators,
                       int (*read)(struct parser *, struct orl_term **), struct orl_term **ret_node)
 {
@@ -233,40 +232,40 @@ static int read_chain(struct parser *p, const char *operators,
     int code;
     for (;;) {
         code = read(p, &one);
-        if (code == 0 && !add(&list, one, joint))
+        if (code == 0 && !append_term(&list, one, joint))
             code = no_memory(p);
         if (code < 0 || !(is_sign(p, operators[0]) || is_sign(p, operators[1])))
             break;
         joint = p->words.word[0];
-        code = next(p);
+        code = next_word(p);
         if (code < 0)
             break;
     }
     if (code == 0 && list.n > 1) {
-        one = make(p, ORL_NODE_CHAIN);
-        code = one ? settle(p, &list, one) : no_memory(p);
+        one = make_term(p, ORL_NODE_CHAIN);
+        code = one ? store_list(p, &list, one) : no_memory(p);
     }
-    discard(&list);
+    free_list(&list);
     *ret_node = one;
     return code;
 }
 
-/* a^b^c is a^(b^c). */
+/* Reads a power; a^b^c is a^(b^c). */
 static int read_power(struct parser *p, struct orl_term **ret_node)
 {
     struct orl_term *pair[2] = {NULL, NULL};
     char operators[2] = {'+', '^'};
-    int code = enter(p);
+    int code = enter_level(p);
     if (code == 0)
         code = read_signed(p, &pair[0]);
     if (code == 0 && is_sign(p, '^')) {
-        code = next(p);
+        code = next_word(p);
         if (code == 0)
             code = read_power(p, &pair[1]);
         struct list list = {pair, operators, 2, 0, 0};
-        *ret_node = code == 0 ? make(p, ORL_NODE_CHAIN) : NULL;
+        *ret_node = code == 0 ? make_term(p, ORL_NODE_CHAIN) : NULL;
         if (code == 0)
-            code = *ret_node ? settle(p, &list, *ret_node) : no_memory(p);
+            code = *ret_node ? store_list(p, &list, *ret_node) : no_memory(p);
     } else {
         *ret_node = pair[0];
     }
@@ -284,10 +283,9 @@ static int read_sum(struct parser *p, struct orl_term **ret_node)
     return read_chain(p, "+-", read_product, ret_node);
 }
 
-/* ---- Definitions ------------------------------------------------------------------------------
- */
+/* ---- Definitions ----------------------------------------------------------------------------- */
 
-/* (A, B) after the name; none for a variable. */
+/* Reads "(A, B)" after the name; a variable has none. */
 static int read_parameters(struct parser *p)
 {
     int code;
@@ -296,7 +294,7 @@ static int read_parameters(struct parser *p)
     if (!is_sign(p, '('))
         return 0;
     do {
-        code = next(p);
+        code = next_word(p);
         if (code < 0)
             return code;
         if (p->words.kind != ORL_WORD_NAME)
@@ -312,9 +310,9 @@ static int read_parameters(struct parser *p)
         if (!name)
             return no_memory(p);
         p->parameters[p->n_parameters++] = name;
-        code = next(p);
+        code = next_word(p);
     } while (code == 0 && is_sign(p, ','));
-    return code < 0 ? code : expect(p, ')', "')'");
+    return code < 0 ? code : expect_sign(p, ')', "')'");
 }
 
 static int read_definition(struct parser *p)
@@ -329,13 +327,13 @@ static int read_definition(struct parser *p)
         name++;
         length--;
     }
-    code = next(p);
+    code = next_word(p);
     if (code == 0)
         code = read_parameters(p);
     if (code == 0 && !is_sign(p, '=') && !is_sign(p, ':'))
         return orl_words_expected(&p->words, "'=' or ':'", p->err);
     if (code == 0)
-        code = next(p);
+        code = next_word(p);
     if (code == 0)
         code = read_sum(p, &root);
     if (code == 0 && !is_sign(p, ';') && p->words.kind != ORL_WORD_END)
@@ -356,7 +354,7 @@ static int read_definition(struct parser *p)
     return 0;
 }
 
-static int begin(struct parser *p, const char *file, int line, const char *text, size_t length)
+static int begin_text(struct parser *p, const char *file, int line, const char *text, size_t length)
 {
     p->file = file ? orl_arena_text(p->functions->arena, file, strlen(file)) : "";
     if (!p->file)
@@ -368,9 +366,9 @@ int orl_syntax_define(struct orl_functions *functions, int context, const char *
                       const char *text, size_t length, struct orl_error *err)
 {
     struct parser p = {.functions = functions, .context = context, .err = err};
-    int code = begin(&p, file, line, text, length);
+    int code = begin_text(&p, file, line, text, length);
     while (code == 0 && p.words.kind != ORL_WORD_END)
-        code = is_sign(&p, ';') ? next(&p) : read_definition(&p);
+        code = is_sign(&p, ';') ? next_word(&p) : read_definition(&p);
     return code;
 }
 
@@ -380,7 +378,7 @@ int orl_syntax_expression(struct orl_functions *functions, int context, const ch
 {
     struct parser p = {.functions = functions, .context = context, .err = err};
     struct orl_term *root = NULL;
-    int code = begin(&p, file, line, text, length);
+    int code = begin_text(&p, file, line, text, length);
     if (code == 0)
         code = read_sum(&p, &root);
     if (code == 0 && p.words.kind != ORL_WORD_END && !is_sign(&p, ';'))

@@ -1,7 +1,7 @@
 /*
- * Texts of definitions, as trees. Names are resolved while reading, by what the set of definitions
- * knows by then (function.h); what they mean is settled when a program is compiled, so that a
- * definition may follow its use.
+ * Parser of definitions, which builds trees. Names are resolved while reading, by the definitions
+ * that the set has by then (function.h). Their bodies are looked up when a program is compiled, so
+ * that a definition may follow its use.
  *
  * Ownership: trees, names and definitions belong to the set's arena.
  */
@@ -16,11 +16,11 @@
 
 enum orl_node_kind {
     ORL_NODE_NUMBER,
-    ORL_NODE_PARAMETER,      /* of the function whose body this is */
-    ORL_NODE_INPUT,          /* of the set */
+    ORL_NODE_PARAMETER,      /* parameter of the enclosing function */
+    ORL_NODE_INPUT,          /* input of the set */
     ORL_NODE_NAME,           /* a variable; as an argument also a function */
-    ORL_NODE_CALL,           /* of a defined or built-in function */
-    ORL_NODE_CALL_PARAMETER, /* of a function that was given as an argument */
+    ORL_NODE_CALL,           /* call of a defined or built-in function */
+    ORL_NODE_CALL_PARAMETER, /* call of a function passed as an argument */
     ORL_NODE_CHAIN,          /* operands joined from left to right by + - * / ^ */
     ORL_NODE_NEGATE,
 };
@@ -29,27 +29,28 @@ struct orl_definition;
 
 struct orl_term {
     uint8_t kind;
-    bool constant; /* of the compilation under way: no parameter or input decides its value */
+    bool constant; /* for the current compilation: the value depends on no parameter and no input
+                      that is not fixed */
     uint32_t n_args;
     int line;
     union {
         double number;
-        uint32_t index; /* parameter, input */
+        uint32_t index; /* parameter or input */
         struct orl_definition *definition;
-        const char *operators; /* of a chain: one before each operand but the first */
+        const char *operators; /* chains: one before each operand, the first unused */
     };
-    struct orl_term **args; /* of calls; operands */
+    struct orl_term **args; /* arguments of a call, or operands */
 };
 
-/* What a name stands for, as a variable or as a function. */
+/* Body of a variable or of a function. */
 struct orl_formula {
     struct orl_term *root; /* NULL: not defined */
     const char *name;
-    const char *file; /* "" where there is none */
+    const char *file; /* "" if there is none */
     int line;
     uint32_t n_parameters;
-    uint64_t called; /* the parameters that it calls, a bit each */
-    /* Of the compilation under way, if its number is this: */
+    uint64_t called; /* parameters that it calls, as bits */
+    /* The next members are valid for the compilation of this number. */
     uint32_t compilation;
     uint32_t slot;
     bool open; /* depends on an input */
@@ -63,11 +64,11 @@ struct orl_definition {
 
 struct orl_functions;
 
-/* Definitions of a context, to the end of the text. */
+/* Reads definitions of a context, up to the end of the text. */
 int orl_syntax_define(struct orl_functions *functions, int context, const char *file, int line,
                       const char *text, size_t length, struct orl_error *err);
 
-/* One expression, the whole text. */
+/* Reads one expression, which must be the whole text. */
 int orl_syntax_expression(struct orl_functions *functions, int context, const char *file, int line,
                           const char *text, size_t length, struct orl_term **ret_root,
                           struct orl_error *err);

@@ -25,8 +25,8 @@ static bool is_of_name(char c)
     return is_letter(c) || is_digit(c) || c == '_' || c == '.' || c == '`';
 }
 
-static int fault(const struct orl_function_words *words, int line, struct orl_error *err,
-                 const char *message, const char *hint)
+static int report_fault(const struct orl_function_words *words, int line, struct orl_error *err,
+                        const char *message, const char *hint)
 {
     orl_error_set(err, ORL_ERR_SYNTAX, "%s", message);
     orl_error_at(err, words->file[0] ? words->file : NULL, line, NULL);
@@ -34,15 +34,15 @@ static int fault(const struct orl_function_words *words, int line, struct orl_er
     return ORL_ERR_SYNTAX;
 }
 
-/* A comment nests; at its opening brace. */
+/* Skips a comment, which may nest; the position is at its opening brace. */
 static int skip_comment(struct orl_function_words *words, struct orl_error *err)
 {
     const int began = words->line;
     size_t depth = 0;
     do {
         if (words->at == words->length)
-            return fault(words, began, err, "a comment of a function file does not end",
-                         "each { needs a }");
+            return report_fault(words, began, err, "a comment of a function file does not end",
+                                "each { needs a }");
         const char c = words->text[words->at++];
         depth += c == '{';
         depth -= c == '}';
@@ -94,8 +94,8 @@ static int take_number(struct orl_function_words *words, struct orl_error *err)
     words->word = text + begin;
     words->word_length = words->at - begin;
     if (orl_number_read(words->word, words->word_length, &words->number) != ORL_NUMBER_OK)
-        return fault(words, words->line, err, "a number of a function file is not one",
-                     "numbers are written like 12, .5 or 1.5e-3");
+        return report_fault(words, words->line, err, "a number of a function file is not one",
+                            "numbers are written like 12, .5 or 1.5e-3");
     return 0;
 }
 
@@ -144,7 +144,7 @@ int orl_words_expected(const struct orl_function_words *words, const char *what,
     const int length = words->word_length < 64 ? (int)words->word_length : 64;
     if (words->kind == ORL_WORD_END)
         orl_error_set(err, ORL_ERR_SYNTAX, "%s is expected, not the end of the text", what);
-    else if (words->word[0] < ' ' || words->word[0] > '~') /* errors are UTF-8 */
+    else if (words->word[0] < ' ' || words->word[0] > '~') /* errors must be UTF-8 */
         orl_error_set(err, ORL_ERR_SYNTAX, "%s is expected, not a byte of no meaning", what);
     else
         orl_error_set(err, ORL_ERR_SYNTAX, "%s is expected, not '%.*s'", what, length, words->word);

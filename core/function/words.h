@@ -1,5 +1,4 @@
-/* The words of a text of definitions: numbers, names and single characters; comments are skipped.
- */
+/* Tokenizer of definitions: numbers, names and single characters; comments are skipped. */
 #ifndef ORL_FUNCTION_WORDS_H
 #define ORL_FUNCTION_WORDS_H
 
@@ -9,24 +8,24 @@
 
 enum orl_word_kind { ORL_WORD_END, ORL_WORD_NUMBER, ORL_WORD_NAME, ORL_WORD_SIGN };
 
-/* Borrows the text. A word is read ahead: kind, text and number say which. */
+/* Tokenizer state; borrows the text. One word is read ahead, in kind, word and number. */
 struct orl_function_words {
     const char *text;
     size_t length, at;
-    const char *file; /* for errors; "" where there is none */
+    const char *file; /* for errors; "" if there is none */
     int line;
     enum orl_word_kind kind;
-    const char *word; /* not terminated */
+    const char *word; /* not NUL-terminated */
     size_t word_length;
     double number;
 };
 
-/* Begins a text, and reads its first word. */
+/* Starts a text and reads its first word. */
 int orl_words_begin(struct orl_function_words *words, const char *file, int line, const char *text,
                     size_t length, struct orl_error *err);
 int orl_words_next(struct orl_function_words *words, struct orl_error *err);
 
-/* ORL_ERR_SYNTAX at the word that was read: "A is expected here, not B". */
+/* Returns ORL_ERR_SYNTAX at the current word: "A is expected, not B". */
 int orl_words_expected(const struct orl_function_words *words, const char *what,
                        struct orl_error *err);
 

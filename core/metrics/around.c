@@ -2,10 +2,12 @@
 
 static const double enough = 0.98;
 
-/* One line of sight; *ret_held says whether the picture holds enough of what one sees there. */
-static int look(const struct orl_panorama *p, const struct orl_glare_settings *settings,
-                double turned_deg, double least_sr, struct orl_glare *ret_glare, bool *ret_held,
-                struct orl_error *err)
+/* Evaluates one line of sight; *ret_held is true if the picture covers enough of the field of view
+ * there. */
+static int evaluate_direction(const struct orl_panorama *p,
+                              const struct orl_glare_settings *settings, double turned_deg,
+                              double least_sr, struct orl_glare *ret_glare, bool *ret_held,
+                              struct orl_error *err)
 {
     struct orl_field field;
     int code = orl_field_init(&field, p->view, p->width, p->height, turned_deg, err);
@@ -23,12 +25,12 @@ int orl_glare_around(const struct orl_panorama *panorama, const struct orl_glare
 {
     struct orl_glare worst = {0};
     bool held;
-    int code = look(panorama, settings, 0, 0, &worst, &held, err);
+    int code = evaluate_direction(panorama, settings, 0, 0, &worst, &held, err);
     const double least_sr = enough * worst.field_sr;
     for (uint32_t i = 0; i < settings->directions && code == 0; i++) {
         const double turned = orl_glare_turned_deg(settings, i);
         struct orl_glare glare = {0};
-        code = look(panorama, settings, turned, least_sr, &glare, &held, err);
+        code = evaluate_direction(panorama, settings, turned, least_sr, &glare, &held, err);
         if (code == 0 && held &&
             glare.values[ORL_GLARE_DGP].value > worst.values[ORL_GLARE_DGP].value) {
             orl_glare_done(&worst);

@@ -23,10 +23,11 @@ static int check_source(const struct orl_glare_source *s, size_t number, struct 
 }
 
 /*
- * log10(1 + sum). Luminances squared may be more than a double holds, and Ev^1.87 less: the
- * quotient is taken source by source, and what overflows is glare beyond measure, which 1 cuts off.
+ * Returns log10(1 + sum). Squared luminances may overflow a double, and Ev^1.87 may underflow.
+ * Therefore the quotient is computed for each source. A result that overflows is clamped to 1 by
+ * the caller.
  */
-static double contrast(double eye_lx, const struct orl_glare_source *sources, size_t n_sources)
+static double log_contrast(double eye_lx, const struct orl_glare_source *sources, size_t n_sources)
 {
     const double adaptation = pow(eye_lx, 1.87 / 2);
     double sum = 0;
@@ -52,7 +53,7 @@ int orl_dgp(double eye_lx, const struct orl_glare_source *sources, size_t n_sour
             return code;
     }
     if (eye_lx > 0)
-        dgp += c->per_lx * eye_lx + c->contrast * contrast(eye_lx, sources, n_sources);
+        dgp += c->per_lx * eye_lx + c->contrast * log_contrast(eye_lx, sources, n_sources);
     if (options->low_light && eye_lx < 1000)
         dgp *= 1 / (1 + exp(4 - 0.024 * eye_lx));
     *ret_dgp = fmin(dgp, 1);

@@ -1,23 +1,23 @@
 /*
- * Daylight glare probability: how likely it is that someone finds a view disturbing, from the
- * light at the eye and from what stands out in the view.
+ * Daylight glare probability: the probability that a person finds a view disturbing, from the
+ * illuminance at the eye and the glare sources in the view.
  *
- *     DGP = c1 Ev + c2 log10(1 + sum L^2 w / (Ev^1.87 P^2)) + c3, cut to 1
+ *     DGP = c1 Ev + c2 log10(1 + sum L^2 w / (Ev^1.87 P^2)) + c3, clamped to 1
  *
  * Conventions: Ev is the vertical illuminance at the eye in lx, L the luminance of a source in
  * cd/m2, w its solid angle in sr, P its position index after Guth (1 on the line of sight, more
- * beside it). Finding the sources in a picture is not done here.
+ * beside it). Sources are found elsewhere (sources.h).
  *
  * Constants: the paper's are 5.87e-5, 0.0918 and 0.16; the program evalglare, whose numbers most
- * reports quote, has 5.87e-5, 0.092 and 0.159. Fitted between 0.2 and 0.8, above 380 lx.
+ * reports quote, has 5.87e-5, 0.092 and 0.159. The fit is valid from 0.2 to 0.8, above 380 lx.
  *
- * In the dark: without light at the eye (Ev = 0) nothing can dazzle; the sum, which would be
- * divided by nothing, is left out, and c3 remains, as it does for a view without sources whose Ev
- * goes to 0. The low-light correction multiplies DGP by e^x / (1 + e^x), x = 0.024 Ev - 4, below
- * 1000 lx; evalglare has it, off unless asked for.
+ * Without light at the eye (Ev = 0) there is no glare. The sum, which would be divided by zero, is
+ * left out, and c3 remains. This is also the limit of a view without sources whose Ev goes to 0.
+ * The low-light correction multiplies DGP by e^x / (1 + e^x), x = 0.024 Ev - 4, below 1000 lx; as
+ * in evalglare it is off by default.
  *
- * Threads: pure functions. Errors: ORL_ERR_RANGE for what is not finite, negative, or a source
- * whose position index is not positive. What comes out is finite, and from 0 to 1.
+ * Threads: pure functions. Errors: ORL_ERR_RANGE for arguments that are not finite or negative, or
+ * a source whose position index is not positive. Results are finite, from 0 to 1.
  *
  * References: Wienold and Christoffersen, "Evaluation methods and development of a new glare
  * prediction model for daylight environments with the use of CCD cameras", Energy and Buildings
@@ -30,7 +30,7 @@
 
 struct orl_dgp_options {
     enum orl_dgp_constants constants;
-    bool low_light; /* with the correction below 1000 lx */
+    bool low_light; /* true: apply the correction below 1000 lx */
 };
 
 int orl_dgp(double eye_lx, const struct orl_glare_source *sources, size_t n_sources,

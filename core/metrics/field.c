@@ -3,7 +3,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* The eye's axes: the view's, turned about its up. */
+/* Returns the eye's frame: the view's, rotated about its up. */
 static struct orl_frame eye_of(const struct orl_view *view, double turned_deg)
 {
     const struct orl_vec3 right = orl_normalize(orl_cross(view->direction, view->up));
@@ -21,8 +21,10 @@ static struct orl_frame eye_of(const struct orl_view *view, double turned_deg)
     return (struct orl_frame){aside, orl_cross(aside, turned), turned};
 }
 
-/* In the eye's axes; false where the view sees nothing. */
-static bool look(const struct orl_field *f, double x, double y, struct orl_vec3 *ret_direction)
+/* Computes the direction of a point of the picture, in the eye's axes. Returns false if the view
+ * sees nothing there. */
+static bool view_direction(const struct orl_field *f, double x, double y,
+                           struct orl_vec3 *ret_direction)
 {
     struct orl_vec3 origin, direction;
     if (!orl_view_ray(&f->view, x / f->width, 1 - y / f->height, &origin, &direction))
@@ -31,26 +33,26 @@ static bool look(const struct orl_field *f, double x, double y, struct orl_vec3 
     return true;
 }
 
-/* A corner of the picture's lattice, as it is seen. */
+/* Corner of the picture's pixel lattice. */
 struct corner {
     struct orl_vec3 direction;
     bool seen;
 };
 
-static void look_along(const struct orl_field *f, uint32_t y, struct corner *row)
+static void compute_corners(const struct orl_field *f, uint32_t y, struct corner *row)
 {
     for (uint32_t x = 0; x <= f->width; x++)
-        row[x].seen = look(f, x, y, &row[x].direction);
+        row[x].seen = view_direction(f, x, y, &row[x].direction);
 }
 
-static void measure_row(struct orl_field *f, uint32_t y, const struct corner *above,
+static void compute_row(struct orl_field *f, uint32_t y, const struct corner *above,
                         const struct corner *below)
 {
     for (uint32_t x = 0; x < f->width; x++) {
         const size_t at = (size_t)y * f->width + x;
         const struct corner *a = &above[x], *b = &above[x + 1], *c = &below[x + 1], *d = &below[x];
         struct orl_vec3 middle;
-        if (!look(f, x + 0.5, y + 0.5, &middle))
+        if (!view_direction(f, x + 0.5, y + 0.5, &middle))
             continue;
         f->direction[at][0] = (float)middle.x;
         f->direction[at][1] = (float)middle.y;
@@ -82,11 +84,11 @@ int orl_field_init(struct orl_field *field, const struct orl_view *view, uint32_
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the field of view");
     }
     struct corner *above = rows, *below = rows + width + 1;
-    look_along(field, 0, above);
+    compute_corners(field, 0, above);
     for (uint32_t y = 0; y < height; y++) {
         struct corner *const done = above;
-        look_along(field, y + 1, below);
-        measure_row(field, y, above, below);
+        compute_corners(field, y + 1, below);
+        compute_row(field, y, above, below);
         above = below;
         below = done;
     }
@@ -105,5 +107,5 @@ void orl_field_done(struct orl_field *field)
 struct orl_vec3 orl_field_towards(const struct orl_field *field, double x, double y)
 {
     struct orl_vec3 direction;
-    return look(field, x, y, &direction) ? direction : orl_v3(0, 0, 1);
+    return view_direction(field, x, y, &direction) ? direction : orl_v3(0, 0, 1);
 }

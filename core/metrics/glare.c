@@ -24,12 +24,12 @@ float *orl_film_luminances(const struct orl_film *film)
     return cd_m2;
 }
 
-/* Sums over all that counts. */
+/* Totals over all pixels that count. */
 struct totals {
     double eye_lx, average_cd_m2, most_cd_m2;
 };
 
-static struct totals add_up(const struct orl_luminances *picture)
+static struct totals sum_field(const struct orl_luminances *picture)
 {
     const struct orl_field *field = picture->field;
     struct orl_sum eye = {0}, all = {0};
@@ -46,7 +46,8 @@ static struct totals add_up(const struct orl_luminances *picture)
                            field->all_sr > 0 ? orl_sum_value(&all) / field->all_sr : 0, most};
 }
 
-/* Mean luminance of the task; of the view where there is none, or nothing of it counts. */
+/* Returns the mean luminance of the task, or of the view if there is no task or none of it
+ * counts. */
 static double task_luminance(const struct orl_luminances *picture,
                              const struct orl_glare_area *task, double average)
 {
@@ -80,7 +81,8 @@ static struct orl_source_rule rule_of(const struct orl_glare_settings *s, double
                                                                       : usual_peak};
 }
 
-/* Of sums of pixels, which may be more than all of the light at the eye by what was rounded off. */
+/* Returns the illuminance by the sources. Rounding of the sums could exceed the illuminance at the
+ * eye. */
 static double direct_illuminance(const struct orl_glare *glare, double eye_lx)
 {
     double direct = 0;
@@ -89,7 +91,8 @@ static double direct_illuminance(const struct orl_glare *glare, double eye_lx)
     return fmin(direct, eye_lx);
 }
 
-/* Correction for age: 1 / (1.1 - 0.5 age / 100), of 20 years 1 (evalglare 1.08 to 1.16). */
+/* Returns DGP's correction for age: 1 / (1.1 - 0.5 age / 100), 1 for 20 years (evalglare 1.08 to
+ * 1.16). */
 static double age_factor(double years)
 {
     return years > 0 ? 1 / (1.1 - 0.5 * years / 100) : 1;
@@ -105,8 +108,9 @@ static int check_task(const struct orl_glare_area *task, const struct orl_field 
                          task->x, task->y, field->width, field->height);
 }
 
-static int rate(const struct orl_glare_settings *settings, const struct orl_glare_light *light,
-                struct orl_glare *glare, struct orl_error *err)
+static int compute_metrics(const struct orl_glare_settings *settings,
+                           const struct orl_glare_light *light, struct orl_glare *glare,
+                           struct orl_error *err)
 {
     const struct orl_dgp_options options = {settings->constants, settings->low_light};
     const double eye_lx = settings->eye_lx > 0 ? settings->eye_lx : light->eye_lx;
@@ -131,7 +135,7 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
         return outside;
     if (orl_is_cancelled(picture->cancel))
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while rating glare");
-    const struct totals totals = add_up(picture);
+    const struct totals totals = sum_field(picture);
     const double task = task_luminance(picture, &settings->task, totals.average_cd_m2);
     const struct orl_source_rule rule = rule_of(settings, task);
     struct orl_glare glare = {.threshold_cd_m2 = rule.threshold_cd_m2,
@@ -143,7 +147,7 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
         glare.direct_lx = direct_illuminance(&glare, totals.eye_lx);
         const struct orl_glare_light light = {totals.eye_lx, glare.direct_lx, totals.average_cd_m2,
                                               (totals.eye_lx - glare.direct_lx) / ORL_PI};
-        code = rate(settings, &light, &glare, err);
+        code = compute_metrics(settings, &light, &glare, err);
     }
     if (code == 0 && mask)
         code = orl_glare_part_of(picture, mask, &glare.masked, err);

@@ -7,8 +7,8 @@ static double finite_or_none(double value)
     return isfinite(value) ? value : NAN;
 }
 
-static double dgi(const struct orl_glare_light *light, const struct orl_glare_source *sources,
-                  size_t count)
+static double compute_dgi(const struct orl_glare_light *light,
+                          const struct orl_glare_source *sources, size_t count)
 {
     double sum = 0;
     for (size_t i = 0; i < count; i++) {
@@ -21,7 +21,7 @@ static double dgi(const struct orl_glare_light *light, const struct orl_glare_so
     return 10 * log10(sum);
 }
 
-static double contrast(const struct orl_glare_source *sources, size_t count)
+static double glare_sum(const struct orl_glare_source *sources, size_t count)
 {
     double sum = 0;
     for (size_t i = 0; i < count; i++) {
@@ -31,8 +31,8 @@ static double contrast(const struct orl_glare_source *sources, size_t count)
     return sum;
 }
 
-static double vcp(const struct orl_glare_light *light, const struct orl_glare_source *sources,
-                  size_t count)
+static double compute_vcp(const struct orl_glare_light *light,
+                          const struct orl_glare_source *sources, size_t count)
 {
     double sum = 0;
     for (size_t i = 0; i < count; i++) {
@@ -48,16 +48,16 @@ static double vcp(const struct orl_glare_light *light, const struct orl_glare_so
 void orl_glare_indices(const struct orl_glare_light *light, const struct orl_glare_source *sources,
                        size_t count, double ret_values[ORL_GLARE_METRICS])
 {
-    const double sum = contrast(sources, count), over = sum / light->background_cd_m2;
+    const double sum = glare_sum(sources, count), over = sum / light->background_cd_m2;
     const bool any = count > 0;
     double *v = ret_values;
     v[ORL_GLARE_DGPS] = fmin(6.22e-5 * light->eye_lx + 0.184, 1);
-    v[ORL_GLARE_DGI] = any ? finite_or_none(dgi(light, sources, count)) : 0;
+    v[ORL_GLARE_DGI] = any ? finite_or_none(compute_dgi(light, sources, count)) : 0;
     v[ORL_GLARE_UGR] = any ? finite_or_none(8 * log10(0.25 * over)) : 0;
     v[ORL_GLARE_UGP] = any ? finite_or_none(0.26 * log10(0.25 * over)) : 0;
     v[ORL_GLARE_CGI] =
         any ? finite_or_none(8 * log10(2 * (1 + light->direct_lx / 500) / light->eye_lx * sum)) : 0;
-    v[ORL_GLARE_VCP] = any ? finite_or_none(vcp(light, sources, count)) : 100;
+    v[ORL_GLARE_VCP] = any ? finite_or_none(compute_vcp(light, sources, count)) : 100;
     v[ORL_GLARE_ILLUMINANCE] = light->eye_lx;
     v[ORL_GLARE_AVERAGE] = light->average_cd_m2;
     v[ORL_GLARE_BACKGROUND] = light->background_cd_m2;

@@ -8,7 +8,7 @@ static int by_size(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-/* Of sorted values: the nearest rank. */
+/* Returns the percentile of sorted values by nearest rank. */
 static double percentile(const float *values, size_t count, double share)
 {
     const double rank = ceil(share * (double)count);

@@ -23,9 +23,10 @@ int orl_glare_read_mask(const struct orl_picture_bytes *bytes, uint32_t width, u
     return code;
 }
 
-static int evaluate(const struct orl_hdr_picture *picture, const struct orl_picture_bytes *mask,
-                    const struct orl_glare_settings *settings, struct orl_glare *ret_glare,
-                    struct orl_error *err)
+static int evaluate_picture(const struct orl_hdr_picture *picture,
+                            const struct orl_picture_bytes *mask,
+                            const struct orl_glare_settings *settings, struct orl_glare *ret_glare,
+                            struct orl_error *err)
 {
     float *cd_m2 = orl_film_luminances(&picture->film), *masked = NULL;
     int code = cd_m2 ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for luminances");
@@ -59,7 +60,7 @@ int orl_glare_of_picture(const struct orl_picture_bytes *picture, const char *vi
         orl_error_hint(err, "Give its view, such as -vta -vh 180 -vv 180");
     }
     if (code == 0)
-        code = evaluate(&hdr, mask, settings, ret_glare, err);
+        code = evaluate_picture(&hdr, mask, settings, ret_glare, err);
     orl_hdr_done(&hdr);
     return code;
 }

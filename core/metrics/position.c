@@ -9,7 +9,8 @@ static double above_sight(double sigma, double tau)
     return exp(by_angle * 1e-3 * sigma + by_square * 1e-5 * sigma * sigma);
 }
 
-/* tan beta is how far beside the line of sight, on a plane at distance 1, stretched up and down. */
+/* tan beta is the distance from the line of sight on a plane at distance 1, stretched
+ * vertically. */
 static double below_sight(struct orl_vec3 d)
 {
     const double across = hypot(d.x, d.y), cos_tau = across > 0 ? d.y / across : 0;

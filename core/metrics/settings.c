@@ -45,7 +45,7 @@ enum orl_glare_class orl_glare_class_of(const struct orl_glare_value *dgp)
     return low == class_at(dgp->interval_95[1]) ? low : ORL_GLARE_UNDECIDED;
 }
 
-/* Far less than any pixel has across. */
+/* Far smaller than the angle of any pixel. */
 static const double least_radius_rad = 1e-6;
 
 int orl_glare_settings_check(const struct orl_glare_settings *s, struct orl_error *err)

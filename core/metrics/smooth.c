@@ -5,19 +5,20 @@
 
 #include <oriel/crew.h>
 
-/* The part of the disc that a source has to fill. */
+/* Share of the disc that a source must fill. */
 static const double enough = 0.2;
 
 struct smoothing {
     const struct orl_field *field;
     const uint32_t *label;
-    double pixels;  /* the disc's radius */
-    double *filled; /* of the disc, by label; zero between pixels */
-    uint32_t *met;  /* the labels in the disc */
+    double pixels;  /* radius of the disc */
+    double *filled; /* solid angle in the disc, by label; zero between calls */
+    uint32_t *met;  /* labels in the disc */
 };
 
-/* Half the angle from the middle to ten pixels up and right of it, tenfold: a pixel's diagonal. */
-static double disc_of(const struct orl_field *field, double radius_rad)
+/* Returns the radius of the disc in pixels. The diagonal of a pixel is a tenth of the angle from
+ * the middle to the point ten pixels up and right of it. */
+static double disc_radius(const struct orl_field *field, double radius_rad)
 {
     const double x = floor(field->width / 2.0) + 0.5;
     const double y = field->height - floor(field->height / 2.0) - 0.5;
@@ -25,11 +26,11 @@ static double disc_of(const struct orl_field *field, double radius_rad)
     const struct orl_vec3 beside = orl_field_towards(field, x + 10, y - 10);
     const double diagonal = acos(fmin(orl_dot(middle, beside), 1)) / 10;
     const double pixels = diagonal > 0 ? radius_rad / (2 * diagonal) / 1.75 : 0;
-    return fmin(pixels, (double)field->width + field->height); /* all of it */
+    return fmin(pixels, (double)field->width + field->height); /* covers the whole picture */
 }
 
-static void fill_row(struct smoothing *s, uint32_t y, int64_t from, int64_t to, double *all,
-                     uint32_t *n_met)
+static void add_disc_row(struct smoothing *s, uint32_t y, int64_t from, int64_t to, double *all,
+                         uint32_t *n_met)
 {
     for (int64_t x = from < 0 ? 0 : from; x <= to && x < s->field->width; x++) {
         const size_t at = (size_t)y * s->field->width + (size_t)x;
@@ -44,8 +45,8 @@ static void fill_row(struct smoothing *s, uint32_t y, int64_t from, int64_t to, 
     }
 }
 
-/* The source that fills most of the disc about a pixel, if it fills enough. */
-static uint32_t claimed_by(struct smoothing *s, uint32_t x, uint32_t y)
+/* Returns the source that fills most of the disc about a pixel, or 0 if none fills enough. */
+static uint32_t dominant_source(struct smoothing *s, uint32_t x, uint32_t y)
 {
     const int64_t reach = (int64_t)s->pixels;
     double all = 0, most = 0;
@@ -54,7 +55,8 @@ static uint32_t claimed_by(struct smoothing *s, uint32_t x, uint32_t y)
         if ((int64_t)y + dy < 0 || (int64_t)y + dy >= s->field->height)
             continue;
         const int64_t dx = (int64_t)sqrt(s->pixels * s->pixels - (double)(dy * dy));
-        fill_row(s, (uint32_t)((int64_t)y + dy), (int64_t)x - dx, (int64_t)x + dx, &all, &n_met);
+        add_disc_row(s, (uint32_t)((int64_t)y + dy), (int64_t)x - dx, (int64_t)x + dx, &all,
+                     &n_met);
     }
     for (uint32_t i = 0; i < n_met; i++) {
         double *filled = &s->filled[s->met[i]];
@@ -72,14 +74,15 @@ int orl_smooth_sources(const struct orl_luminances *picture, double radius_rad, 
 {
     const struct orl_field *field = picture->field;
     const size_t count = (size_t)field->width * field->height;
-    struct smoothing s = {.field = field, .label = label, .pixels = disc_of(field, radius_rad)};
+    struct smoothing s = {.field = field, .label = label, .pixels = disc_radius(field, radius_rad)};
     uint32_t *smoothed = malloc(count * sizeof *smoothed);
     s.filled = calloc((size_t)n_labels + 1, sizeof *s.filled);
     s.met = malloc(((size_t)n_labels + 1) * sizeof *s.met);
     int code = smoothed && s.filled && s.met ? 0 : ORL_ERR_NOMEM;
     for (size_t i = 0; i < count && code == 0; i++) {
         const uint32_t x = (uint32_t)(i % field->width), y = (uint32_t)(i / field->width);
-        smoothed[i] = label[i] == 0 && field->solid_angle[i] > 0 ? claimed_by(&s, x, y) : label[i];
+        smoothed[i] =
+            label[i] == 0 && field->solid_angle[i] > 0 ? dominant_source(&s, x, y) : label[i];
         if (orl_is_cancelled(picture->cancel))
             code = ORL_ERR_CANCELLED;
     }

@@ -1,4 +1,4 @@
-/* Pixels that a source surrounds, made part of it: see sources.h. */
+/* Adds pixels that a source surrounds to that source; see sources.h. */
 #ifndef ORL_METRICS_SMOOTH_H
 #define ORL_METRICS_SMOOTH_H
 
@@ -6,9 +6,9 @@
 
 #include "metrics/sources.h"
 
-/* label: of all pixels, 0 or a source's, from 1 to n_labels. Of the picture its field and its
- * cancel, which is polled a pixel: a disc may be as wide as the picture. ORL_ERR_NOMEM,
- * ORL_ERR_CANCELLED. */
+/* label: for each pixel, 0 or a source, from 1 to n_labels. Of the picture only field and cancel
+ * are used. cancel is polled per pixel, since a disc may be as wide as the picture. Returns 0,
+ * ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_smooth_sources(const struct orl_luminances *picture, double radius_rad, uint32_t n_labels,
                        uint32_t *label);
 

@@ -7,18 +7,18 @@
 #include "metrics/smooth.h"
 #include "metrics/unite.h"
 
-/* What is at work: labels of all pixels, and the list of those that are being put together. */
+/* State of a search: labels of all pixels, and the list of pixels to be grouped. */
 struct search {
     const struct orl_luminances *picture;
     const struct orl_source_rule *rule;
-    size_t count;     /* of the picture's pixels */
-    uint32_t *label;  /* the source that a pixel is of, from 1 on; 0: of none */
-    uint32_t *pixels; /* the list */
-    uint32_t *group;  /* of the pixels in it */
+    size_t count;     /* number of pixels in the picture */
+    uint32_t *label;  /* source of each pixel, from 1 on; 0: none */
+    uint32_t *pixels; /* list of pixels */
+    uint32_t *group;  /* group of each pixel in the list */
     uint32_t n_labels;
 };
 
-/* Lists what counts and is brighter than that; of peaks only what is of a source. */
+/* Lists the counting pixels brighter than cd_m2; for peaks, only pixels of sources. */
 static size_t list_brighter(struct search *s, double cd_m2, bool at_least, bool of_sources)
 {
     const float *sr = s->picture->field->solid_angle, *luminance = s->picture->cd_m2;
@@ -32,7 +32,7 @@ static size_t list_brighter(struct search *s, double cd_m2, bool at_least, bool 
     return n;
 }
 
-/* Puts the list's pixels together, under labels of their own. */
+/* Groups the pixels of the list under new labels. */
 static int label_groups(struct search *s, size_t n)
 {
     uint32_t groups = 0;
@@ -45,7 +45,7 @@ static int label_groups(struct search *s, size_t n)
     return code;
 }
 
-static int find(struct search *s)
+static int label_sources(struct search *s)
 {
     int code = label_groups(s, list_brighter(s, s->rule->threshold_cd_m2, false, false));
     if (code == 0 && s->rule->smooth && s->n_labels > 0)
@@ -55,7 +55,8 @@ static int find(struct search *s)
     return code;
 }
 
-/* Adds a pixel to sums: of luminance by solid angle, and places weighted by that. */
+/* Adds a pixel to the sums of a source: luminance times solid angle, and positions weighted by
+ * that. */
 static void add_pixel(struct orl_glare_source *source, const struct orl_luminances *picture,
                       size_t pixel)
 {
@@ -72,8 +73,8 @@ static void add_pixel(struct orl_glare_source *source, const struct orl_luminanc
     source->most_cd_m2 = fmax(source->most_cd_m2, cd_m2);
 }
 
-/* As evalglare takes a direction's angle from upright: by the view's up itself, which need not be
- * upright to the line of sight. */
+/* Computes a direction as evalglare does: by the view's up itself, which need not be perpendicular
+ * to the line of sight. */
 static struct orl_vec3 by_tilted_up(const struct orl_field *field, struct orl_vec3 to)
 {
     const double upright = orl_dot(orl_normalize(field->view.up), field->eye.v);
@@ -81,12 +82,12 @@ static struct orl_vec3 by_tilted_up(const struct orl_field *field, struct orl_ve
     return orl_v3(sqrt(fmax(across * across - y * y, 0)), y, to.z);
 }
 
-/* Makes means of sums. x and y were the pixels' corners up to here. */
-static void settle(struct orl_glare_source *source, const struct search *s)
+/* Converts sums to means. Until here x and y referred to the pixels' corners. */
+static void finish_source(struct orl_glare_source *source, const struct search *s)
 {
     const struct orl_field *field = s->picture->field;
     double x = source->x / source->luminance_cd_m2, y = source->y / source->luminance_cd_m2;
-    if (s->rule->at_whole_pixels) { /* the lower left one of those that it lies between */
+    if (s->rule->at_whole_pixels) { /* the lower left of the pixels around it */
         x = floor(x);
         y = ceil(y);
     }
@@ -100,22 +101,23 @@ static void settle(struct orl_glare_source *source, const struct search *s)
     source->angle_deg = atan2(hypot(to.x, to.y), to.z) / ORL_DEG_TO_RAD;
 }
 
-static double dazzle(const struct orl_glare_source *s)
+static double glare_weight(const struct orl_glare_source *s)
 {
     const double seen = s->luminance_cd_m2 / s->position_index;
     return seen * seen * s->solid_angle_sr;
 }
 
-static int by_dazzle(const void *a, const void *b)
+static int by_glare_weight(const void *a, const void *b)
 {
     const struct orl_glare_source *p = a, *q = b;
-    const double first = dazzle(p), second = dazzle(q);
+    const double first = glare_weight(p), second = glare_weight(q);
     if (first != second)
         return first > second ? -1 : 1;
     return p->x != q->x ? (p->x > q->x) - (p->x < q->x) : (p->y > q->y) - (p->y < q->y);
 }
 
-static int collect(const struct search *s, struct orl_glare_source **ret_sources, size_t *ret_count)
+static int collect_sources(const struct search *s, struct orl_glare_source **ret_sources,
+                           size_t *ret_count)
 {
     struct orl_glare_source *sources = calloc(s->n_labels + 1, sizeof *sources);
     size_t n = 0;
@@ -128,9 +130,9 @@ static int collect(const struct search *s, struct orl_glare_source **ret_sources
         if (sources[i].pixels == 0) /* all of it was a peak */
             continue;
         sources[n] = sources[i];
-        settle(&sources[n++], s);
+        finish_source(&sources[n++], s);
     }
-    qsort(sources, n, sizeof *sources, by_dazzle);
+    qsort(sources, n, sizeof *sources, by_glare_weight);
     *ret_sources = sources;
     *ret_count = n;
     return 0;
@@ -145,9 +147,9 @@ int orl_find_sources(const struct orl_luminances *picture, const struct orl_sour
     s.label = calloc(count, sizeof *s.label);
     s.pixels = malloc(count * sizeof *s.pixels);
     s.group = malloc(count * sizeof *s.group);
-    int code = s.label && s.pixels && s.group ? find(&s) : ORL_ERR_NOMEM;
+    int code = s.label && s.pixels && s.group ? label_sources(&s) : ORL_ERR_NOMEM;
     if (code == 0)
-        code = collect(&s, ret_sources, ret_count);
+        code = collect_sources(&s, ret_sources, ret_count);
     free(s.label);
     free(s.pixels);
     free(s.group);

@@ -5,15 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const uint32_t nobody = UINT32_MAX;
+static const uint32_t not_listed = UINT32_MAX;
 
-/* A pixel at the edge, in its cube. */
+/* Pixel at the edge of a group, with its cube. */
 struct edge {
     int32_t cube[3];
-    uint32_t index; /* in the list of pixels */
+    uint32_t index; /* index in the list of pixels */
 };
 
-/* The edges' pixels of one cube: so many from first on. */
+/* Edge pixels of one cube: count entries from first on. */
 struct cube {
     size_t first, count;
 };
@@ -22,9 +22,9 @@ struct union_find {
     const struct orl_field *field;
     const uint32_t *pixels;
     size_t count;
-    double chord2;    /* the angle's chord, squared */
-    uint32_t *parent; /* of a pixel in the list: one before it, or itself */
-    uint32_t *listed; /* of a pixel of the picture: where it is in the list, or nobody */
+    double chord2;    /* squared chord of the angle */
+    uint32_t *parent; /* for each list entry: an earlier entry, or itself */
+    uint32_t *listed; /* for each pixel of the picture: its index in the list, or not_listed */
 };
 
 static uint32_t root_of(struct union_find *u, uint32_t i)
@@ -36,8 +36,8 @@ static uint32_t root_of(struct union_find *u, uint32_t i)
     return i;
 }
 
-/* The earlier root stays, so that roots are groups' first pixels. */
-static void join(struct union_find *u, uint32_t a, uint32_t b)
+/* Joins two groups. The earlier root stays, so that roots are the groups' first pixels. */
+static void join_groups(struct union_find *u, uint32_t a, uint32_t b)
 {
     a = root_of(u, a);
     b = root_of(u, b);
@@ -54,25 +54,26 @@ static bool are_close(const struct union_find *u, uint32_t a, uint32_t b)
     return orl_dot(apart, apart) <= u->chord2;
 }
 
-/* In the list, the pixel's neighbour there; nobody when it is none or outside the picture. */
-static uint32_t neighbour(const struct union_find *u, uint32_t pixel, int dx, int dy)
+/* Returns the list index of the pixel's neighbour; not_listed if it is not listed or outside the
+ * picture. */
+static uint32_t neighbour_of(const struct union_find *u, uint32_t pixel, int dx, int dy)
 {
     const uint32_t width = u->field->width;
     const int64_t x = (int64_t)(pixel % width) + dx, y = (int64_t)(pixel / width) + dy;
     if (x < 0 || y < 0 || x >= width || y >= u->field->height)
-        return nobody;
+        return not_listed;
     return u->listed[(size_t)y * width + (size_t)x];
 }
 
-/* Joins a pixel with the neighbours that are close. Whether one of the eight is not. */
+/* Joins a pixel with its close neighbours. Returns true if one of the eight is not close. */
 static bool join_neighbours(struct union_find *u, uint32_t index)
 {
     bool at_edge = false;
     for (int dy = -1; dy <= 1; dy++)
         for (int dx = -1; dx <= 1; dx++) {
-            const uint32_t other = neighbour(u, u->pixels[index], dx, dy);
-            if (other != nobody && are_close(u, index, other))
-                join(u, index, other);
+            const uint32_t other = neighbour_of(u, u->pixels[index], dx, dy);
+            if (other != not_listed && are_close(u, index, other))
+                join_groups(u, index, other);
             else
                 at_edge = true;
         }
@@ -88,7 +89,7 @@ static int by_cube(const void *a, const void *b)
     return (p->index > q->index) - (p->index < q->index);
 }
 
-/* Whatever shares a cube is close. */
+/* Sorts the edge pixels by cubes. Cubes are so small that all pixels within one are close. */
 static size_t sort_edges(struct union_find *u, struct edge *edges)
 {
     const double side = sqrt(u->chord2 / 3) * (1 - 1e-9);
@@ -112,7 +113,7 @@ static size_t list_cubes(struct union_find *u, const struct edge *edges, size_t 
     for (size_t i = 0; i < n; i++) {
         if (i > 0 && memcmp(edges[i].cube, edges[i - 1].cube, sizeof edges->cube) == 0) {
             cubes[n_cubes - 1].count++;
-            join(u, edges[i].index, edges[i - 1].index);
+            join_groups(u, edges[i].index, edges[i - 1].index);
         } else {
             cubes[n_cubes++] = (struct cube){i, 1};
         }
@@ -129,14 +130,14 @@ static void join_cubes(struct union_find *u, const struct edge *edges, const str
     for (size_t i = 0; i < a->count; i++)
         for (size_t k = 0; k < b->count; k++)
             if (are_close(u, p[i].index, q[k].index)) {
-                join(u, p[i].index, q[k].index);
+                join_groups(u, p[i].index, q[k].index);
                 return;
             }
 }
 
-/* The first cube that is not before that one. */
-static size_t seek(const struct edge *edges, const struct cube *cubes, size_t n,
-                   const int32_t place[3])
+/* Returns the first cube that is not before that place. */
+static size_t find_cube(const struct edge *edges, const struct cube *cubes, size_t n,
+                        const int32_t place[3])
 {
     struct edge wanted = {{place[0], place[1], place[2]}, 0};
     size_t low = 0, high = n;
@@ -150,7 +151,8 @@ static size_t seek(const struct edge *edges, const struct cube *cubes, size_t n,
     return low;
 }
 
-/* With all cubes behind it in the order that are within reach: two apart along an axis. */
+/* Joins a cube with all later cubes in the order that are within reach: up to two apart along an
+ * axis. */
 static void join_around(struct union_find *u, const struct edge *edges, const struct cube *cubes,
                         size_t n, size_t at)
 {
@@ -160,7 +162,7 @@ static void join_around(struct union_find *u, const struct edge *edges, const st
         for (int32_t dy = dx > 0 ? -REACH : 0; dy <= REACH; dy++) {
             const bool same = dx == 0 && dy == 0;
             const int32_t from[3] = {here[0] + dx, here[1] + dy, here[2] + (same ? 1 : -REACH)};
-            for (size_t i = seek(edges, cubes, n, from); i < n; i++) {
+            for (size_t i = find_cube(edges, cubes, n, from); i < n; i++) {
                 const int32_t *there = edges[cubes[i].first].cube;
                 if (there[0] != from[0] || there[1] != from[1] || there[2] > here[2] + REACH)
                     break;

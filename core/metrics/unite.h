@@ -1,12 +1,12 @@
 /*
- * Pixels put together where they lie close: groups such that between any two pixels of one there is
- * a way by steps of at most some angle, and none between groups.
+ * Groups pixels by distance: any two pixels of a group are connected by steps of at most some
+ * angle, and no two groups are.
  *
- * Neighbours in the picture are joined first; after that only pixels at the edges of what is joined
- * can bring groups together. They are sorted into cubes of the sphere's space so small that what
- * shares one is close anyway; cubes within reach of each other are searched for a pair that is
- * close, unless they are of one group already. Work is that of sorting the edges' pixels and of the
- * pairs in cubes that stay apart, a bounded number of cubes each: in practice linear.
+ * Neighbours in the picture are joined first. After that only pixels at the edges of groups can
+ * connect groups. They are sorted into spatial cubes of the unit sphere, so small that all pixels
+ * within one are close. Cubes within reach of each other are searched for a close pair unless they
+ * already belong to one group. The cost is that of sorting the edge pixels and of testing pairs in
+ * separate cubes, with a bounded number of cubes each: in practice linear.
  */
 #ifndef ORL_METRICS_UNITE_H
 #define ORL_METRICS_UNITE_H
@@ -18,8 +18,8 @@
 #include "metrics/field.h"
 
 /*
- * pixels: count of them, ascending. ret_group: of each, from 0 on in the order of first pixels;
- * ret_groups: how many there are. Returns 0 or ORL_ERR_NOMEM.
+ * Groups `count` pixels, given in ascending order. ret_group: group of each, from 0 on, in the
+ * order of first pixels; ret_groups: number of groups. Returns 0 or ORL_ERR_NOMEM.
  */
 int orl_unite(const struct orl_field *field, const uint32_t *pixels, size_t count, double angle_rad,
               uint32_t *ret_group, uint32_t *ret_groups);

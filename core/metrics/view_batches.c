@@ -4,8 +4,8 @@
 
 #include "base/estimate.h"
 
-/* Two batches as one, in the place of the first. */
-static void unite(struct orl_view_batches *b, size_t first, size_t second)
+/* Merges two batches into the first. */
+static void merge_batches(struct orl_view_batches *b, size_t first, size_t second)
 {
     const double all = b->effort[first] + b->effort[second];
     const float share = (float)(b->effort[second] / all);
@@ -16,10 +16,10 @@ static void unite(struct orl_view_batches *b, size_t first, size_t second)
     b->cd_m2[second] = NULL;
 }
 
-static void halve(struct orl_view_batches *b)
+static void merge_pairs(struct orl_view_batches *b)
 {
     for (size_t i = 0; i < ORL_VIEW_BATCHES / 2; i++) {
-        unite(b, 2 * i, 2 * i + 1);
+        merge_batches(b, 2 * i, 2 * i + 1);
         float *const united = b->cd_m2[2 * i];
         b->cd_m2[2 * i] = NULL;
         b->cd_m2[i] = united;
@@ -35,7 +35,7 @@ int orl_view_batches_add(struct orl_view_batches *batches, const struct orl_film
     if (!cd_m2)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a batch of a view");
     if (batches->count == ORL_VIEW_BATCHES)
-        halve(batches);
+        merge_pairs(batches);
     batches->pixels = (size_t)film->width * film->height;
     batches->effort[batches->count] = effort;
     batches->cd_m2[batches->count++] = cd_m2;
@@ -59,7 +59,7 @@ static double effort_of_all(const struct orl_view_batches *b)
     return sum;
 }
 
-/* The mean of all batches but one; of all where that is no batch. */
+/* Computes the mean of all batches except one; of all batches if left_out is not an index. */
 static void mean_without(const struct orl_view_batches *b, uint32_t left_out, float *ret_cd_m2)
 {
     const double all = effort_of_all(b) - (left_out < b->count ? b->effort[left_out] : 0);
@@ -72,12 +72,12 @@ static void mean_without(const struct orl_view_batches *b, uint32_t left_out, fl
     }
 }
 
-/* What is found without each batch in turn, and, behind that, with all. */
+/* Metrics without each batch in turn, followed by those of all batches. */
 typedef double found_values[ORL_VIEW_BATCHES + 1][ORL_GLARE_METRICS];
 
-static int find_without(const struct orl_view_batches *b, const struct orl_field *field,
-                        const struct orl_glare_settings *settings, const atomic_bool *cancel,
-                        found_values ret_found, struct orl_error *err)
+static int evaluate_without(const struct orl_view_batches *b, const struct orl_field *field,
+                            const struct orl_glare_settings *settings, const atomic_bool *cancel,
+                            found_values ret_found, struct orl_error *err)
 {
     struct orl_glare_settings of_values = *settings;
     float *cd_m2 = malloc((b->pixels + 1) * sizeof *cd_m2);
@@ -85,7 +85,7 @@ static int find_without(const struct orl_view_batches *b, const struct orl_field
     int code = 0;
     if (!cd_m2)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for errors of glare");
-    of_values.band_rad = 0; /* of parts no errors are told */
+    of_values.band_rad = 0; /* errors are not estimated for parts */
     for (uint32_t i = 0; i <= b->count && code == 0; i++) {
         struct orl_glare glare = {0};
         mean_without(b, i, cd_m2);
@@ -98,9 +98,10 @@ static int find_without(const struct orl_view_batches *b, const struct orl_field
     return code;
 }
 
-/* Of one metric. Where it has no value without some batch its error is not known. */
-static void judge(const struct orl_view_batches *b, found_values found, int metric,
-                  struct orl_glare_value *value)
+/* Computes the errors of one metric. If it has no value without some batch, its error is not
+ * known. */
+static void compute_errors(const struct orl_view_batches *b, found_values found, int metric,
+                           struct orl_glare_value *value)
 {
     const double all = effort_of_all(b), whole = found[b->count][metric];
     const double n = b->count;
@@ -124,8 +125,8 @@ static void judge(const struct orl_view_batches *b, found_values found, int metr
     value->interval_95[1] = value->value + margins.above;
 }
 
-/* No probability is below 0 or above 1, and no light below 0. */
-static void keep_in_range(struct orl_glare_value values[ORL_GLARE_METRICS])
+/* Clamps intervals: no probability is below 0 or above 1, and no light below 0. */
+static void clamp_intervals(struct orl_glare_value values[ORL_GLARE_METRICS])
 {
     static const double most[ORL_GLARE_METRICS] = {[ORL_GLARE_DGP] = 1,
                                                    [ORL_GLARE_DGPS] = 1,
@@ -160,12 +161,12 @@ int orl_glare_errors(const struct orl_view_batches *batches, const struct orl_pa
     int code = orl_field_init(&field, panorama->view, panorama->width, panorama->height,
                               glare->turned_deg, err);
     if (code == 0)
-        code = find_without(batches, &field, settings, panorama->cancel, found, err);
+        code = evaluate_without(batches, &field, settings, panorama->cancel, found, err);
     orl_field_done(&field);
     for (int m = 0; m < ORL_GLARE_METRICS && code == 0; m++)
-        judge(batches, found, m, &glare->values[m]);
+        compute_errors(batches, found, m, &glare->values[m]);
     if (code == 0) {
-        keep_in_range(glare->values);
+        clamp_intervals(glare->values);
         glare->class_of = orl_glare_class_of(&glare->values[ORL_GLARE_DGP]);
     }
     return code;

@@ -3,19 +3,21 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Worth from which on caustics have as many photons as the rest. */
+/* Worth from which on caustics get as many photons as the global map. */
 static const double full_worth = 0.05;
-/* A map of fewer has hardly a kernel's worth anywhere; fewer still are no map. */
+/* A caustic map with fewer photons is too sparse for a kernel; with fewer still there is no map. */
 static const double least_photons = 20000, fewest_photons = 64;
-/* Rays of caustic photons, of those of the global ones: at no worth, and what all of it adds. */
+/* Rays of caustic photons, relative to those of the global ones: at zero worth, and the addition at
+ * full worth. */
 static const double rays_of_none = 0.5, rays_of_all = 30;
-/* So many are not felt: where photons come cheap there are more of them. */
+/* Share of rays whose cost is negligible: where photons are cheap, the map gets more of them. */
 static const double rays_not_felt = 0.1;
 
-/* Global photons that the bound of what a job asks for goes by, at the least: a second or so. */
+/* Lower limit of the global photons that the bound on a job's request is based on; about a
+ * second. */
 static const double least_base = 200000;
 
-/* Photons that the global map has, or would have. */
+/* Returns the number of global photons, or the default if there is no global map. */
 static double global_photons(const struct orl_plan *plan)
 {
     return plan->photons_global > 0 ? (double)plan->photons_global : (double)ORL_DEFAULT_PHOTONS;
@@ -27,7 +29,7 @@ bool orl_plan_bounds_caustics(const struct orl_job *job)
            !job->photons_exact;
 }
 
-/* To two digits, so that a pilot of another seed says the same. */
+/* Rounds to two digits, so that a pilot with another seed gives the same number. */
 static uint64_t to_two_digits(double count)
 {
     const double unit = pow(10, floor(log10(fmax(count, 1))) - 1);
@@ -39,8 +41,8 @@ static double weight_of(const struct orl_worth *worth)
     return fmin(worth->share * worth->contrast / full_worth, 1);
 }
 
-/* Photons whose rays are as many as caustics are worth beside so many global ones; infinite where a
- * pilot cannot tell. */
+/* Returns the number of photons whose rays match the caustics' worth relative to `base` global
+ * photons; infinite if the pilot is not conclusive. */
 static double bound_by_rays(const struct orl_worth *worth, double base, double weight)
 {
     if (!(worth->yield[ORL_MAP_CAUSTIC] > 0 && worth->yield[ORL_MAP_GLOBAL] > 0))
@@ -50,9 +52,10 @@ static double bound_by_rays(const struct orl_worth *worth, double base, double w
     return (rays_of_none + rays_of_all * weight * weight) * rays / each;
 }
 
-/* Of what a job asks for: who asks for more may want a small spot sharp, but hardly a gleam. */
-static uint64_t bound(const struct orl_job *job, const struct orl_worth *worth,
-                      const struct orl_plan *plan, uint64_t enough)
+/* Limits the job's request. A user who asks for more may want a small spot sharp, but hardly a
+ * faint gleam. */
+static uint64_t bound_request(const struct orl_job *job, const struct orl_worth *worth,
+                              const struct orl_plan *plan, uint64_t enough)
 {
     const double asked = (double)job->photons_caustic;
     const double weight = fmax(weight_of(worth), worth->contrast * worth->contrast);
@@ -62,25 +65,26 @@ static uint64_t bound(const struct orl_job *job, const struct orl_worth *worth,
     return to_two_digits(fmax(fmax(most, (double)enough), fewest_photons));
 }
 
-/* Odds of a share; finite, for a pilot knows no share to better than a thousandth. */
-static double odds(double share)
+/* Returns the odds of a share; finite, since a pilot knows no share to better than a thousandth. */
+static double odds_of(double share)
 {
     return share / fmax(1 - share, 1e-3);
 }
 
 /*
- * The caustic photons of the Neyman allocation. Where caustics land, the variance of their light is
- * its square over the photons on an area, and so is that of the rest. The sum of both is least, for
- * a number of rays, when each kind has rays as the root of its variance for one photon times its
- * rays for one photon. Contrast and share together tell both light and area.
+ * Returns the number of caustic photons by Neyman allocation. Where caustics land, the variance of
+ * their light is its square over the photons on an area; the same holds for the rest of the light.
+ * For a given number of rays, the sum of both variances is least if each kind gets rays in
+ * proportion to a square root: that of its variance for one photon times its rays for one photon.
+ * Contrast and share together give both light and area.
  */
-static double best_by_rays(const struct orl_worth *worth, double base)
+static double neyman_photons(const struct orl_worth *worth, double base)
 {
     if (!(worth->yield[ORL_MAP_CAUSTIC] > 0 && worth->yield[ORL_MAP_GLOBAL] > 0))
         return INFINITY;
     const double rest = worth->rays[ORL_MAP_GLOBAL] / worth->yield[ORL_MAP_GLOBAL];
     const double each = worth->rays[ORL_MAP_CAUSTIC] / worth->yield[ORL_MAP_CAUSTIC];
-    const double times = sqrt(odds(worth->share) * odds(worth->contrast) * each / rest);
+    const double times = sqrt(odds_of(worth->share) * odds_of(worth->contrast) * each / rest);
     return (rays_of_none + times) * base * rest / each;
 }
 
@@ -94,14 +98,14 @@ static uint64_t caustic_photons(const struct orl_worth *worth, const struct orl_
         const double each = worth->rays[ORL_MAP_CAUSTIC] / worth->yield[ORL_MAP_CAUSTIC];
         photons = fmax(photons, fmin(rays_not_felt * rays / each, base));
         photons = fmin(photons, bound_by_rays(worth, base, weight));
-        photons = fmin(photons, best_by_rays(worth, base));
+        photons = fmin(photons, neyman_photons(worth, base));
         photons = fmax(photons, fmin(fewest_photons, base));
     }
     return to_two_digits(photons);
 }
 
-static void foresee(const struct orl_worth *worth, const uint64_t photons[ORL_SHOT_KINDS],
-                    struct orl_foresight *f)
+static void fill_foresight(const struct orl_worth *worth, const uint64_t photons[ORL_SHOT_KINDS],
+                           struct orl_foresight *f)
 {
     f->photons_s = 0;
     f->known = true;
@@ -116,8 +120,8 @@ static void foresee(const struct orl_worth *worth, const uint64_t photons[ORL_SH
     f->ray_s = rays > 0 && isfinite(ray_s) ? ray_s / rays : 0;
 }
 
-static void say_why(const struct orl_worth *worth, const struct orl_plan *plan, uint64_t asked,
-                    struct orl_foresight *f)
+static void describe_choice(const struct orl_worth *worth, const struct orl_plan *plan,
+                            uint64_t asked, struct orl_foresight *f)
 {
     if (plan->photons_caustic == 0)
         snprintf(f->why, sizeof f->why, "0 caustic photons: there is no way for any");
@@ -146,9 +150,9 @@ void orl_plan_budget(const struct orl_job *job, const struct orl_worth *worth,
     if (plan->photons_caustic > 0) {
         const uint64_t enough = caustic_photons(worth, plan);
         f->enough_caustic = enough;
-        plan->photons_caustic = asked ? bound(job, worth, plan, enough) : enough;
+        plan->photons_caustic = asked ? bound_request(job, worth, plan, enough) : enough;
     }
     const uint64_t photons[ORL_SHOT_KINDS] = {plan->photons_global, plan->photons_caustic};
-    foresee(worth, photons, f);
-    say_why(worth, plan, job->photons_caustic, f);
+    fill_foresight(worth, photons, f);
+    describe_choice(worth, plan, job->photons_caustic, f);
 }

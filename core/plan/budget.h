@@ -1,16 +1,16 @@
 /*
- * How many caustic photons a job is to have when it does not say, from what a pilot says of them
- * (photon/shooting/worth.h); and what the photons of a plan will take.
+ * Chooses the number of caustic photons if the job does not give it, from the statistics of a pilot
+ * (photon/shooting/worth.h), and estimates the cost of a plan's photons.
  *
- * Their worth is their share of the light times their contrast where they land. From a twentieth on
- * they are as many as the global ones; below that fewer, in proportion, since noise and blur of
- * what is faint are faint; but never so few that a kernel holds none. And their rays are bounded by
- * those of the global photons: by half of these where caustics are worth nothing, thirty times as
- * many where they are worth all, and between by the square of their worth. Nor have they more rays
- * than half of the global ones and those by which the light where they land errs least (Neyman
- * 1934, Journal of the Royal Statistical Society 97, 558): more would do more for the picture as
- * global photons. By the first bound, or more where caustics outshine what else is there, what a
- * job asks for is bounded too, unless it wants exactly that, whatever it takes.
+ * The worth of caustics is their share of the light times their contrast where they land. From 5 %
+ * on they get as many photons as the global map. Below that they get fewer, in proportion, since
+ * noise and blur of faint light are faint; but never so few that a kernel is empty. Their rays are
+ * bounded relative to those of the global photons: 0.5 at no worth, 30 more at full worth, and in
+ * between by the square of the worth. A second bound on their rays is half of the global ones, plus
+ * the number for which the light where they land has the least error (Neyman 1934, Journal of the
+ * Royal Statistical Society 97, 558). Beyond that, global photons improve the picture more. The
+ * first bound, or a larger one if caustics outshine the other light there, also limits a job's
+ * request, unless the job asks for an exact number.
  */
 #ifndef ORL_PLAN_BUDGET_H
 #define ORL_PLAN_BUDGET_H
@@ -19,14 +19,14 @@
 
 #include "photon/shooting/worth.h"
 
-/* So few are not worth a pilot. */
+/* Requests up to this number are not worth a pilot. */
 enum { ORL_FEW_PHOTONS = 5000 };
 
-/* Whether the job asks for a number of caustic photons that a pilot may bound. */
+/* Returns true if the job asks for a number of caustic photons that a pilot may reduce. */
 bool orl_plan_bounds_caustics(const struct orl_job *job);
 
-/* Fills the plan's foresight; and its caustic photons, where the job leaves them open, or asks for
- * more than are worth their time. */
+/* Fills the plan's foresight. Sets its caustic photons if the job leaves them open, or asks for
+ * more than pay off. */
 void orl_plan_budget(const struct orl_job *job, const struct orl_worth *worth,
                      struct orl_plan *plan);
 

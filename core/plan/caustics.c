@@ -1,4 +1,5 @@
-/* Caustics: by what is lit (lit_specular.h), never by what a pilot happened to see. */
+/* Decides on caustics by the surfaces that are lit (lit_specular.h), never by chance hits of a
+ * pilot. */
 #include <stdio.h>
 
 #include "plan/decide.h"
@@ -11,12 +12,13 @@ static bool any_lit(const struct orl_lit *lit)
            lit->classes[ORL_LIT_LOBE].lit;
 }
 
-static double map_s(const struct orl_survey *survey)
+static double map_time_s(const struct orl_survey *survey)
 {
     return RAYS_A_PHOTON * (double)ORL_DEFAULT_PHOTONS * survey->ray_s;
 }
 
-/* A flat mirror doubles a sun, times what it reflects; what is curved may gather it to a point. */
+/* Returns a bound on the illuminance: a flat mirror doubles a sun, times its reflectance; a curved
+ * one may focus it to a point. */
 static double mirror_bound(const struct orl_survey *survey, const struct orl_lit *lit)
 {
     const struct orl_world *world = survey->world;
@@ -28,7 +30,8 @@ static double mirror_bound(const struct orl_survey *survey, const struct orl_lit
     return lit->classes[ORL_LIT_FLAT].share * (survey->sun_lx + survey->lamp_lx);
 }
 
-/* Panes seen from outside mirror suns onto what stands there, and so in by windows. */
+/* Returns true if panes may mirror suns onto outdoor surfaces, from where light enters by
+ * windows. */
 static bool may_light_outside(const struct orl_survey *survey)
 {
     const struct orl_world *world = survey->world;
@@ -37,8 +40,8 @@ static bool may_light_outside(const struct orl_survey *survey)
 }
 
 /*
- * What is lit only by way of something else that is lit counts too: where both mirrors and lobes
- * are there and one of them is lit, the other may be.
+ * Decides on mirrors. Surfaces that are lit only by way of other lit ones count too: if there are
+ * both mirrors and lobes and one of them is lit, the other may be.
  */
 static bool decide_mirrors(const struct orl_survey *survey, const struct orl_lit *lit,
                            struct orl_decision *decision)
@@ -51,7 +54,7 @@ static bool decide_mirrors(const struct orl_survey *survey, const struct orl_lit
         .needed = needed,
         .unit = ORL_BOUND_LX,
         .bound = needed ? mirror_bound(survey, lit) : 0,
-        .saved_s = lit->lights > 0 && flat->facets + curved->facets > 0 ? map_s(survey) : 0};
+        .saved_s = lit->lights > 0 && flat->facets + curved->facets > 0 ? map_time_s(survey) : 0};
     if (lit->lights == 0)
         return orl_settle(decision, &finding, "there are %zu suns and lamps to be mirrored",
                           lit->lights);
@@ -80,7 +83,7 @@ static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *
         .needed = needed,
         .unit = ORL_BOUND_LX,
         .bound = needed ? lobes->share * (survey->sun_lx + survey->lamp_lx) : 0,
-        .saved_s = lit->lights > 0 && lobes->facets > 0 ? map_s(survey) : 0};
+        .saved_s = lit->lights > 0 && lobes->facets > 0 ? map_time_s(survey) : 0};
     if (lit->lights == 0)
         return orl_settle(decision, &finding, "there are %zu suns and lamps to be scattered",
                           lit->lights);
@@ -99,7 +102,7 @@ static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *
 
 /* Returns true for glass of index 1 that is clear, such as the panes of openings (light/glaze.h).
  */
-static bool changes_nothing(const struct orl_material *m)
+static bool is_invisible(const struct orl_material *m)
 {
     return m->ior == 1 && m->transmissivity.r == 1 && m->transmissivity.g == 1 &&
            m->transmissivity.b == 1;
@@ -109,8 +112,8 @@ static bool is_glass(const struct orl_material *m)
 {
     if (m->kind == ORL_MATERIAL_MIXTURE)
         return is_glass(&m->mixed[0]) || is_glass(&m->mixed[1]);
-    return (m->kind == ORL_MATERIAL_GLASS && !changes_nothing(m)) ||
-           m->kind == ORL_MATERIAL_GLAZING || (m->kind == ORL_MATERIAL_BSDF && m->peak) ||
+    return (m->kind == ORL_MATERIAL_GLASS && !is_invisible(m)) || m->kind == ORL_MATERIAL_GLAZING ||
+           (m->kind == ORL_MATERIAL_BSDF && m->peak) ||
            (m->kind == ORL_MATERIAL_TRANS && !(m->roughness[0] > 0) && m->transmitted > 0 &&
             m->transmitted_specular > 0);
 }
@@ -118,7 +121,8 @@ static bool is_glass(const struct orl_material *m)
 static void decide_glass(const struct orl_survey *survey, struct orl_decision *decision)
 {
     const size_t panes = orl_survey_count(survey, is_glass);
-    /* Shadow rays pass panes anyway: it cannot be left out, and there is nothing to gain by it. */
+    /* Shadow rays pass panes in any case: leaving glass out is not possible, and would save
+     * nothing. */
     decision->simulated = true;
     const struct orl_finding finding = {.needed = panes > 0, .unit = ORL_BOUND_LX, .bound = 0};
     orl_settle(decision, &finding,
@@ -131,10 +135,10 @@ static void decide_glass(const struct orl_survey *survey, struct orl_decision *d
 }
 
 /*
- * Paths from sensors meet mirrors and lobes as they come: what is there they find, but for suns in
- * flat mirrors, which shadow rays look for.
+ * Overrides a skip for the backward technique. Its paths hit mirrors and lobes anyway and include
+ * their light, except for suns in flat mirrors, which only shadow rays find.
  */
-static void admit(struct orl_decision *decision)
+static void override_skip(struct orl_decision *decision)
 {
     char why[ORL_WHY_MAX - 60];
     if (decision->wish != ORL_WISH_SKIP || !(decision->bound > 0))
@@ -146,16 +150,16 @@ static void admit(struct orl_decision *decision)
     decision->saved_s = 0;
 }
 
-/* Whether there is anything for caustic photons to do; where it was forced they are to try. */
-static bool may_land(const struct orl_lit *lit, const struct orl_plan *plan, bool simulated)
+/* Returns true if caustic photons have anything to do, or the job forces them. */
+static bool needs_photons(const struct orl_lit *lit, const struct orl_plan *plan, bool simulated)
 {
     const bool forced = plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].wish == ORL_WISH_FORCE ||
                         plan->effects[ORL_EFFECT_CAUSTICS_BSDF].wish == ORL_WISH_FORCE;
     return simulated && (any_lit(lit) || forced) && plan->technique != ORL_TECHNIQUE_BACKWARD;
 }
 
-/* Shadow rays look for no light in flat mirrors after this. */
-static void leave_out_images(struct orl_world *world)
+/* Removes virtual images of suns and lamps, so that shadow rays no longer search flat mirrors. */
+static void remove_images(struct orl_world *world)
 {
     orl_images_keep_suns(&world->images, NULL);
     world->lamp_images.n_images = 0;
@@ -174,15 +178,15 @@ void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
     world->omit.mirror_caustics = !mirrors;
     world->omit.lobe_caustics = !lobes;
     if (plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].wish == ORL_WISH_SKIP)
-        leave_out_images(world);
+        remove_images(world);
     world->caustics_lit = (mirrors || lobes) && any_lit(lit);
     plan->photons_caustic = asked == ORL_PHOTONS_BY_PLAN ? (uint64_t)ORL_DEFAULT_PHOTONS : asked;
     if (plan->technique == ORL_TECHNIQUE_BACKWARD) {
         if (lit->classes[ORL_LIT_CURVED].facets > 0 || lit->lights > world->n_suns)
-            admit(&plan->effects[ORL_EFFECT_CAUSTICS_MIRROR]);
-        admit(&plan->effects[ORL_EFFECT_CAUSTICS_BSDF]);
+            override_skip(&plan->effects[ORL_EFFECT_CAUSTICS_MIRROR]);
+        override_skip(&plan->effects[ORL_EFFECT_CAUSTICS_BSDF]);
     }
-    if (!may_land(lit, plan, mirrors || lobes))
+    if (!needs_photons(lit, plan, mirrors || lobes))
         plan->photons_caustic = 0;
     if (!mirrors)
         plan->paths = orl_path_set_without_mirrors(plan->paths);

@@ -1,4 +1,4 @@
-/* Whether anything is coloured: exactly, every used material and every light looked at. */
+/* Decides on colour, exactly: every used material and every light is checked. */
 #include "plan/decide.h"
 #include "scene/material/pattern.h"
 
@@ -22,7 +22,7 @@ static bool has_coloured_bsdf(const struct orl_material *m)
 
 static bool is_coloured(const struct orl_material *m);
 
-/* What cannot be bleached. */
+/* Returns true for coloured data that cannot be converted to gray. */
 static bool has_coloured_data(const struct orl_material *m)
 {
     if (m->kind == ORL_MATERIAL_MIXTURE && (is_coloured(&m->mixed[0]) || is_coloured(&m->mixed[1])))
@@ -31,7 +31,7 @@ static bool has_coloured_data(const struct orl_material *m)
            (m->pattern && m->pattern->coloured);
 }
 
-/* What is not of its kind is zero, which is gray. */
+/* Fields that a material's kind does not use are zero, which is gray. */
 static bool is_coloured(const struct orl_material *m)
 {
     return !(is_gray(m->color) && is_gray(m->gloss) && is_gray(m->transmissivity) &&
@@ -58,7 +58,7 @@ static size_t coloured_lights(const struct orl_world *world)
     return n;
 }
 
-/* How much more the most coloured channel is than all of it. */
+/* Returns the ratio of the largest channel to the luma. */
 static double vividness(struct orl_rgb c)
 {
     return orl_luma(c) > 0 ? orl_rgb_max(c) / orl_luma(c) : 1;
@@ -95,8 +95,8 @@ static struct orl_rgb gray_of(struct orl_rgb c)
     return is_gray(c) ? c : orl_gray(orl_luma(c));
 }
 
-/* Everything becomes as bright as it was, and gray. */
-static void bleach(struct orl_world *world)
+/* Converts all colours to gray of the same luma. */
+static void convert_to_gray(struct orl_world *world)
 {
     for (size_t i = 0; i < world->n_materials; i++) {
         struct orl_material *m = &world->materials[i];
@@ -131,20 +131,20 @@ void orl_decide_color(struct orl_survey *survey, struct orl_plan *plan)
     const struct orl_finding finding = {
         .needed = materials + lights > 0,
         .unit = ORL_BOUND_RELATIVE,
-        /* Two reflections by the most coloured: each further one would be worth less. */
+        /* Two reflections by the most coloured surface; further ones matter less. */
         .bound = materials + lights > 0 ? vivid * vivid - 1 : 0};
     orl_settle(decision, &finding, "surfaces that have a colour: %zu; lights that have one: %zu",
                materials, lights);
     plan->channels = decision->simulated ? 3 : 1;
     if (!decision->simulated &&
         (orl_survey_count(survey, has_coloured_data) > 0 || has_coloured_sky(world))) {
-        /* Data cannot be bleached. */
+        /* Data cannot be converted to gray. */
         decision->simulated = true;
         plan->channels = 3;
         return;
     }
     if (!decision->simulated && materials + lights > 0) {
-        bleach(world);
+        convert_to_gray(world);
         world->omit.bleached = true;
     }
     world->omit.channels = plan->channels;

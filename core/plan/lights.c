@@ -1,4 +1,4 @@
-/* Suns, skies and lamps: whether there are any, and what they can give at most. */
+/* Decides on suns, skies and lamps, by upper bounds of their light. */
 #include <stdio.h>
 
 #include "plan/decide.h"
@@ -12,8 +12,8 @@ static double shadow_rays_s(const struct orl_survey *survey, size_t lights)
     return places * (double)lights * survey->ray_s;
 }
 
-/* Four digits, or all before the point. */
-static const char *in_lux(double lux, char ret_text[32])
+/* Formats with four digits, or with all digits before the decimal point. */
+static const char *format_lux(double lux, char ret_text[32])
 {
     if (lux < 1000)
         snprintf(ret_text, 32, "%.4g lx", lux);
@@ -23,8 +23,8 @@ static const char *in_lux(double lux, char ret_text[32])
 }
 
 /*
- * A sun counts by its own irradiance and what surfaces reflect of it; only one that is too dim to
- * matter however it is focused, pi L, goes by itself.
+ * Decides on suns. The bound is the sun's irradiance plus its reflections. Only pi L decides
+ * whether a sun is negligible, since that bounds it under any focusing.
  */
 static void decide_sun(struct orl_survey *survey, struct orl_plan *plan)
 {
@@ -42,7 +42,7 @@ static void decide_sun(struct orl_survey *survey, struct orl_plan *plan)
                     world->n_suns == 0
                         ? "there are %zu suns"
                         : "suns: %zu; a plane that faces them gets %s where nothing focuses",
-                    world->n_suns, in_lux(survey->sun_lx, lux)))
+                    world->n_suns, format_lux(survey->sun_lx, lux)))
         orl_world_keep_suns(world, NULL);
 }
 
@@ -57,12 +57,12 @@ static void decide_sky(struct orl_survey *survey, struct orl_plan *plan)
     if (!orl_settle(&plan->effects[ORL_EFFECT_SKY], &finding,
                     "skies and other wide lights: %zu; the brightest direction of them all round "
                     "would give %s",
-                    world->n_domes, in_lux(survey->sky_lx, lux)))
+                    world->n_domes, format_lux(survey->sky_lx, lux)))
         world->n_domes = 0;
 }
 
-/* Lamps left out are black, so that rays which meet them see that too. */
-static void put_out_lamps(struct orl_world *world)
+/* Lamps that are left out become black, so that rays that hit them see no light. */
+static void blacken_lamps(struct orl_world *world)
 {
     for (size_t i = 0; i < world->n_emitters; i++) {
         const uint32_t material = orl_facet_material(world->geometry, world->emitters[i].facet);
@@ -81,8 +81,8 @@ static void decide_lamps(struct orl_survey *survey, struct orl_plan *plan)
                                         .saved_s = shadow_rays_s(survey, world->n_emitters)};
     if (!orl_settle(&plan->effects[ORL_EFFECT_LAMPS], &finding,
                     "shining surfaces: %zu; right before the brightest it is %s", world->n_emitters,
-                    in_lux(survey->lamp_lx, lux)))
-        put_out_lamps(world);
+                    format_lux(survey->lamp_lx, lux)))
+        blacken_lamps(world);
 }
 
 void orl_decide_lights(struct orl_survey *survey, struct orl_plan *plan)

@@ -9,15 +9,15 @@
 enum { MOST_RAYS = 1 << 18, MOST_SAMPLES = 256, LEAST_SAMPLES = 8, MOST_PANES = 64 };
 enum { WINDOW_SAMPLES = 1024, IMAGE_SAMPLES = 64, MOST_PLACES = 4096 };
 
-/* Facets times lights: beyond this a look would take seconds. */
+/* Limit of facets times lights; beyond it the search would take seconds. */
 static const double most_pairs = 2e5;
 
 struct look {
     const struct orl_world *world;
     struct orl_lit *lit;
     struct orl_sobol sobol;
-    const struct orl_crew *crew; /* whose cancellation is heard */
-    uint32_t samples;            /* a side of a facet */
+    const struct orl_crew *crew; /* polled for cancellation */
+    uint32_t samples;            /* per side of a facet */
 };
 
 static bool is_kind(enum orl_surface_kind shape, const struct orl_material *m,
@@ -32,8 +32,9 @@ static bool is_kind(enum orl_surface_kind shape, const struct orl_material *m,
     return flat && !bends && orl_material_is_mirror(m);
 }
 
-/* What that side sends on, other than straight, of light at 60 degrees. */
-static double sent_on(const struct orl_material *m, bool front, enum orl_lit_kind kind)
+/* Returns the share of light at 60 degrees that a side sends on in other directions than
+ * straight. */
+static double share_sent_on(const struct orl_material *m, bool front, enum orl_lit_kind kind)
 {
     if (kind == ORL_LIT_CURVED && orl_material_bends(m))
         return 1;
@@ -42,9 +43,9 @@ static double sent_on(const struct orl_material *m, bool front, enum orl_lit_kin
                : orl_material_mirrored_most(m, front, 0.5);
 }
 
-/* Whether a lit place of that side matters: in a sealed scene what is outside does not. */
-static bool counts(const struct look *look, uint32_t facet, bool front, struct orl_vec3 point,
-                   enum orl_lit_kind kind)
+/* Returns true if a lit point of that side matters: in a sealed scene, points outside do not. */
+static bool point_matters(const struct look *look, uint32_t facet, bool front,
+                          struct orl_vec3 point, enum orl_lit_kind kind)
 {
     const struct orl_world *world = look->world;
     const int32_t port = orl_world_port_of(world, facet);
@@ -73,37 +74,37 @@ static bool is_lit(const struct look *look, uint32_t facet, bool front, enum orl
         query.normal = front ? normal : orl_neg(normal);
         query.point = orl_facet_leave(g, facet, point, normal, query.normal);
         if (orl_rgb_max(orl_direct_light(look->world, &query, &random)) > 0 &&
-            counts(look, facet, front, query.point, kind))
+            point_matters(look, facet, front, query.point, kind))
             return true;
     }
     return false;
 }
 
-static void look_at(struct look *look, uint32_t facet, enum orl_lit_kind kind)
+static void test_facet(struct look *look, uint32_t facet, enum orl_lit_kind kind)
 {
     struct orl_lit_class *class = &look->lit->classes[kind];
     const struct orl_material *const m =
         &look->world->materials[orl_facet_material(look->world->geometry, facet)];
     for (int side = 0; side < 2 && !class->lit; side++)
-        if (sent_on(m, side == 0, kind) > 0 && is_lit(look, facet, side == 0, kind)) {
+        if (share_sent_on(m, side == 0, kind) > 0 && is_lit(look, facet, side == 0, kind)) {
             class->lit = true;
             class->facet = facet;
         }
 }
 
-/* In all of its places. */
-static void look_at_placed(struct look *look, const struct orl_kept_walk *walk,
-                           enum orl_lit_kind kind)
+/* Checks all placements of a facet. */
+static void test_placements(struct look *look, const struct orl_kept_walk *walk,
+                            enum orl_lit_kind kind)
 {
     const struct orl_geometry *const g = look->world->geometry;
     const uint32_t within = walk->facet - g->placed[walk->part->first_place].first_facet;
     for (size_t i = walk->part->first_place; i < g->n_placed && !orl_crew_cancelled(look->crew);
          i++)
         if (g->placed[i].prototype == walk->part)
-            look_at(look, g->placed[i].first_facet + within, kind);
+            test_facet(look, g->placed[i].first_facet + within, kind);
 }
 
-static void look_at_facets(struct look *look, enum orl_lit_kind kind)
+static void test_facets(struct look *look, enum orl_lit_kind kind)
 {
     const struct orl_world *const world = look->world;
     const struct orl_lit_class *const class = &look->lit->classes[kind];
@@ -114,13 +115,13 @@ static void look_at_facets(struct look *look, enum orl_lit_kind kind)
         if (!(f->area > 0) || !is_kind(f->kind, &world->materials[f->material], kind))
             continue;
         if (orl_facet_is_placed(world->geometry, walk.facet))
-            look_at_placed(look, &walk, kind);
+            test_placements(look, &walk, kind);
         else
-            look_at(look, walk.facet, kind);
+            test_facet(look, walk.facet, kind);
     }
 }
 
-/* How many of its places matter: in a sealed scene those outside do not. */
+/* Returns the number of placements that matter: in a sealed scene, those outside do not. */
 static size_t count_places(const struct orl_world *world, const struct orl_kept_walk *walk)
 {
     const struct orl_geometry *const g = world->geometry;
@@ -157,12 +158,13 @@ static void count_facets(struct look *look)
                 continue;
             class->facets += places;
             for (int side = 0; side < 2; side++)
-                class->share = fmax(class->share, sent_on(m, side == 0, (enum orl_lit_kind)kind));
+                class->share =
+                    fmax(class->share, share_sent_on(m, side == 0, (enum orl_lit_kind)kind));
         }
     }
 }
 
-static void note(struct look *look, uint32_t facet)
+static void mark_lit(struct look *look, uint32_t facet)
 {
     const struct orl_geometry *const g = look->world->geometry;
     const enum orl_surface_kind shape = orl_facet_kind(g, facet);
@@ -176,9 +178,9 @@ static void note(struct look *look, uint32_t facet)
     }
 }
 
-/* A sun's rays in by a window, straight on to the first surface that is no pane. */
-static void follow_sun_in(struct look *look, const struct orl_port *port, const struct orl_sun *sun,
-                          uint32_t sample)
+/* Traces a sun's ray in by a window, straight on to the first surface that is no pane. */
+static void trace_sun_in(struct look *look, const struct orl_port *port, const struct orl_sun *sun,
+                         uint32_t sample)
 {
     const struct orl_geometry *g = look->world->geometry;
     struct orl_vec3 point, normal, direction;
@@ -196,21 +198,21 @@ static void follow_sun_in(struct look *look, const struct orl_port *port, const 
         .point = point, .normal = normal, .facet = port->facet, .front = port->outside_is_front};
     if (!(orl_rgb_max(orl_material_straight(orl_world_material(look->world, &pane), &pane,
                                             orl_neg(direction))) > 0))
-        return; /* what scatters is lit itself, and found so */
+        return; /* a scattering pane is itself lit, and is found as such */
     struct orl_path path =
         orl_path_from(orl_facet_leave(g, port->facet, point, normal, direction), direction);
     for (int i = 0; i < MOST_PANES; i++) {
         struct orl_hit hit;
         if (!orl_path_meet(look->world, &path, &hit))
             return;
-        note(look, hit.facet);
+        mark_lit(look, hit.facet);
         if (!orl_path_look_through(&path, orl_world_material(look->world, &hit), &hit))
             return;
         orl_path_pass(&path, look->world, &hit);
     }
 }
 
-/* A sun's image in flat mirrors outside, seen from a window. */
+/* Returns true if a sun's image in flat outdoor mirrors is visible from a window. */
 static bool image_reaches(const struct look *look, const struct orl_port *port,
                           const struct orl_image *image, uint32_t sample)
 {
@@ -225,7 +227,7 @@ static bool image_reaches(const struct look *look, const struct orl_port *port,
            orl_rgb_max(orl_image_transmittance(look->world, point, from, image, false)) > 0;
 }
 
-static void look_for_images(struct look *look, const struct orl_port *port)
+static void test_images(struct look *look, const struct orl_port *port)
 {
     const struct orl_images *images = &look->world->images;
     struct orl_lit_class *class = &look->lit->classes[ORL_LIT_FLAT];
@@ -239,7 +241,7 @@ static void look_for_images(struct look *look, const struct orl_port *port)
             }
 }
 
-static void look_from_windows(struct look *look)
+static void test_windows(struct look *look)
 {
     const struct orl_world *world = look->world;
     const size_t pairs = world->n_ports * world->n_suns + 1;
@@ -248,13 +250,13 @@ static void look_from_windows(struct look *look)
     for (size_t p = 0; p < world->n_ports && !orl_crew_cancelled(look->crew); p++) {
         for (size_t s = 0; s < world->n_suns && !orl_crew_cancelled(look->crew); s++)
             for (uint32_t i = 0; i < samples; i++)
-                follow_sun_in(look, &world->ports[p], &world->suns[s], i);
-        look_for_images(look, &world->ports[p]);
+                trace_sun_in(look, &world->ports[p], &world->suns[s], i);
+        test_images(look, &world->ports[p]);
     }
 }
 
-/* Where there is too much to look at, what cannot be ruled out is there. */
-static void take_as_lit(struct orl_lit *lit)
+/* Marks all existing classes as lit, if there are too many facets to check. */
+static void mark_all_lit(struct orl_lit *lit)
 {
     for (int kind = 0; kind < ORL_LIT_KINDS; kind++)
         lit->classes[kind].lit = lit->classes[kind].facets > 0;
@@ -276,14 +278,14 @@ void orl_lit_look(const struct orl_survey *survey, struct orl_lit *ret_lit)
         facets += ret_lit->classes[kind].facets;
     const size_t share = MOST_RAYS / (2 * facets * ret_lit->lights);
     if ((double)facets * (double)ret_lit->lights > most_pairs) {
-        take_as_lit(ret_lit);
+        mark_all_lit(ret_lit);
         return;
     }
     look.samples = (uint32_t)(share > MOST_SAMPLES    ? MOST_SAMPLES
                               : share < LEAST_SAMPLES ? LEAST_SAMPLES
                                                       : share);
     ret_lit->rays = 2 * facets * ret_lit->lights * look.samples;
-    look_from_windows(&look);
+    test_windows(&look);
     for (int kind = 0; kind < ORL_LIT_KINDS; kind++)
-        look_at_facets(&look, (enum orl_lit_kind)kind);
+        test_facets(&look, (enum orl_lit_kind)kind);
 }

@@ -1,28 +1,28 @@
-/* What is done to materials: glossy parts folded into diffuse ones, clear solids. */
+/* Decides on glossy reflection, and on absorption and refraction of dielectrics. */
 #include "plan/decide.h"
 #include "scene/material/bounds.h"
 #include "scene/material/pattern.h"
 
 /* ---- Glossy reflection ----------------------------------------------------------------------- */
 
-/* Trans keeps its parts: they share one colour, and cannot be told apart any other way. */
+/* Trans is excluded: its parts share one colour, and no other material could represent them. */
 static bool is_glossy(const struct orl_material *m)
 {
     return (m->kind == ORL_MATERIAL_PLASTIC || m->kind == ORL_MATERIAL_METAL) &&
            orl_material_has_lobes(m);
 }
 
-static double gloss(const struct orl_material *m)
+static double gloss_albedo(const struct orl_material *m)
 {
     return orl_material_albedo_most(m, true, 1, ORL_LOBE_REFLECTED);
 }
 
 static const double least_pattern = 0.1;
 
-/* All that is reflected is reflected evenly: the energy stays. */
-static void fold(struct orl_material *m)
+/* Converts glossy reflection to diffuse reflection of the same energy. */
+static void convert_gloss_to_diffuse(struct orl_material *m)
 {
-    /* Gloss has no pattern: what the pattern will take of it, on the whole, is made up for. */
+    /* Gloss has no pattern; the mean attenuation by the pattern is compensated. */
     const double left = m->pattern ? fmax(orl_luma(m->pattern->mean), least_pattern) : 1;
     if (m->kind == ORL_MATERIAL_PLASTIC)
         m->color =
@@ -39,7 +39,7 @@ static void decide_glossy(struct orl_survey *survey, struct orl_plan *plan)
     double most = 0;
     for (size_t i = 0; i < world->n_materials; i++)
         if (survey->surfaces[i] > 0 && is_glossy(&world->materials[i]))
-            most = fmax(most, gloss(&world->materials[i]));
+            most = fmax(most, gloss_albedo(&world->materials[i]));
     const double bound = most * (direct + orl_survey_reflected_lx(survey, direct));
     const struct orl_finding finding = {
         .needed = count > 0 && (survey->request->job->n_views > 0 || bound > survey->tolerance_lx),
@@ -52,7 +52,7 @@ static void decide_glossy(struct orl_survey *survey, struct orl_plan *plan)
         return;
     for (size_t i = 0; i < world->n_materials; i++)
         if (is_glossy(&world->materials[i]))
-            fold(&world->materials[i]);
+            convert_gloss_to_diffuse(&world->materials[i]);
     world->omit.glossy = count > 0;
 }
 
@@ -102,7 +102,7 @@ static void decide_media(struct orl_survey *survey, struct orl_plan *plan)
     world->omit.media = count > 0;
 }
 
-/* Bent light can be focused: the bound is that of everything there is, focused. */
+/* Refraction may focus: the bound is that of all lights, focused. */
 static void decide_refraction(struct orl_survey *survey, struct orl_plan *plan)
 {
     struct orl_world *world = survey->world;

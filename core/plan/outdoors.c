@@ -3,24 +3,26 @@
 #include "scene/geometry/placed.h"
 #include "scene/material/bounds.h"
 
-/* Facets times planes of ports: beyond this a look would take longer than it may save. */
+/* Limit of facets times port planes; beyond it the test would take longer than it may save. */
 static const double most_looks = 2e7;
-/* Of the scene's size: what reaches less far beyond a plane lies in it. Rays are floats. */
+/* Tolerance relative to the scene's size: a smaller distance counts as within the plane. Rays are
+ * floats. */
 static const double in_plane = 1e-7;
 
-static bool goes_on(const struct orl_crew *crew, size_t facet)
+static bool may_continue(const struct orl_crew *crew, size_t facet)
 {
     return facet % 4096 != 0 || !orl_crew_cancelled(crew);
 }
 
-static double highest(struct orl_vec3 low, struct orl_vec3 high, struct orl_vec3 d)
+static double box_extent(struct orl_vec3 low, struct orl_vec3 high, struct orl_vec3 d)
 {
     return fmax(low.x * d.x, high.x * d.x) + fmax(low.y * d.y, high.y * d.y) +
            fmax(low.z * d.z, high.z * d.z);
 }
 
-/* How far a facet reaches in a direction; a curved one, at most. */
-static double reach(const struct orl_geometry *g, const struct orl_facet *f, struct orl_vec3 d)
+/* Returns the extent of a facet in a direction; for a curved one, an upper bound. */
+static double facet_extent(const struct orl_geometry *g, const struct orl_facet *f,
+                           struct orl_vec3 d)
 {
     double most = -INFINITY;
     switch (f->kind) {
@@ -47,27 +49,28 @@ static double reach(const struct orl_geometry *g, const struct orl_facet *f, str
     return INFINITY;
 }
 
-/* Where a port's pane ends outwards. */
+/* Returns the outer plane of a port's pane. */
 static double plane_of(const struct orl_world *world, const struct orl_port *port)
 {
     struct orl_facet own;
-    return reach(world->geometry, orl_facet_own(world->geometry, port->facet, &own), port->outward);
+    return facet_extent(world->geometry, orl_facet_own(world->geometry, port->facet, &own),
+                        port->outward);
 }
 
-/* In one of the scene's two geometries: what light meets, or what views see. */
+/* Tests a facet of one of the scene's two geometries: that for light, or that for views. */
 static bool reaches_beyond(const struct orl_geometry *g, size_t facet, struct orl_vec3 outward,
                            double plane)
 {
     struct orl_facet own;
     const struct orl_facet *f = orl_facet_own(g, facet, &own);
-    return f->area > 0 && reach(g, f, outward) > plane + in_plane * g->radius;
+    return f->area > 0 && facet_extent(g, f, outward) > plane + in_plane * g->radius;
 }
 
-/* What stands in several places, by the box around each. */
+/* Tests a placed instance by its bounding box. */
 static bool is_placed_beyond(const struct orl_geometry *g, const struct orl_placed *placed,
                              struct orl_vec3 outward, double plane)
 {
-    return highest(placed->low, placed->high, outward) > plane + in_plane * g->radius;
+    return box_extent(placed->low, placed->high, outward) > plane + in_plane * g->radius;
 }
 
 static bool is_clear(const struct orl_world *world, const struct orl_port *port,
@@ -75,9 +78,9 @@ static bool is_clear(const struct orl_world *world, const struct orl_port *port,
 {
     const struct orl_geometry *g = world->geometry;
     const double plane = plane_of(world, port);
-    if (highest(g->low, g->high, port->outward) <= plane + in_plane * g->radius)
+    if (box_extent(g->low, g->high, port->outward) <= plane + in_plane * g->radius)
         return true;
-    for (size_t i = 0; i < g->n_facets && goes_on(crew, i); i++)
+    for (size_t i = 0; i < g->n_facets && may_continue(crew, i); i++)
         if (reaches_beyond(g, i, port->outward, plane) ||
             (world->seen && reaches_beyond(world->seen->geometry, i, port->outward, plane)))
             return false;
@@ -87,8 +90,8 @@ static bool is_clear(const struct orl_world *world, const struct orl_port *port,
     return true;
 }
 
-/* At a port: a facet is one, or one for each four of its triangles. */
-static size_t count_looks(const struct orl_geometry *g)
+/* Returns the number of tests per port; a facet counts as one, or as a quarter of its triangles. */
+static size_t count_tests(const struct orl_geometry *g)
 {
     const size_t of_triangles = orl_geometry_triangles_end(g) / 4;
     size_t n = of_triangles > g->n_facets ? of_triangles : g->n_facets;
@@ -98,7 +101,7 @@ static size_t count_looks(const struct orl_geometry *g)
     return n;
 }
 
-/* An earlier port in the same plane has the same outside. */
+/* Finds an earlier port in the same plane, which has the same outside. */
 static bool same_outside(const struct orl_world *world, size_t port, size_t *ret_same)
 {
     const struct orl_port *p = &world->ports[port];
@@ -114,7 +117,7 @@ static bool same_outside(const struct orl_world *world, size_t port, size_t *ret
 
 bool orl_outdoors_look(const struct orl_world *world, const struct orl_crew *crew, bool *ret_clear)
 {
-    const double facets = (double)count_looks(world->geometry), most = most_looks;
+    const double facets = (double)count_tests(world->geometry), most = most_looks;
     double looks = 0;
     for (size_t i = 0; i < world->n_ports; i++) {
         size_t same;
@@ -134,7 +137,7 @@ bool orl_outdoors_look(const struct orl_world *world, const struct orl_crew *cre
     return true;
 }
 
-static double sent_back(const struct orl_material *m)
+static double reflected_share(const struct orl_material *m)
 {
     const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED);
     const double most = fmax(orl_material_albedo_most(m, true, 0.5, back),
@@ -142,9 +145,10 @@ static double sent_back(const struct orl_material *m)
     return orl_material_shines(m) ? fmax(most, 1) : most;
 }
 
-/* The most of a prototype's facets, if a place of it reaches beyond. */
-static double sent_back_placed(const struct orl_world *world, const struct orl_geometry *prototype,
-                               struct orl_vec3 outward, double plane)
+/* Returns the largest reflectance of a prototype's facets, if a placement of it reaches beyond. */
+static double reflected_share_placed(const struct orl_world *world,
+                                     const struct orl_geometry *prototype, struct orl_vec3 outward,
+                                     double plane)
 {
     const struct orl_geometry *const g = world->geometry;
     bool beyond = false;
@@ -153,7 +157,7 @@ static double sent_back_placed(const struct orl_world *world, const struct orl_g
         beyond = g->placed[i].prototype == prototype &&
                  is_placed_beyond(g, &g->placed[i], outward, plane);
     for (size_t i = 0; i < prototype->n_facets && beyond; i++)
-        most = fmax(most, sent_back(&world->materials[orl_facet_material(prototype, i)]));
+        most = fmax(most, reflected_share(&world->materials[orl_facet_material(prototype, i)]));
     return most;
 }
 
@@ -166,14 +170,15 @@ double orl_outdoors_reflectance(const struct orl_world *world, const struct orl_
         const double plane = plane_of(world, port);
         if (port->clear)
             continue;
-        looks += (double)count_looks(g);
+        looks += (double)count_tests(g);
         if (looks > most_looks)
             return 1;
         for (size_t i = 0; i < g->n_prototypes; i++)
-            most = fmax(most, sent_back_placed(world, g->prototypes[i], port->outward, plane));
-        for (size_t i = 0; i < g->n_facets && goes_on(crew, i); i++)
+            most =
+                fmax(most, reflected_share_placed(world, g->prototypes[i], port->outward, plane));
+        for (size_t i = 0; i < g->n_facets && may_continue(crew, i); i++)
             if (reaches_beyond(g, i, port->outward, plane))
-                most = fmax(most, sent_back(&world->materials[orl_facet_material(g, i)]));
+                most = fmax(most, reflected_share(&world->materials[orl_facet_material(g, i)]));
     }
     return most;
 }
@@ -184,7 +189,7 @@ double orl_panes_reflectance(const struct orl_world *world)
     for (size_t p = 0; p < world->n_ports; p++)
         most = fmax(
             most,
-            sent_back(
+            reflected_share(
                 &world->materials[orl_facet_material(world->geometry, world->ports[p].facet)]));
     return most;
 }

@@ -1,22 +1,23 @@
 /*
- * Whether anything stands outside a window: a facet that reaches beyond the plane of the port's
- * pane. Where none does, whoever looks out of it sees domes and suns and nothing else. That is a
- * fact of geometry, every facet looked at, not of rays that happened to meet something.
+ * Tests for objects outside a window: facets that reach beyond the plane of the port's pane.
+ * Without them, only domes and suns are visible through the pane. The test is geometric and checks
+ * every facet; it does not depend on random rays.
  *
- * crew: whose cancellation is heeded; what is found then means nothing.
+ * crew: polled for cancellation; after it the results are meaningless.
  */
 #ifndef ORL_PLAN_OUTDOORS_H
 #define ORL_PLAN_OUTDOORS_H
 
 #include "light/world.h"
 
-/* Fills ret_clear, one per port. False, and all false: there was too much to look at. */
+/* Fills ret_clear, one entry per port: true if no facet reaches beyond it. Returns false, with all
+ * entries false, if there are too many facets to check. */
 bool orl_outdoors_look(const struct orl_world *world, const struct orl_crew *crew, bool *ret_clear);
 
-/* Of all facets that reach beyond any port: the largest share of light that one sends back. */
+/* Returns the largest share of light that a facet beyond any port reflects. */
 double orl_outdoors_reflectance(const struct orl_world *world, const struct orl_crew *crew);
 
-/* The largest share of light that a port sends back, to whoever stands before it. */
+/* Returns the largest share of light that a port reflects. */
 double orl_panes_reflectance(const struct orl_world *world);
 
 #endif

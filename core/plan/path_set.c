@@ -1,10 +1,10 @@
-/* Which classes of paths (oriel/paths.h) a scene has. */
+/* Finds the classes of paths (oriel/paths.h) of a scene. */
 #include <oriel/paths.h>
 
 #include "plan/decide.h"
 #include "scene/material/lobed.h"
 
-/* The largest share of the light of lamps in mirrors that may have no images. */
+/* Largest tolerable share of lamps' mirrored light without virtual images. */
 static const double tolerable_left_out = 0.02;
 
 static uint32_t set_if(bool present, enum orl_path_class class)
@@ -12,7 +12,7 @@ static uint32_t set_if(bool present, enum orl_path_class class)
     return present ? 1U << class : 0;
 }
 
-/* Returns true if there are lights that rays have to meet: skies and glows. */
+/* Returns true if there are lights that only rays can hit: skies and glow sources. */
 static bool has_wide_lights(const struct orl_world *world)
 {
     bool wide = world->n_domes > 0;
@@ -21,7 +21,7 @@ static bool has_wide_lights(const struct orl_world *world)
     return wide;
 }
 
-static uint32_t of_lights(const struct orl_world *world)
+static uint32_t light_classes(const struct orl_world *world)
 {
     bool direct = world->n_suns > 0;
     for (size_t i = 0; i < world->n_emitters; i++)
@@ -29,7 +29,7 @@ static uint32_t of_lights(const struct orl_world *world)
     return set_if(has_wide_lights(world), ORL_PATHS_SKY) | set_if(direct, ORL_PATHS_DIRECT);
 }
 
-static uint32_t of_mirrors(const struct orl_world *world, const struct orl_lit *lit)
+static uint32_t mirror_classes(const struct orl_world *world, const struct orl_lit *lit)
 {
     const bool flat = lit->classes[ORL_LIT_FLAT].lit, wide = has_wide_lights(world);
     return set_if(flat, ORL_PATHS_FLAT_MIRRORS) |
@@ -41,7 +41,7 @@ static uint32_t of_mirrors(const struct orl_world *world, const struct orl_lit *
            set_if(orl_lamp_images_twice(&world->lamp_images), ORL_PATHS_TWO_LAMP_MIRRORS);
 }
 
-static uint32_t of_lobes(const struct orl_world *world, const struct orl_lit *lit)
+static uint32_t lobe_classes(const struct orl_world *world, const struct orl_lit *lit)
 {
     if (!lit->classes[ORL_LIT_LOBE].lit)
         return 0;
@@ -53,7 +53,7 @@ static uint32_t of_lobes(const struct orl_world *world, const struct orl_lit *li
 uint32_t orl_find_path_set(const struct orl_survey *survey, const struct orl_lit *lit)
 {
     const struct orl_world *world = survey->world;
-    return of_lights(world) | of_mirrors(world, lit) | of_lobes(world, lit) |
+    return light_classes(world) | mirror_classes(world, lit) | lobe_classes(world, lit) |
            set_if(survey->rho_diffuse > 0, ORL_PATHS_DIFFUSE) |
            set_if(world->scene->mist != NULL, ORL_PATHS_MIST);
 }

@@ -11,7 +11,7 @@
 enum { SKY_ROWS = 64, SKY_COLUMNS = 128, TIMED_RAYS = 2048, MOST_SENSORS_LOOKED_AT = 4096 };
 static const double most_tolerance_lx = 0.01, tolerance_of_all = 1e-6;
 static const double sky_margin = 1.1;  /* the peak of a sky lies between its samples */
-static const double shading_share = 1; /* of a ray's time, beside it */
+static const double shading_share = 1; /* shading time, relative to a ray's time */
 enum { RAYS_A_SAMPLE = 3 };
 
 double orl_survey_dome_peak(const struct orl_dome *dome)
@@ -41,7 +41,8 @@ double orl_survey_reflected_lx(const struct orl_survey *survey, double direct_lx
     return direct_lx * rho / (1 - rho);
 }
 
-/* Diffuse and glossy, at normal incidence: what walls and panels send back into the room. */
+/* Returns diffuse and glossy reflectance at normal incidence: the light that walls and panels send
+ * back into the room. */
 static double reflectance(const struct orl_material *m)
 {
     const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED);
@@ -77,7 +78,7 @@ void orl_survey_measure(struct orl_survey *survey)
     }
 }
 
-/* Facets of the scene that light meets, and of that which views see. */
+/* Counts the facets of the geometry for light and of that for views. */
 static void count_surfaces(struct orl_survey *survey)
 {
     const struct orl_world *world = survey->world;
@@ -98,7 +99,7 @@ static void count_surfaces(struct orl_survey *survey)
     }
 }
 
-/* Rays all over the box of the scene; the time is for estimates alone. */
+/* Times rays in the whole box of the scene; used for estimates only. */
 static double time_rays(const struct orl_survey *survey)
 {
     const struct orl_plan_request *request = survey->request;

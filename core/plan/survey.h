@@ -1,14 +1,14 @@
 /*
- * What the planner knows of a scene before it decides: which materials are in use, how strong the
- * lights are, how much work the job is, and what a ray costs here. Facts, no decisions.
+ * Facts about a scene for the planner: materials in use, strength of the lights, size of the job,
+ * cost of a ray. It makes no decisions.
  *
- * Bounds. In a scene of passive surfaces no radiance is larger than that of the brightest light:
- * E <= pi L anywhere, mirrors, lenses and all. For domes and lamps that says enough. For a sun it
- * says next to nothing, so where nothing focuses its own irradiance is taken, and what follows from
- * it by diffuse reflection, 1 / (1 - rho).
+ * Bounds. In a scene of passive surfaces no radiance is larger than that of the brightest light: E
+ * <= pi L anywhere, in spite of mirrors and lenses. For domes and lamps that bound is tight enough.
+ * For a sun it is far too loose. If nothing focuses, the bound is the sun's irradiance and its
+ * diffuse reflections, 1 / (1 - rho).
  *
- * Tolerance: what is left on auto is skipped when it can cost no place more than this many lux:
- * 0.01, or a millionth of what all lights could give at most, where that is less.
+ * Tolerance: an effect on auto is skipped if it changes no point by more than this many lux: 0.01,
+ * or a millionth of the largest possible light of all sources, whichever is less.
  */
 #ifndef ORL_PLAN_SURVEY_H
 #define ORL_PLAN_SURVEY_H
@@ -18,36 +18,37 @@
 struct orl_survey {
     const struct orl_plan_request *request;
     struct orl_world *world;
-    uint32_t *surfaces;             /* per material: how many are of it */
-    double sun_lx, sky_lx, lamp_lx; /* at most, at unfocused places */
+    uint32_t *surfaces;             /* per material: number of surfaces */
+    double sun_lx, sky_lx, lamp_lx; /* upper bounds, at unfocused points */
     double tolerance_lx;
-    bool sky_measured;  /* domes are taken out all or none: once is enough */
-    double rho_diffuse; /* the largest of any surface */
-    double rho;         /* the largest diffuse or glossy reflectance of a surface */
-    double ray_s;       /* what one costs here, shading included */
+    bool sky_measured;  /* true: sky_lx is final; domes are removed all or none */
+    double rho_diffuse; /* largest diffuse reflectance of a surface */
+    double rho;         /* largest diffuse or glossy reflectance of a surface */
+    double ray_s;       /* seconds per ray, shading included */
     double pixels, sensor_rays;
-    size_t n_clear; /* ports: see light/world.h */
+    size_t n_clear; /* number of clear ports, see light/world.h */
 };
 
-/* Takes its facts; to be followed by orl_survey_done whatever it returns: 0 or ORL_ERR_NOMEM. */
+/* Collects the facts. Returns 0 or ORL_ERR_NOMEM. Call orl_survey_done in either case. */
 int orl_survey_init(struct orl_survey *survey, const struct orl_plan_request *request,
                     struct orl_world *world);
 void orl_survey_done(struct orl_survey *survey);
 
-/* Measures the lights once more, and the reflectances: after something was left out. */
+/* Measures lights and reflectances again, after something was left out. */
 void orl_survey_measure(struct orl_survey *survey);
 
-/* Illuminance that a reflectance rho makes of that direct one, by any number of reflections. */
+/* Returns the illuminance by any number of reflections of reflectance rho, for a direct
+ * illuminance. */
 double orl_survey_reflected_lx(const struct orl_survey *survey, double direct_lx);
 
-/* The brightest of what a dome shows, W/sr/m2 of luma. */
+/* Returns the largest radiance of a dome, W/sr/m2 of luma. */
 double orl_survey_dome_peak(const struct orl_dome *dome);
 
-/* How many surfaces of used materials pass a test. */
+/* Returns the number of surfaces whose material passes the test. */
 size_t orl_survey_count(const struct orl_survey *survey,
                         bool (*is)(const struct orl_material *material));
 
-/* Whether a sensor or an eye of the job is, or may be, outside the building. */
+/* Returns true if a sensor or an eye of the job is, or may be, outside the building. */
 bool orl_survey_asks_outside(const struct orl_survey *survey);
 
 #endif

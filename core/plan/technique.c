@@ -1,4 +1,4 @@
-/* Which technique, how deep light is followed, and by how many photons. */
+/* Chooses the technique, the number of reflections, and the number of photons. */
 #include <stdio.h>
 #include <string.h>
 
@@ -8,13 +8,13 @@
 
 enum { MOST_LAMPS = 4000000, DEEPEST = 1000 };
 enum { PHOTONS_A_WINDOW = 40000, LEAST_WINDOWS = 3 };
-/* Virtual lamps: for a sample of a sensor, in all and by window; of views. */
+/* Virtual lamps: per sample of a sensor, in total and per window; and for views. */
 enum { LAMPS_A_SAMPLE = 200, LAMPS_A_WINDOW = 8, LEAST_SAMPLES = 64 };
 enum { LAMPS_OF_VIEWS = 200000, LAMPS_OF_A_SAMPLE = 50, LAMPS_A_WINDOW_OF_VIEWS = 10000 };
 
 /* ---- Technique ------------------------------------------------------------------------------- */
 
-/* Surfaces of what stands in several places, counted in each. */
+/* Returns the number of surfaces of instances, counted in each placement. */
 static uint64_t count_placed(const struct orl_geometry *geometry)
 {
     uint64_t n = 0;
@@ -24,12 +24,12 @@ static uint64_t count_placed(const struct orl_geometry *geometry)
 }
 
 /*
- * The first of two techniques that finds all classes of paths, not some by chance only; if neither
- * does, paths, whose results say what they miss (run/chance.c). Fills in why if it is not the
- * first.
+ * Returns the first of two techniques that finds all classes of paths, not some by chance only. If
+ * neither does, returns the backward technique, whose results report missed light (run/chance.c).
+ * Fills ret_why if it is not the first.
  */
-static enum orl_technique finds_all(const enum orl_technique preferred[2], uint32_t paths,
-                                    char ret_why[ORL_WHY_MAX])
+static enum orl_technique choose_complete(const enum orl_technique preferred[2], uint32_t paths,
+                                          char ret_why[ORL_WHY_MAX])
 {
     const uint32_t missed = orl_paths_missed(preferred[0], paths);
     if (missed == 0)
@@ -45,8 +45,8 @@ static enum orl_technique finds_all(const enum orl_technique preferred[2], uint3
     return technique;
 }
 
-static enum orl_technique for_views(const struct orl_job *job, uint32_t paths,
-                                    char ret_why[ORL_WHY_MAX])
+static enum orl_technique choose_for_views(const struct orl_job *job, uint32_t paths,
+                                           char ret_why[ORL_WHY_MAX])
 {
     static const enum orl_technique usual[] = {ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_BACKWARD},
                                     rated[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
@@ -58,22 +58,22 @@ static enum orl_technique for_views(const struct orl_job *job, uint32_t paths,
         snprintf(ret_why, ORL_WHY_MAX,
                  "%zu view%s: an image is smooth soonest by a final gather to a photon map",
                  job->n_views, orl_plural(job->n_views));
-    return finds_all(glare ? rated : usual, paths, ret_why);
+    return choose_complete(glare ? rated : usual, paths, ret_why);
 }
 
-static enum orl_technique for_sensors(size_t n, uint32_t paths, char ret_why[ORL_WHY_MAX])
+static enum orl_technique choose_for_sensors(size_t n, uint32_t paths, char ret_why[ORL_WHY_MAX])
 {
     static const enum orl_technique preferred[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
     snprintf(ret_why, ORL_WHY_MAX,
              "%zu sensor%s: paths are exact on average; photons become virtual lamps for them, and "
              "no map is kept",
              n, orl_plural(n));
-    return finds_all(preferred, paths, ret_why);
+    return choose_complete(preferred, paths, ret_why);
 }
 
-/* Returns the planner's technique of the views, or of the sensors. */
-static enum orl_technique by_planner(const struct orl_survey *survey, uint32_t paths, bool views,
-                                     char ret_why[ORL_WHY_MAX])
+/* Returns the planner's technique for the views, or for the sensors. */
+static enum orl_technique plan_technique(const struct orl_survey *survey, uint32_t paths,
+                                         bool views, char ret_why[ORL_WHY_MAX])
 {
     const uint64_t leaves = count_placed(survey->world->geometry);
     if (leaves > ORL_DEFAULT_PHOTONS && !orl_paths_missed(ORL_TECHNIQUE_BACKWARD, paths)) {
@@ -83,13 +83,13 @@ static enum orl_technique by_planner(const struct orl_survey *survey, uint32_t p
                  (unsigned long long)leaves);
         return ORL_TECHNIQUE_BACKWARD;
     }
-    return views ? for_views(survey->request->job, paths, ret_why)
-                 : for_sensors(survey->request->n_sensors, paths, ret_why);
+    return views ? choose_for_views(survey->request->job, paths, ret_why)
+                 : choose_for_sensors(survey->request->n_sensors, paths, ret_why);
 }
 
-/* Returns the technique of the views, or of the sensors: the job's or the planner's. */
-static enum orl_technique choose(const struct orl_survey *survey, uint32_t paths, bool views,
-                                 char ret_why[ORL_WHY_MAX])
+/* Returns the technique for the views, or for the sensors: the job's or the planner's. */
+static enum orl_technique choose_technique(const struct orl_survey *survey, uint32_t paths,
+                                           bool views, char ret_why[ORL_WHY_MAX])
 {
     const struct orl_job *job = survey->request->job;
     const enum orl_wish gather = job->wishes[ORL_EFFECT_FINAL_GATHER];
@@ -97,7 +97,7 @@ static enum orl_technique choose(const struct orl_survey *survey, uint32_t paths
     if (technique != ORL_TECHNIQUE_AUTO)
         snprintf(ret_why, ORL_WHY_MAX, "as the job asks");
     else
-        technique = by_planner(survey, paths, views, ret_why);
+        technique = plan_technique(survey, paths, views, ret_why);
     if (gather == ORL_WISH_FORCE && job->technique == ORL_TECHNIQUE_AUTO) {
         snprintf(ret_why, ORL_WHY_MAX, "the job asks for a final gather");
         return ORL_TECHNIQUE_GATHER;
@@ -110,18 +110,18 @@ static enum orl_technique choose(const struct orl_survey *survey, uint32_t paths
     return technique;
 }
 
-/* Sensors beside views get their own technique, unless the job names one for both or has a
- * deadline: rounds divide the time of a deadline between sensors and views, and have one technique.
- */
+/* Sensors beside views get a separate technique, unless the job names one for both or has a
+ * deadline. Rounds divide the time of a deadline between sensors and views, and have one
+ * technique. */
 static void decide_techniques(const struct orl_survey *survey, struct orl_plan *plan)
 {
     const struct orl_job *job = survey->request->job;
     const bool views = job->n_views > 0 || survey->request->n_sensors == 0;
-    plan->technique = choose(survey, plan->paths, views, plan->technique_why);
+    plan->technique = choose_technique(survey, plan->paths, views, plan->technique_why);
     plan->sensor_technique = plan->technique;
     memcpy(plan->sensor_why, plan->technique_why, sizeof plan->sensor_why);
     if (views && survey->request->n_sensors > 0 && !(job->goal.deadline_s > 0))
-        plan->sensor_technique = choose(survey, plan->paths, false, plan->sensor_why);
+        plan->sensor_technique = choose_technique(survey, plan->paths, false, plan->sensor_why);
 }
 
 static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan)
@@ -138,8 +138,9 @@ static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan
 
 /* ---- Interreflection ------------------------------------------------------------------------- */
 
-/* After how many reflections less than the tolerance is left, of light that nothing focuses. */
-static uint32_t depth(const struct orl_survey *survey, const struct orl_lit *lit)
+/* Returns the number of reflections after which less than the tolerance is left, of light that
+ * nothing focuses. */
+static uint32_t reflection_depth(const struct orl_survey *survey, const struct orl_lit *lit)
 {
     const double rho = survey->rho_diffuse;
     double left = survey->sun_lx * (1 + (double)survey->world->images.n_mirrors) + survey->sky_lx +
@@ -161,7 +162,7 @@ static void decide_interreflection(struct orl_survey *survey, const struct orl_l
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_INTERREFLECTION];
     const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
     const double rho = fmin(survey->rho_diffuse, 1 - 1e-6);
-    const uint32_t n = depth(survey, lit);
+    const uint32_t n = reflection_depth(survey, lit);
     const struct orl_finding finding = {.needed = n > 0,
                                         .unit = ORL_BOUND_LX,
                                         .bound = direct * rho / (1 - rho),
@@ -179,13 +180,15 @@ static void decide_interreflection(struct orl_survey *survey, const struct orl_l
                                                                 : n;
 }
 
-/* Where a map is seen directly, shadow rays and caustic photons are seen beside it. */
+/* Returns true if the technique reads the map by density; shadow rays and caustic photons are added
+ * to it. */
 static bool shows_map(enum orl_technique technique)
 {
     return technique == ORL_TECHNIQUE_DIRECT || technique == ORL_TECHNIQUE_PRECOMPUTED;
 }
 
-/* Of a surface that the map itself shows, the light that comes to it counts, not what it sends. */
+/* Returns the number of reflections of photons. Where the map itself is read, it counts the light
+ * that reaches a surface, not the light that the surface reflects. */
 static uint32_t reflections_of_photons(const struct orl_plan *plan)
 {
     const bool itself = shows_map(plan->technique);
@@ -194,12 +197,14 @@ static uint32_t reflections_of_photons(const struct orl_plan *plan)
 }
 
 /*
- * Photons that a technique needs, of what it takes where suns and lamps put bright edges into a
- * room. Under the sky alone light is smooth: there sensors come out alike (1.3 % of noise, mostly
- * of gather rays) from 100 000 photons and from 2 000 000, and 5 x 5 pixels differ by 1.5 %; and a
- * tenth of the virtual lamps adds a third to a standard error. Many windows light many rooms.
+ * Returns the number of photons that a technique needs. for_edges is the number for rooms in which
+ * suns and lamps make bright edges. Under the sky alone light is smooth. There sensors have the
+ * same noise (1.3 %, mostly of gather rays) with 100 000 photons and with 2 000 000, and blocks of
+ * 5 x 5 pixels differ by 1.5 %. A tenth of the virtual lamps adds a third to a standard error. Many
+ * windows light many rooms, so the number grows with the windows.
  */
-static uint64_t enough(const struct orl_survey *survey, uint64_t for_edges, uint64_t a_window)
+static uint64_t enough_photons(const struct orl_survey *survey, uint64_t for_edges,
+                               uint64_t a_window)
 {
     const struct orl_world *world = survey->world;
     const uint64_t windows = world->n_ports > LEAST_WINDOWS ? world->n_ports : LEAST_WINDOWS;
@@ -211,13 +216,14 @@ static uint64_t enough(const struct orl_survey *survey, uint64_t for_edges, uint
 }
 
 /*
- * A sample connects to eight of the virtual lamps, which all samples share. Of S samples and L
- * lamps a sensor's relative variance goes as 1 / S + b / L: b is 90 to 105 in the test office, 8 in
- * rooms under the sky alone. A sample of its sensors takes as long as some 5 lamps: the least time
- * for an error has about 200 lamps a sample there, and 50 here. Pixels are many: what they need at
- * the most costs them nothing.
+ * Returns the number of virtual lamps. A sample connects to eight of them, and all samples share
+ * them. With S samples and L lamps a sensor's relative variance is proportional to 1 / S + b / L. b
+ * is 90 to 105 in the test office, and 8 in rooms under the sky alone. A sample of its sensors
+ * takes as long as about 5 lamps. The time for a given error is least with about 200 lamps per
+ * sample there, and 50 here. Pixels are so many that the largest useful number of lamps costs them
+ * little.
  */
-static uint64_t lamps(const struct orl_survey *survey)
+static uint64_t virtual_lamps(const struct orl_survey *survey)
 {
     const struct orl_job *job = survey->request->job;
     uint64_t samples = job->gather_samples ? job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
@@ -231,7 +237,7 @@ static uint64_t lamps(const struct orl_survey *survey)
         a_window = LAMPS_A_WINDOW * samples;
     }
     all = all < MOST_LAMPS ? all : MOST_LAMPS;
-    return job->photons_global < all ? job->photons_global : enough(survey, all, a_window);
+    return job->photons_global < all ? job->photons_global : enough_photons(survey, all, a_window);
 }
 
 static uint64_t global_photons(const struct orl_survey *survey, const struct orl_plan *plan)
@@ -240,12 +246,12 @@ static uint64_t global_photons(const struct orl_survey *survey, const struct orl
     if (survey->world->omit.most_reflections == 0 || survey->world->scene->mist)
         return 0;
     if (plan->technique == ORL_TECHNIQUE_BACKWARD)
-        return lamps(survey);
+        return virtual_lamps(survey);
     if (asked != ORL_PHOTONS_BY_PLAN)
         return asked;
     switch (plan->technique) {
     case ORL_TECHNIQUE_GATHER:
-        return enough(survey, ORL_DEFAULT_PHOTONS, PHOTONS_A_WINDOW);
+        return enough_photons(survey, ORL_DEFAULT_PHOTONS, PHOTONS_A_WINDOW);
     default:
         return ORL_DEFAULT_PHOTONS;
     }
@@ -262,7 +268,7 @@ void orl_decide_technique(struct orl_survey *survey, const struct orl_lit *lit,
     plan->photons_global = global_photons(survey, plan);
 }
 
-/* ---- What jobs may ask for ------------------------------------------------------------------- */
+/* ---- Requests of jobs ------------------------------------------------------------------------ */
 
 void orl_decide_requests(struct orl_survey *survey, struct orl_plan *plan)
 {

@@ -1,5 +1,4 @@
-/* What windows have to do with it: surfaces outside, which ports send light, which suns reach in.
- */
+/* Decides on effects of windows: outdoor surfaces, ports that send light, suns that reach in. */
 #include <stdlib.h>
 
 #include "base/random.h"
@@ -10,7 +9,8 @@
 
 enum { REACH_PATHS = 2048, REACH_BOUNCES = 8, PILOT_PATHS = 2048 };
 
-/* Half the disc: a sun in a pane's plane still has part of it in front. */
+/* Returns true if a sun faces a pane. Half the disc is added: a sun in the pane's plane is partly
+ * in front. */
 static bool sun_faces(const struct orl_sun *sun, struct orl_vec3 outward)
 {
     const double half = sqrt(fmax(0, 1 - sun->cos_half_angle * sun->cos_half_angle));
@@ -19,7 +19,8 @@ static bool sun_faces(const struct orl_sun *sun, struct orl_vec3 outward)
 
 /* ---- Exterior -------------------------------------------------------------------------------- */
 
-/* Share of the light that looks out of ports find, by way of surfaces outside. */
+/* Returns the share of the light at ports, seen from inside, that comes by way of outdoor
+ * surfaces. */
 static double share_reflected(const struct orl_survey *survey)
 {
     struct orl_world straight = *survey->world;
@@ -90,7 +91,8 @@ static void decide_exterior(struct orl_survey *survey, struct orl_plan *plan)
 
 /* ---- Ports ----------------------------------------------------------------------------------- */
 
-/* With nothing beyond its plane a port gets light from domes and suns in front of it, or none. */
+/* Returns true if a port gets no light: nothing lies beyond its plane, and no dome or sun in front
+ * of it. */
 static bool is_silent(const struct orl_world *world, const struct orl_port *port)
 {
     if (!port->clear)
@@ -128,7 +130,8 @@ static void decide_ports(struct orl_survey *survey, struct orl_plan *plan)
 
 /* ---- Suns ------------------------------------------------------------------------------------ */
 
-/* Rays from inside that look for the sun through holes too small to make the building open. */
+/* Returns true if rays from inside find the sun through holes that are too small to make the
+ * building open. */
 static bool sun_found_inside(const struct orl_world *world, struct orl_vec3 sun)
 {
     const struct orl_geometry *g = world->geometry;
@@ -155,8 +158,8 @@ static bool sun_found_inside(const struct orl_world *world, struct orl_vec3 sun)
 }
 
 /*
- * A sun behind the planes of all windows, with nothing outside to send its light in: only the
- * outside is lit by it, and nobody asks for that.
+ * Returns false for a sun behind the planes of all windows if nothing outdoors can send its light
+ * in. It lights only the outside, which no sensor or view of the job sees.
  */
 static bool can_reach(const struct orl_survey *survey, const struct orl_sun *sun)
 {

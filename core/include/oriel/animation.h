@@ -1,4 +1,4 @@
-/* Pictures one after the other: an animated PNG of PNGs of one size. */
+/* Animated PNG from still PNGs of one size. */
 #ifndef ORIEL_ANIMATION_H
 #define ORIEL_ANIMATION_H
 
@@ -6,8 +6,8 @@
 
 #include <oriel/error.h>
 
-/* frame_s: how long each is shown. Whole or absent. ORL_ERR_RANGE: they differ in size;
- * ORL_ERR_IO, _NOMEM, _SYNTAX. */
+/* Writes the animation; on errors no file is left. frame_s: seconds per frame. Returns 0,
+ * ORL_ERR_RANGE (pictures differ in size), ORL_ERR_IO, _NOMEM or _SYNTAX. */
 int orl_animation_write(const char *const *pictures, size_t count, double frame_s, const char *path,
                         struct orl_error *err);
 

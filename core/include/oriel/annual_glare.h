@@ -1,23 +1,23 @@
 /*
- * Glare over a year: the daylight glare probability (metrics: oriel/glare.h) of every hour in use,
- * for people who sit at a place and look in a direction.
+ * Annual glare: the daylight glare probability (metrics: oriel/glare.h) of every hour of use, for
+ * people at given positions and view directions (seats).
  *
- * The light at the eye is that of a year's sensor there: sky, sun seen, sun by way of surfaces, all
- * of them. The sources are found as in a picture (threshold 2000 cd/m2, 0.2 rad, peaks above 50 000
- * cd/m2: what a view's `dgp` has by default), in one that is put together anew for each hour from
- * what each of its pixels sees, which is looked at once: sky and ground through panes, what BSDFs
- * scatter of sky and sun, and surfaces by the light on them, that of the sky and of other surfaces
- * in some places of each and the sun's in every pixel. The sun's disc, and its images in flat
- * mirrors, are sources of their own.
+ * The light at the eye is that of an annual sensor at the eye, with all of its parts: sky, visible
+ * sun, and sun by reflection. Glare sources are found as in a picture (threshold 2000 cd/m2, 0.2
+ * rad, peaks above 50 000 cd/m2: the defaults of a view's `dgp`). The picture is composed for each
+ * hour from per-pixel data that are traced once: sky and ground through panes, sky and sun
+ * scattered by BSDFs, and surfaces by their illuminance. Illuminance by the sky and by other
+ * surfaces is computed at some points of each surface; sunlight is computed in every pixel. The
+ * sun's disc, and its images in flat mirrors, are separate sources.
  *
- * Errors. low and high are those of the light at the eye, at 95 %; errors of one seat are
- * correlated over its hours, as a sensor's are. What the pixels' width leaves of DGP's error
- * (core/metrics and tests/bench tell how much) is not in them.
+ * Errors. low and high are the 95 % bounds due to the light at the eye. The errors of one seat are
+ * correlated over its hours, as a sensor's are. They do not include the error of DGP due to the
+ * pixels' width (core/metrics and tests/bench give its size).
  *
- * Places in scene units; directions need not be unit, and must not be upright. Results are the same
- * bytes for any crew. Reference: Wienold and Christoffersen 2006 (metrics/dgp.h); EN 17037:2018,
- * annex E, for what a year's DGP is told by; spatial glare autonomy after Jones 2019, "Fast
- * climate-based glare analysis and spatial mapping", Building Simulation.
+ * Positions are in scene units; directions need not be unit, and must not be vertical. Results are
+ * the same bytes for any crew. References: Wienold and Christoffersen 2006 (metrics/dgp.h); EN
+ * 17037:2018, annex E, for the annual classification of DGP; spatial glare autonomy after Jones
+ * 2019, "Fast climate-based glare analysis and spatial mapping", Building Simulation.
  */
 #ifndef ORIEL_ANNUAL_GLARE_H
 #define ORIEL_ANNUAL_GLARE_H
@@ -29,22 +29,22 @@
 enum { ORL_GLARE_WORST = 5, ORL_GLARE_BOUNDS = 3 };
 extern const double orl_glare_bounds[ORL_GLARE_BOUNDS]; /* 0.35, 0.40, 0.45 */
 
-/* Finite places, directions that are not upright, a year that glare is told of. ORL_ERR_RANGE,
- * ORL_ERR_UNSUPPORTED. */
+/* Checks that positions are finite, that directions are not vertical, and that the year supports
+ * glare. Returns 0, ORL_ERR_RANGE or ORL_ERR_UNSUPPORTED. */
 int orl_seats_validate(const struct orl_seats_wish *wish, const struct orl_annual_request *request,
                        struct orl_error *err);
 
-/* Of a seat, by the year's columns; NaN where DGP is not wanted. */
+/* Hourly values of a seat, by the year's columns; NaN for hours without DGP. */
 struct orl_seat_hours {
     float *dgp, *low, *high, *eye_lx; /* owned */
 };
 void orl_seat_hours_free(struct orl_seat_hours *hours, size_t n); /* NULL is fine */
 
 /*
- * Of the request's year, and with its shades as that has them: a run of each combination of states
- * that is wanted, of at most ORL_SHADES_MOST_COMBINATIONS. wanted: of each of the result's columns.
- * The request's sensors are not looked at. Reads scene and weather, or finds them on the shelf.
- * *ret_hours: of each seat, owned. Errors: orl_annual_run's.
+ * Computes DGP at the seats for the request's year. With shades there is one run for each wanted
+ * combination of states, at most ORL_SHADES_MOST_COMBINATIONS. `wanted` has one flag per column of
+ * the result. The request's sensors are not used. Reads scene and weather, or finds them on the
+ * shelf. *ret_hours has one owned entry per seat. Errors are those of orl_annual_run.
  */
 int orl_annual_glare_find(const struct orl_seats_wish *wish,
                           const struct orl_annual_request *request,
@@ -52,9 +52,9 @@ int orl_annual_glare_find(const struct orl_seats_wish *wish,
                           const struct orl_run_env *env, struct orl_seat_hours **ret_hours,
                           struct orl_error *err);
 
-/* ---- What is told of it ---------------------------------------------------------------------- */
+/* ---- Evaluation ------------------------------------------------------------------------------ */
 
-/* EN 17037, annex E: DGP is above the bound in at most 5 % of the time of use. */
+/* Levels of EN 17037, annex E: DGP exceeds the bound in at most 5 % of the time of use. */
 enum orl_glare_protection {
     ORL_PROTECTED_LESS,
     ORL_PROTECTED_MINIMUM, /* 0.45 */
@@ -64,17 +64,16 @@ enum orl_glare_protection {
 const char *orl_glare_protection_name(enum orl_glare_protection level); /* "none", "minimum", ... */
 
 struct orl_seat_hour {
-    size_t step; /* of the year's result */
+    size_t step; /* index in the year's result */
     struct orl_annual_value dgp;
     double eye_lx;
 };
 
 struct orl_seat_glare {
     struct orl_annual_value above[ORL_GLARE_BOUNDS]; /* % of the time of use, by orl_glare_bounds */
-    struct orl_annual_value exceeded;                /* in 5 % of it: that DGP */
-    enum orl_glare_protection level, lowest, highest; /* the latter two by intervals, or any
-                                                         if the weather lacks hours of use */
-    /* The worst hour of each of the worst days, sorted by DGP, then by eye_lx, largest first. */
+    struct orl_annual_value exceeded; /* DGP that is exceeded in 5 % of the time of use */
+    enum orl_glare_protection level, lowest, highest; /* the last two by the intervals */
+    /* Worst hour of each of the worst days, sorted by DGP, then by eye_lx, largest first. */
     struct orl_seat_hour worst[ORL_GLARE_WORST];
     size_t n_worst;
 };

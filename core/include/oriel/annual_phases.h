@@ -1,24 +1,28 @@
 /*
  * Matrices of the three- and five-phase methods (McNeil and Lee 2013; McNeil 2013, "The five-phase
- * method for simulating complex fenestration with Radiance"), as others multiply them: irradiance
- * at sensors = view x transmission x daylight x sky, summed over windows.
+ * method for simulating complex fenestration with Radiance"), in the form that other programs
+ * multiply: irradiance at sensors = view x transmission x daylight x sky, summed over windows.
  *
- * Windows are the ports of a sealed building, those of one material that face one way together.
- * Directions are the cells of LBNL's full Klems basis about the way they face inwards, "up" being
- * the BSDF's, or the scene's: light that leaves by its direction, light that comes in by the way in
- * which it travels, as WINDOW and Radiance number them. What goes straight on keeps its cell.
- *   view          sensors x cells: irradiance, of radiance 1 that leaves all of the windows in a
- * cell transmission  cells out x cells in: radiance of a cell, of radiance 1 in another; a BSDF's
- * own matrix where it has one in that basis, else means over cells of both daylight      cells x
- * ORL_ANNUAL_PATCHES: mean radiance that comes to the windows in a cell, of radiance 1 in a patch
- *   straight view, daylight: the same without any reflection, for what five phases take off
- *   suns          sensors x ORL_PHASES_SUNS: irradiance straight from, or through panes and BSDFs,
- * a disc of 0.533 degrees and radiance 1 in the middle of each patch of Reinhart's sky MF:6; the
- * first column, the ground's, is 0
+ * A window is the set of ports of a sealed building that share a material and an orientation.
+ * Directions are the cells of LBNL's full Klems basis about the inward normal. "Up" is that of the
+ * BSDF, or else that of the scene. Outgoing light is numbered by its direction, incoming light by
+ * its direction of travel, as in WINDOW and Radiance. Light that passes straight through keeps its
+ * cell.
+ * - view: sensors x cells; irradiance by radiance 1 that leaves all of the windows in a cell.
+ * - transmission: cells out x cells in; radiance of a cell by radiance 1 in another; a BSDF's own
+ *   matrix if it has one in that basis, else means over both cells.
+ * - daylight: cells x ORL_ANNUAL_PATCHES; mean radiance that reaches the windows in a cell by
+ *   radiance 1 in a patch.
+ * - straight view, straight daylight: the same without any reflection, for the part that five
+ *   phases subtract.
+ * - suns: sensors x ORL_PHASES_SUNS; irradiance, direct or through panes and BSDFs, by a disc of
+ *   0.533 degrees and radiance 1 in the middle of each patch of Reinhart's sky MF:6; the first
+ *   column, the ground's, is 0.
  *
- * What differs from the year itself: panes reflect nothing back into the room (they are where paths
- * end, so that another transmission can take the place of this one), and within a cell all is one.
- * Grey: by luma. Errors are those of the paths, as many a sensor as the year's; they are not told.
+ * Differences from the annual run: panes reflect nothing back into the room, because paths end
+ * there so that another transmission can replace this one; and values are constant within a cell.
+ * Values are grey (luma). Errors are those of the paths, with as many per sensor as in the year;
+ * they are not reported.
  */
 #ifndef ORIEL_ANNUAL_PHASES_H
 #define ORIEL_ANNUAL_PHASES_H
@@ -33,7 +37,7 @@ enum {
 };
 
 struct orl_phase_window {
-    char *name; /* the material's, and -2 and so on where it faces more ways */
+    char *name; /* material name, with suffix -2 and so on for further orientations */
     size_t n_panes;
     float *transmission;                 /* [cell out][cell in] */
     float *daylight, *straight_daylight; /* [cell][patch] */
@@ -47,8 +51,9 @@ struct orl_annual_phases {
 };
 void orl_annual_phases_done(struct orl_annual_phases *phases); /* zeros are fine */
 
-/* Of the request's scene, sensors, samples and seed, shades being open. Errors: orl_annual_run's,
- * and ORL_ERR_UNSUPPORTED where light has other ways in than windows, or sensors stand outdoors. */
+/* Computes the matrices for the request's scene, sensors, samples and seed, with shades open.
+ * Errors are those of orl_annual_run, and ORL_ERR_UNSUPPORTED if light has other ways in than
+ * windows, or sensors stand outdoors. */
 int orl_annual_phases_find(const struct orl_annual_request *request, const struct orl_run_env *run,
                            struct orl_annual_phases *ret_phases, struct orl_error *err);
 

@@ -1,7 +1,6 @@
 /*
- * A BSDF that is made once, of a panel or of measurements, and found again: orl_bsdf_make and
- * orl_bsdf_fit with a store (oriel/run.h) beside them, as kind "made". The result is the same
- * either way, to the bit.
+ * Cache for BSDFs made from a panel or from measurements: orl_bsdf_make and orl_bsdf_fit with a
+ * store (oriel/run.h), as kind "made". Cached and new results are bitwise the same.
  */
 #ifndef ORIEL_BSDF_KEPT_H
 #define ORIEL_BSDF_KEPT_H
@@ -14,16 +13,17 @@
 
 struct orl_bsdf_keep {
     const struct orl_map_store *store;
-    /* ORL_DIGEST_HEX digits of all that the BSDF depends on, the program included; the caller's to
-     * tell. */
+    /* ORL_DIGEST_HEX digits that identify all inputs of the BSDF, including the program version;
+     * computed by the caller. */
     const char *key;
-    double (*now_s)(void *ctx); /* a steady clock, called with the environment's ctx */
+    double (*now_s)(void *ctx); /* monotonic clock, seconds; called with the environment's ctx */
 };
 
 /*
- * *ret_info: what is kept, cached when it was there already; its paths, or rows, are those emitted.
- * Errors as XML are not kept: a request for them is ORL_ERR_INVALID. What cannot be kept, or is
- * found damaged, costs time alone. Else as orl_bsdf_make and orl_bsdf_fit.
+ * Like orl_bsdf_make and orl_bsdf_fit, with a cache. *ret_info describes the cache entry; `cached`
+ * is true if it existed, and `emitted` counts its paths or rows. Error files (errors_xml) are not
+ * cached: a request for them returns ORL_ERR_INVALID. If an entry cannot be stored, or is damaged,
+ * the BSDF is computed again.
  */
 int orl_bsdf_make_kept(const struct orl_bsdf_make_request *request,
                        const struct orl_bsdf_make_env *env, const struct orl_bsdf_keep *keep,

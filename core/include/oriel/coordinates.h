@@ -9,11 +9,12 @@
 #include <oriel/error.h>
 #include <oriel/vec.h>
 
-/* Each coordinate is finite and at most ORL_LIMIT_DISTANCE in magnitude. what: "sensor 3", for the
- * message. Returns 0 or ORL_ERR_RANGE. */
+/* Checks that each coordinate is finite and at most ORL_LIMIT_DISTANCE in magnitude. what: "sensor
+ * 3", for the message. Returns 0 or ORL_ERR_RANGE. */
 int orl_check_point(struct orl_vec3 point, const char *what, struct orl_error *err);
 
-/* Also refuses a direction whose length is zero or too small for a unit vector. */
+/* Same as orl_check_point, and also rejects a direction whose length is zero or too small for a
+ * unit vector. */
 int orl_check_direction(struct orl_vec3 direction, const char *what, struct orl_error *err);
 
 #endif

@@ -1,24 +1,25 @@
 /*
- * What to say of the seconds that a job has left, going by what its run tells (oriel/run.h). Shared
- * by daemon and command line.
+ * Displayed time to completion of a job, from the estimates of its run (oriel/run.h). Shared by
+ * daemon and command line.
  *
- * Estimates waver: each report has another one. What is said follows them without wavering: between
- * two reports it goes down with the clock, the faster or slower the further it is from what was
- * told last, as a clock is slewed; only where the two are far apart it goes over at once.
+ * Estimates fluctuate from report to report. The displayed time follows them smoothly, as a clock
+ * is slewed. Between two reports it counts down; the rate depends on its distance to the last
+ * estimate. It jumps only if the two are far apart.
  */
 #ifndef ORIEL_ETA_H
 #define ORIEL_ETA_H
 
 #include <math.h>
 
-/* By a steady clock. All zeros: nothing was told yet. */
+/* State of the display, by a monotonic clock. All zeros: no report yet. */
 struct orl_eta {
-    double left_s; /* said when that was; NaN: not known */
-    double told_s; /* when; 0: never */
-    double rate;   /* by which it goes down, seconds a second */
+    double left_s; /* displayed value at told_s; NaN: not known */
+    double told_s; /* time of the last report; 0: none yet */
+    double rate;   /* count-down rate, seconds per second */
 };
 
-/* What is said now; NaN: nothing is known. It never goes below a tenth of what was left. */
+/* Returns the seconds to display now; NaN: not known. The result never goes below a tenth of
+ * left_s. */
 static inline double orl_eta_s(const struct orl_eta *eta, double now_s)
 {
     const double least = 0.1, since = fmax(now_s - eta->told_s, 0);
@@ -26,7 +27,7 @@ static inline double orl_eta_s(const struct orl_eta *eta, double now_s)
                            : (double)NAN;
 }
 
-/* A report: so many seconds are thought to be left. NaN is no news. */
+/* Takes a report of the estimated seconds left. NaN is ignored. */
 static inline void orl_eta_take(struct orl_eta *eta, double left_s, double now_s)
 {
     const double apart = 1.25, some_s = 0.3, steep = 4, slowest = 0.2, fastest = 3;

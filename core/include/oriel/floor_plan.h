@@ -1,7 +1,4 @@
-/*
- * A scene as a floor plan: where a level plane cuts its surfaces, as one draws a plan of a
- * building.
- */
+/* Floor plan of a scene: the lines in which a horizontal plane cuts its surfaces. */
 #ifndef ORIEL_FLOOR_PLAN_H
 #define ORIEL_FLOOR_PLAN_H
 
@@ -10,16 +7,16 @@
 enum { ORL_FLOOR_PLAN_LINES = 8192 };
 
 struct orl_floor_plan {
-    double height;          /* of the plane: z, in scene units */
-    double (*lines)[4];     /* x and y of one end, of the other; owned */
+    double height;          /* z of the plane, scene units */
+    double (*lines)[4];     /* x and y of both ends; owned */
     size_t count;           /* at most ORL_FLOOR_PLAN_LINES */
-    bool more;              /* there were others, shorter than all of these */
-    double low[3], high[3]; /* bounds of the scene; 0 where it has no surfaces */
+    bool more;              /* true: further lines exist, shorter than all of these */
+    double low[3], high[3]; /* bounds of the scene; 0 without surfaces */
 };
 
 /*
- * Of the scene at that height; half-way up when it is NAN. Round surfaces are cut as prisms. Errors
- * are those of orl_scene_check.
+ * Cuts the scene at that height; NAN: half-way up. Round surfaces are cut as prisms. Errors are
+ * those of orl_scene_check.
  */
 int orl_scene_floor_plan(const char *const *main_files, size_t n_files,
                          const struct orl_files *files, double height,

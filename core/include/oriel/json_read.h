@@ -1,7 +1,6 @@
 /*
- * Reads JSON text, whole or not at all. jansson by itself cuts strings short where it has no memory
- * for the rest of them, and says nothing. Of the core only readers of glTF use it; it stands here
- * for them and for api/.
+ * Reads JSON text completely, or fails. jansson by itself silently truncates strings when memory
+ * runs out. In the core only the glTF readers use this; it is here because api/ uses it too.
  *
  * Threads: any.
  */
@@ -14,21 +13,22 @@
 
 #include <jansson.h>
 
-/* Bytes of memory that reading the text will take, roughly, however small its values are. */
+/* Returns a rough estimate of the memory, in bytes, that reading the text takes, also for many
+ * small values. */
 uint64_t orl_json_weight(const char *text, size_t size);
 
 /*
- * With jansson's flags; a new reference. NULL: errno is ENOMEM where there was no memory, and 0
- * where the text is none, as *ret_where says, unless it is NULL.
+ * Parses with jansson's flags. Returns a new reference, or NULL: errno is ENOMEM if memory ran out,
+ * and 0 if the text is invalid. *ret_where, if not NULL, then gives the place.
  */
 json_t *orl_json_read(const char *text, size_t size, size_t flags, json_error_t *ret_where);
 
-/* Reads as orl_json_read does, and ends soon after *cancel is set (NULL: never), with errno
+/* Same as orl_json_read, and stops soon after *cancel is set (NULL: never), with errno
  * ECANCELED. */
 json_t *orl_json_read_until(const char *text, size_t size, size_t flags, const atomic_bool *cancel,
                             json_error_t *ret_where);
 
-/* What Oriel has written, to a NUL; NULL text gives NULL, with errno 0. */
+/* Parses NUL-terminated text that Oriel has written; NULL text gives NULL, with errno 0. */
 json_t *orl_json_reread(const char *text);
 
 #endif

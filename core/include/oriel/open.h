@@ -1,8 +1,9 @@
 /*
- * Opening files without waiting. open() of a FIFO waits for the other end, for ever if there is
- * none; these functions do not wait, and refuse what is not a regular file.
+ * Opens files without blocking. open() of a FIFO waits for the other end, possibly for ever. These
+ * functions do not wait, and reject everything but regular files.
  *
- * Errors: like open(), -1 or NULL with errno set; orl_open_reason() is the text for that errno.
+ * Errors: as for open(), -1 or NULL with errno set; orl_open_reason() returns the text for that
+ * errno.
  */
 #ifndef ORIEL_OPEN_H
 #define ORIEL_OPEN_H
@@ -10,7 +11,7 @@
 #include <errno.h>
 #include <stdio.h>
 
-/* The errno for a folder, FIFO, socket or device in the place of a regular file. */
+/* errno for a folder, FIFO, socket or device in place of a regular file. */
 #define ORL_OPEN_NOT_REGULAR EINVAL
 
 /*
@@ -23,14 +24,14 @@ int orl_open_regular(const char *path, int flags);
  * creates. */
 FILE *orl_stream_regular(const char *path, char mode);
 
-/* Opens an existing pipe or device for writing: /dev/null, /dev/stdout, a FIFO that has a reader. A
- * FIFO without one fails with ENXIO. Writes may wait for the reader. */
+/* Opens an existing pipe or device for writing: /dev/null, /dev/stdout, or a FIFO that has a
+ * reader. A FIFO without one fails with ENXIO. Writes may wait for the reader. */
 FILE *orl_stream_to_device(const char *path);
 
-/* strerror, or "not a regular file". */
+/* Returns strerror, or "not a regular file". */
 const char *orl_open_reason(int why);
-/* The code for a file of a store that does not open: ORL_ERR_CORRUPT when it is not regular, so
- * that it is made again; else ORL_ERR_IO. */
+/* Returns the code for a file of a store that does not open: ORL_ERR_CORRUPT if it is not regular,
+ * so that it is made again; else ORL_ERR_IO. */
 int orl_open_err_of_stored(int why);
 
 #endif

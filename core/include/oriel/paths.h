@@ -1,10 +1,10 @@
 /*
- * Classes of paths of light, and the sampling strategies by which each technique finds them.
+ * Classes of light paths, and the sampling strategies by which each technique finds them.
  *
- * A class is how light goes from its source to the first diffuse or rough scattering, seen from the
- * source; after that it is diffusely reflected light, whatever its beginning. The planner finds out
- * which classes a scene has (core/plan/path_set.c) and which of them a technique finds by
- * chance only; it chooses techniques, warnings and checks by that. The table of strategies is
+ * The class of a path is its part from the source to the first diffuse or rough scattering. After
+ * that it is diffusely reflected light, whatever its beginning. The planner determines the classes
+ * of a scene (core/plan/path_set.c), and the classes that a technique finds by chance only. It
+ * chooses techniques, warnings and checks accordingly. The table of strategies is
  * core/light/path_classes.c; core/light/README.md shows it.
  */
 #ifndef ORIEL_PATHS_H
@@ -15,16 +15,16 @@
 #include <oriel/plan.h>
 
 enum orl_path_class {
-    ORL_PATHS_SKY,          /* skies, ground and other wide glows, straight or through panes */
-    ORL_PATHS_DIRECT,       /* suns and lamps, straight or through panes and openings */
-    ORL_PATHS_FLAT_MIRRORS, /* suns and lamps by flat mirrors and panes that have their images */
+    ORL_PATHS_SKY,          /* sky, ground and other wide glow sources, directly or through panes */
+    ORL_PATHS_DIRECT,       /* suns and lamps, directly or through panes and openings */
+    ORL_PATHS_FLAT_MIRRORS, /* suns and lamps by flat mirrors and panes with virtual images */
     ORL_PATHS_LOBES,        /* suns and lamps scattered by BSDFs, rough metal or plastic, trans */
-    ORL_PATHS_NARROW_LOBES, /* by lobes of functions that are too narrow for sampling to find */
+    ORL_PATHS_NARROW_LOBES, /* by function lobes too narrow for sampling to find */
     ORL_PATHS_CURVED,       /* suns and lamps by curved mirrors, lenses, prisms, thick glass */
     ORL_PATHS_SKY_CURVED,   /* skies and glows by curved mirrors, lenses, prisms, thick glass */
-    ORL_PATHS_MANY_SUN_MIRRORS,  /* suns by flat mirrors in more directions than have images */
-    ORL_PATHS_MANY_LAMP_MIRRORS, /* lamps by pairs of lamp and mirror beyond those with images */
-    ORL_PATHS_TWO_LAMP_MIRRORS,  /* lamps by two flat mirrors one after the other */
+    ORL_PATHS_MANY_SUN_MIRRORS,  /* suns by flat mirrors in directions without virtual images */
+    ORL_PATHS_MANY_LAMP_MIRRORS, /* lamps by lamp-mirror pairs beyond those with virtual images */
+    ORL_PATHS_TWO_LAMP_MIRRORS,  /* lamps by two flat mirrors in succession */
     ORL_PATHS_DIFFUSE,           /* reflected diffusely */
     ORL_PATHS_MIST,              /* scattered by mist */
     ORL_PATH_CLASSES
@@ -32,28 +32,27 @@ enum orl_path_class {
 const char *orl_path_class_name(enum orl_path_class class);  /* "sky", "flat-mirrors", ... */
 const char *orl_path_class_words(enum orl_path_class class); /* "suns and lamps by ..." */
 
-/* The sampling strategies, as flags. */
+/* Sampling strategies, as flags. */
 enum orl_path_strategy {
-    ORL_FIND_BY_RAYS = 1,        /* rays drawn by lobes and the cosine, which meet it often */
+    ORL_FIND_BY_RAYS = 1,        /* BSDF and cosine sampling, where it is effective */
     ORL_FIND_BY_PORT_RAYS = 2,   /* rays aimed at windows and openings; combined with the above by
                                     multiple importance sampling (MIS) */
-    ORL_FIND_BY_SHADOW_RAYS = 4, /* next-event estimation; MIS with rays that meet lamps */
-    ORL_FIND_BY_IMAGES = 8,      /* next-event estimation of virtual images; likewise */
-    ORL_FIND_BY_BEAMS = 16, /* rays aimed along beams that panes make of suns; MIS with the above */
-    ORL_FIND_BY_CAUSTIC_PHOTONS =
-        32,                   /* density on surfaces, or photons that fly by sensors in air */
+    ORL_FIND_BY_SHADOW_RAYS = 4, /* next-event estimation; MIS with rays that hit lamps */
+    ORL_FIND_BY_IMAGES = 8,      /* next-event estimation of virtual images; MIS likewise */
+    ORL_FIND_BY_BEAMS = 16,      /* rays aimed along sun lobes behind panes; MIS with the above */
+    /* Density on surfaces, or flux of photons past sensors in air. */
+    ORL_FIND_BY_CAUSTIC_PHOTONS = 32,
     ORL_FIND_BY_PHOTONS = 64, /* global photons: density, records, or virtual lamps of paths */
-    ORL_FIND_BY_CHANCE = 128  /* only by rays or photons that would have to meet something small */
+    ORL_FIND_BY_CHANCE = 128  /* only by rays or photons that happen to hit a small target */
 };
 enum { ORL_PATH_STRATEGIES = 8 };
 const char *orl_path_strategy_name(enum orl_path_strategy strategy); /* "shadow-rays", ... */
 
-/* Where light is received: by a sensor in mid-air, or on a surface, by a sensor that lies there or
- * by what a view sees. */
+/* Receivers of light: a sensor in mid-air, or a surface, with a sensor on it or seen in a view. */
 enum orl_path_receiver { ORL_RECEIVER_AIR, ORL_RECEIVER_SURFACE, ORL_RECEIVERS };
 
 /* Returns the strategies by which the technique finds the class. 0: it finds none of it, and jobs
- * with such light are refused. ORL_TECHNIQUE_AUTO stands for plain path tracing with shadow rays,
+ * with such light are rejected. ORL_TECHNIQUE_AUTO stands for plain path tracing with shadow rays,
  * which checks results (core/run/cross_check.c). */
 unsigned orl_path_strategies(enum orl_technique technique, enum orl_path_class class,
                              enum orl_path_receiver receiver);

@@ -1,6 +1,6 @@
 /*
- * What is made of a view beside its radiances: which files, how bright a picture to look at is, and
- * luminance or illuminance in false colours. Plain values; zero is the default of each.
+ * Output settings of a view: its files, its tone mapping, and its false colours of luminance or
+ * illuminance. Plain values; zero is the default of each.
  */
 #ifndef ORIEL_PICTURE_H
 #define ORIEL_PICTURE_H
@@ -10,40 +10,40 @@
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* The files that may come of a view, in the order in which results list them. */
+/* Files of a view, in the order in which results list them. */
 enum orl_picture {
-    ORL_PICTURE_HDR,       /* Radiance's: radiances, or irradiances, as they are */
-    ORL_PICTURE_PNG,       /* to look at, 8 bits */
-    ORL_PICTURE_PNG16,     /* the same with 16 */
+    ORL_PICTURE_HDR,       /* Radiance HDR: unmodified radiances or irradiances */
+    ORL_PICTURE_PNG,       /* tone-mapped, 8 bits */
+    ORL_PICTURE_PNG16,     /* tone-mapped, 16 bits */
     ORL_PICTURE_EXR,       /* radiances as half floats */
-    ORL_PICTURE_EXR_FLOAT, /* and as floats */
+    ORL_PICTURE_EXR_FLOAT, /* radiances as floats */
     ORL_PICTURE_FALSE,     /* false colours, with a legend */
-    ORL_PICTURE_LINES,     /* contour lines, and ... */
-    ORL_PICTURE_BANDS,     /* ... bands, over the picture to look at */
-    ORL_PICTURE_ERROR_HDR, /* standard errors of the pixels, where they are known */
+    ORL_PICTURE_LINES,     /* contour lines over the tone-mapped picture */
+    ORL_PICTURE_BANDS,     /* bands over the tone-mapped picture */
+    ORL_PICTURE_ERROR_HDR, /* standard errors of pixels, if known */
     ORL_PICTURE_ERROR_PNG,
     ORL_PICTURES
 };
 
-/* Its name in results ("error_hdr"), and how its file ends ("error.hdr"). */
+/* Returns the name in results ("error_hdr"), and the file name's ending ("error.hdr"). */
 const char *orl_picture_name(enum orl_picture picture);
 const char *orl_picture_ending(enum orl_picture picture);
 
-/* A set of them, as bits. */
+/* Bit of a file in a set. */
 #define ORL_PICTURE_BIT(picture) (1U << (picture))
 
-/* Those that a view may ask for by name; false: there is none of that name. */
+/* Looks up a file that a view may request by name. Returns false for an unknown name. */
 bool orl_picture_format(const char *name, enum orl_picture *ret_picture);
 
-/* Without any wish, as a set. */
+/* Default set of files. */
 #define ORL_PICTURES_USUAL (ORL_PICTURE_BIT(ORL_PICTURE_HDR) | ORL_PICTURE_BIT(ORL_PICTURE_PNG))
 
-/* ---- Pictures to look at --------------------------------------------------------------------- */
+/* ---- Tone mapping ---------------------------------------------------------------------------- */
 
 enum orl_tone {
-    ORL_TONE_HUMAN,    /* as much is seen of it as the eye would (render/picture/human.h) */
-    ORL_TONE_LINEAR,   /* in proportion; the geometric mean of luminances becomes middle gray */
-    ORL_TONE_EXPOSURE, /* in proportion, by the factor that is given */
+    ORL_TONE_HUMAN,    /* matches the visibility to the eye (render/picture/human.h) */
+    ORL_TONE_LINEAR,   /* linear; the geometric mean of luminances becomes middle gray */
+    ORL_TONE_EXPOSURE, /* linear, by the given factor */
     ORL_TONES
 };
 
@@ -51,21 +51,21 @@ const char *orl_tone_name(enum orl_tone tone); /* "human", "linear", "exposure" 
 
 struct orl_display {
     enum orl_tone tone;
-    double exposure; /* of that tone: white is 1 / exposure, W/sr/m2 of luma */
-    bool veil;       /* human: with the light that eyes scatter from bright places into dark ones */
-    bool acuity;     /* human: dark places as blurred as they are seen */
-    bool color_loss; /* human: colours fade where it is too dark for them */
+    double exposure; /* for ORL_TONE_EXPOSURE: white is 1 / exposure, W/sr/m2 of luma */
+    bool veil;   /* human: add the glare that the eye scatters from bright places into dark ones */
+    bool acuity; /* human: blur dark places to the eye's acuity */
+    bool color_loss; /* human: desaturate dark places, as the eye does */
 };
 
-/* The exposure of a camera's exposure value at ISO 100: its sensor is full at 1.2 * 2^ev cd/m2
- * (ISO 12232, saturation-based, with a lens that lets 65 % through). */
+/* Returns the exposure for a camera's exposure value at ISO 100: its sensor saturates at 1.2 * 2^ev
+ * cd/m2 (ISO 12232, saturation-based, with a lens transmittance of 65 %). */
 double orl_exposure_of_ev(double ev);
 
 /* ---- False colours --------------------------------------------------------------------------- */
 
 enum orl_palette {
-    ORL_PALETTE_EVEN, /* even steps of lightness: that of error maps */
-    ORL_PALETTE_DEF,  /* those of Radiance's falsecolor, by its names */
+    ORL_PALETTE_EVEN, /* even steps of lightness; used for error maps */
+    ORL_PALETTE_DEF,  /* the palettes of Radiance's falsecolor, by its names */
     ORL_PALETTE_SPEC,
     ORL_PALETTE_PM3D,
     ORL_PALETTE_HOT,
@@ -74,18 +74,19 @@ enum orl_palette {
 };
 const char *orl_palette_name(enum orl_palette palette); /* "even", "def", ... */
 /*
- * Colours of a scale, sRGB; share: 0 at its lower end, 1 at its top; beyond is as the ends are.
+ * Returns the sRGB colour at `share` of a scale: 0 at its lower end, 1 at its top; values outside
+ * are clamped.
  *
- * ORL_PALETTE_EVEN, in CIELAB: lightness from 14 to 91 in even steps, hue from violet by way of
- * teal to yellow so that steps differ alike, chroma as far as sRGB goes but 60 at most. The others
- * are what falsecolor shows under those names: its functions give linear values, shown with a gamma
- * of 2.2.
+ * ORL_PALETTE_EVEN is defined in CIELAB. Lightness goes from 14 to 91 in even steps. Hue goes from
+ * violet over teal to yellow in steps of equal difference. Chroma is the largest within sRGB, at
+ * most 60. The other palettes reproduce falsecolor: its functions give linear values, shown with a
+ * gamma of 2.2.
  */
 void orl_palette_color(enum orl_palette palette, double share, unsigned char ret_srgb[3]);
 
 enum { ORL_PICTURE_LABEL_MAX = 32, ORL_DEFAULT_DIVISIONS = 8 };
 
-/* A place in the picture whose value is written beside it, and into the result. */
+/* Labelled point: its value is written beside it in the picture, and into the result. */
 struct orl_picture_point {
     char name[ORL_PICTURE_LABEL_MAX];
     double x, y; /* pixels, from the top left */
@@ -93,15 +94,15 @@ struct orl_picture_point {
 
 struct orl_false_color {
     bool asked;
-    double scale;       /* the top, in the unit; 0: found from the picture */
-    double decades;     /* logarithmic over so many below the top; 0: linear from 0 */
-    uint32_t divisions; /* of the scale; 0: ORL_DEFAULT_DIVISIONS */
+    double scale;   /* top of the scale in its unit; 0: found from the picture */
+    double decades; /* logarithmic scale over this many decades below the top; 0: linear from 0 */
+    uint32_t divisions; /* number of divisions of the scale; 0: ORL_DEFAULT_DIVISIONS */
     enum orl_palette palette;
-    char label[ORL_PICTURE_LABEL_MAX]; /* the unit's name; empty: cd/m2, or lx of irradiances */
-    double multiplier;                 /* from W (luma) to the unit; 0: 179 lm/W */
-    bool isolines;                     /* labelled, over the colours */
-    bool extrema;                      /* the darkest and the brightest pixel are marked */
-    uint32_t pictures;                 /* of FALSE, LINES and BANDS, as bits; 0: FALSE */
+    char label[ORL_PICTURE_LABEL_MAX]; /* unit name; empty: cd/m2, or lx for irradiances */
+    double multiplier;                 /* factor from W (luma) to the unit; 0: 179 lm/W */
+    bool isolines;                     /* true: draw labelled isolines over the colours */
+    bool extrema;                      /* true: mark the darkest and the brightest pixel */
+    uint32_t pictures;                 /* subset of FALSE, LINES and BANDS, as bits; 0: FALSE */
     struct orl_picture_point *points;  /* owned by the job */
     uint32_t n_points;
 };
@@ -110,13 +111,13 @@ struct orl_false_color {
 
 enum { ORL_HEAT_MAPS = 16, ORL_HEAT_MAP_THRESHOLDS = 8, ORL_LENGTH_UNIT_MAX = 12 };
 
-/* Maps of sensors that lie in planes, with tables of all of them. */
+/* Heat maps of sensors that lie in planes, with tables of all sensors. */
 struct orl_heat_map_request {
     bool asked;
-    struct orl_false_color colors; /* scale, decades, divisions and palette */
+    struct orl_false_color colors; /* only scale, decades, divisions and palette are used */
     double thresholds_lx[ORL_HEAT_MAP_THRESHOLDS];
     uint32_t n_thresholds;
-    char length_unit[ORL_LENGTH_UNIT_MAX]; /* of the scene; empty: m */
+    char length_unit[ORL_LENGTH_UNIT_MAX]; /* length unit of the scene; empty: m */
 };
 
 #endif

@@ -1,17 +1,17 @@
 /*
- * A job in pieces, so that many processes, on many machines, can share it: photon maps, stretches
- * of sensors, views, skies, blocks of a year's sensors, runs of a study. Which pieces a job has is
- * a function of the job alone. Each goes by its kind and a key, a digest of all that it depends on,
- * and what is made of it lies in the run's store, as photon maps do.
+ * Distributed jobs: a job is split into pieces that many processes, on many machines, can compute.
+ * Pieces are photon maps, ranges of sensors, views, skies, blocks of a year's sensors, and runs of
+ * a study. The set of pieces depends on the job alone. A piece is identified by its kind and a key,
+ * a digest of all its inputs. Its result lies in the run's store, as photon maps do.
  *
- * Every run of the job goes the same way through it. Where it comes to pieces that the store does
- * not have it asks which of them it is to make; the others are taken from the store. One that hands
- * all of them to others puts together what they made, in the job's own order: the same bytes as by
- * itself, for any number of others and any order of theirs. One that makes some of them ends when
- * these are made. Rounds of a job with a goal depend on those before them: their pieces are asked
- * for round by round.
+ * Every process runs the job in the same way. When a run reaches pieces that the store lacks, it
+ * calls `divide` to learn which of them it must compute; the others are read from the store. A run
+ * that computes no pieces combines the results of the others in the job's own order. The bytes are
+ * those of a single process, for any number of processes in any order. A run that computes some of
+ * the pieces ends when these are complete. In a job with a goal, rounds depend on earlier rounds;
+ * their pieces are requested round by round.
  *
- * Jobs for a deadline are not shared: what they find depends on the machine.
+ * Jobs with a deadline are not distributed, since their results depend on the machine.
  */
 #ifndef ORIEL_PIECES_H
 #define ORIEL_PIECES_H
@@ -27,13 +27,13 @@ enum { ORL_PIECE_KIND = 16, ORL_PIECE_KEY = 65 };
 struct orl_piece {
     char kind[ORL_PIECE_KIND]; /* "sensors", "view", "sky", "global", "annual", ... */
     char key[ORL_PIECE_KEY];   /* lower-case hex */
-    double work;               /* how much it is to do beside others of the same call, above 0 */
-    double core_s;  /* that one core is thought to take for it, within a factor of several; 0: not
-                       known */
-    uint64_t bytes; /* of memory that making it takes beside the job itself; 0: little */
+    double work;               /* work relative to other pieces of the same call, above 0 */
+    double core_s;  /* single-core seconds, estimated to within a factor of several; 0: not known */
+    uint64_t bytes; /* memory in bytes beside that of the job itself; 0: little */
 };
 
-/* Who is told how much of what others make is made, 0..1, while a run waits for it. By the lead. */
+/* Progress callback while a run waits: the completed share, 0..1, of the pieces computed by others.
+ * Called by the lead. */
 struct orl_pieces_watch {
     void (*told)(void *ctx, double share);
     void *ctx;
@@ -41,18 +41,18 @@ struct orl_pieces_watch {
 
 struct orl_pieces {
     void *ctx;
-    const char *job; /* a digest of the job and of all its files: goes into keys */
+    const char *job; /* digest of the job and all its files; part of the keys */
     /*
-     * Pieces that the store has not; none of them needs another. Sets ret_here of those that this
-     * run is to make, all false beforehand. When it returns 0 the others are in the store, or will
-     * never be asked for. ORL_ERR_CANCELLED ends a run that has made what it was to make. Called by
-     * the lead. watch: NULL: nobody wants to know.
+     * Assigns pieces that the store lacks; they are independent of each other. Sets ret_here for
+     * those that this run must compute; all are false beforehand. When it returns 0, the others are
+     * in the store, or will never be requested. ORL_ERR_CANCELLED ends a run that has computed its
+     * pieces. Called by the lead. watch may be NULL.
      */
     int (*divide)(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
                   const struct orl_pieces_watch *watch, struct orl_error *err);
-    /* Asked when the run has made its pieces of a call: is nothing more wanted of it? Then it ends
-     * with ORL_ERR_CANCELLED, and does not put together what others have made by then. NULL: it
-     * goes on. By the lead. */
+    /* Called by the lead when the run has computed its pieces of a call. True: nothing more is
+     * needed from this run; it ends with ORL_ERR_CANCELLED, without combining the others' results.
+     * NULL: the run continues. */
     bool (*over)(void *ctx);
 };
 
@@ -62,15 +62,16 @@ static inline bool orl_pieces_are_over(const struct orl_pieces *pieces)
 }
 
 /*
- * A store in a folder that many processes share, on many machines: pieces and maps as
- * <folder>/<kind>-<key>.opm, each written under a name of the process's own and then renamed, so
- * that it is whole or absent. Of two that make the same one the later is kept: they are equal.
- * Maps are never topped up there. All zero but for the folder beforehand; the lead's.
+ * Store in a folder shared by many processes on many machines. Pieces and maps are
+ * <folder>/<kind>-<key>.opm. Each is written under a name private to the process and then renamed,
+ * so that it is whole or absent. If two processes make the same file the later one stays; they are
+ * equal. Maps are never topped up there. All members but the folder are zero beforehand. Used by
+ * the lead only.
  */
 struct orl_shared_store {
     char folder[4096];
-    char mark[128];         /* of this process: host and number */
-    struct orl_piece *owed; /* asked for, and not there: to be made or given up */
+    char mark[128];         /* id of this process: host and process number */
+    struct orl_piece *owed; /* missed requests: files to be committed or abandoned */
     size_t n_owed, room;
 };
 struct orl_map_store;

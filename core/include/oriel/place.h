@@ -1,4 +1,4 @@
-/* A place with a name, that something is told of. */
+/* Named point that results are reported for. */
 #ifndef ORIEL_PLACE_H
 #define ORIEL_PLACE_H
 
@@ -13,7 +13,7 @@ struct orl_named_place {
     struct orl_vec3 at;
 };
 
-/* Each place is one that orl_check_point admits. ORL_ERR_RANGE, with the name. */
+/* Checks each point with orl_check_point. Returns 0 or ORL_ERR_RANGE, with the point's name. */
 int orl_places_check(const struct orl_named_place *places, size_t n, struct orl_error *err);
 
 static inline void orl_named_places_free(struct orl_named_place *places, size_t n)

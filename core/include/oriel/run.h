@@ -1,12 +1,12 @@
 /*
- * One job from its document to its results: the only way into the renderer, for the daemon's
- * workers, for `oriel run`, and for whatever comes later.
+ * Runs one job from its document to its results. This is the only way into the renderer, both for
+ * the daemon's workers and for `oriel run`.
  *
- * A run goes load -> bvh -> plan -> photons -> maps -> render. It owns nothing of the caller's:
- * files come from a provider, photon maps and loaded BSDFs go to and come from a store, threads are
- * lent by the caller (a crew), time is read through a callback, images are written below an output
- * folder.
- * Given the same job, files and seed the results are the same bytes for any crew size.
+ * A run has the stages load -> bvh -> plan -> photons -> maps -> render. It owns nothing of the
+ * caller's. Files come from a provider. Photon maps and loaded BSDFs are read from and written to a
+ * store. The caller lends the threads (a crew) and a callback that reads the time. Images are
+ * written below an output folder. The same job, files and seed give the same bytes for any crew
+ * size.
  */
 #ifndef ORIEL_RUN_H
 #define ORIEL_RUN_H
@@ -36,64 +36,67 @@ struct orl_sensor {
     struct orl_vec3 direction; /* need not be unit */
 };
 
-/* Sensors that belong together: results keep their name. */
+/* Named group of sensors. Results of the group carry the name. */
 struct orl_grid_request {
     char *name; /* letters, digits, '-', '_', '.', and '/' between folders; unique in the job */
-    char *file; /* of such sensors as sensors_file has; NULL: some of the job's, namely ... */
+    char *file; /* file of sensors in the format of sensors_file; NULL: the range below of the job's
+                   sensors */
     size_t first, count;
 };
 
 struct orl_view_request {
     char *name;  /* file name stem: letters, digits, '-', '_', '.'; unique in the job */
-    char *view;  /* Radiance view options, "-vtv -vp ... "; or NULL, and then: */
-    char *file;  /* one of the scene's, with lines of such */
-    char *entry; /* which of them: its number from 1, or its name; NULL: the only one */
+    char *view;  /* Radiance view options, "-vtv -vp ... "; NULL: read them from file */
+    char *file;  /* name of a scene file with lines of view options */
+    char *entry; /* line in file: its number from 1, or its name; NULL: the only one */
     uint32_t width, height;
-    bool irradiance;     /* of the surfaces seen, W/m2, instead of their radiance (rpict -i) */
-    double pixel_aspect; /* above 0: the image is made as much smaller as that takes (rpict -pa) */
-    uint32_t formats;    /* of orl_picture_format, as bits; 0: ORL_PICTURES_USUAL */
+    bool irradiance;     /* irradiance of visible surfaces, W/m2, instead of radiance (rpict -i) */
+    double pixel_aspect; /* above 0: the image shrinks in one direction to reach it (rpict -pa) */
+    uint32_t formats;    /* bits of enum orl_picture_format; 0: ORL_PICTURES_USUAL */
     struct orl_display display;
     struct orl_false_color false_color;
-    uint32_t metrics; /* of enum orl_glare_metric, as bits; 0: nothing is told of its glare */
+    uint32_t metrics; /* bits of enum orl_glare_metric; 0: no glare results */
     struct orl_glare_settings glare;
 };
 
 /*
- * What a job wants of its results when it leaves the settings to the run: an accuracy or a time,
- * not both. The run goes in rounds (run/rounds.h) until the goal is met or cannot be.
+ * Goal of a job that leaves the sample counts to the run: an accuracy or a time, not both. The run
+ * goes in rounds (run/rounds.h) until the goal is met or cannot be met.
  */
 struct orl_goal {
     double relative_error; /* 0: none. |x - truth| / truth, with study.h's floors */
-    double at;             /* the share of sensors, or of pixels, that is to keep to it; 0..1 */
-    double dgp_error;      /* 0: none. Half the 95 % interval of DGP, of every view with metrics */
-    double deadline_s;     /* 0: none. Of the whole run, from its start */
+    double at;             /* share of sensors or pixels that must meet relative_error; 0..1 */
+    double dgp_error;      /* 0: none. Half the 95 % interval of DGP, for every view with metrics */
+    double deadline_s;     /* 0: none. Limit for the whole run, from its start */
 };
 
-/* What to compute. Strings and arrays are owned; orl_job_done frees them. */
+/* Description of a job. It owns its strings and arrays; orl_job_done frees them. */
 struct orl_job {
     char **scene_files; /* names of the main files, in order, for the provider */
     size_t n_scene_files;
     enum orl_technique technique;
     enum orl_wish wishes[ORL_EFFECT_COUNT];
     uint64_t seed;
-    uint64_t photons_global, photons_caustic; /* targets, or ORL_PHOTONS_BY_PLAN; of a map that the
-                                                 plan does without there is none */
-    bool photons_exact; /* caustic ones are not bounded by what they are worth (plan/budget.h) */
-    uint32_t gather_samples;     /* per sensor; 0 = default */
-    uint32_t pixel_samples;      /* of the backward technique; 0 = default */
-    struct orl_goal goal;        /* instead of the three above */
-    bool dark_expected;          /* results without any light are no error */
-    struct orl_sky_request sky;  /* beside a scene without distant sources */
-    struct orl_named_sky *skies; /* instead, one after the other: oriel/skies.h */
+    uint64_t photons_global, photons_caustic; /* targets, or ORL_PHOTONS_BY_PLAN; ignored for a map
+                                                 that the plan does without */
+    bool photons_exact;         /* true: the caustic count is not limited by the caustics' yield
+                                   (plan/budget.h) */
+    uint32_t gather_samples;    /* per sensor; 0 = default */
+    uint32_t pixel_samples;     /* per pixel, backward technique only; 0 = default */
+    struct orl_goal goal;       /* replaces photon and sample counts */
+    bool dark_expected;         /* true: results without any light are no error */
+    struct orl_sky_request sky; /* job's own sky; the scene must then have no distant sources */
+    /* Alternative to sky: skies rendered one after the other (oriel/skies.h). */
+    struct orl_named_sky *skies;
     size_t n_skies;
     char *sensors_file; /* NULL, or a file of "x y z dx dy dz" lines */
     struct orl_sensor *sensors;
     size_t n_sensors;
-    struct orl_grid_request *grids; /* instead of sensors_file; sensors are those of the grids that
-                                       have no file, in the same order */
+    struct orl_grid_request *grids; /* alternative to sensors_file; `sensors` holds those of the
+                                       grids without a file, in grid order */
     size_t n_grids;
-    struct orl_heat_map_request heat_map; /* of the sensors */
-    struct orl_sequence_request sequence; /* of each view under the skies */
+    struct orl_heat_map_request heat_map; /* heat map of the sensors */
+    struct orl_sequence_request sequence; /* one per view, over the skies */
     struct orl_view_request *views;
     size_t n_views;
 };
@@ -103,30 +106,32 @@ enum {
     ORL_DEFAULT_PHOTONS = 2000000,
     ORL_DEFAULT_GATHER_SAMPLES = 4096,
     ORL_DEFAULT_PIXEL_SAMPLES = 64,
-    ORL_DEFAULT_GLARE_PIXEL_SAMPLES = 16 /* of a job that asks for metrics */
+    ORL_DEFAULT_GLARE_PIXEL_SAMPLES = 16 /* for a job with metrics */
 };
 
-void orl_job_init(struct orl_job *job); /* defaults, nothing else set */
-/* Whether some view of it has metrics. */
+void orl_job_init(struct orl_job *job); /* sets the defaults and clears the rest */
+/* Returns true if at least one view has metrics. */
 bool orl_job_asks_for_glare(const struct orl_job *job);
 void orl_job_done(struct orl_job *job); /* frees what job owns; NULL and half-filled are fine */
 
 /*
- * A view among the lines of a file, by its number from 1 or by its name; NULL: the only one. A line
- * begins with VIEW=, rpict, rvu or rview as pictures and programs write them, with view= and a name
- * as rad's files have it, or with an option; other lines are passed over. *ret_text is owned.
- * ORL_ERR_NOT_FOUND, ORL_ERR_INVALID, or what is wrong with the options, with the line.
+ * Reads the options of one view from the lines of a file. `entry` is the view's number from 1 or
+ * its name; NULL: the only view of the file. A view line begins with VIEW=, rpict, rvu or rview (as
+ * pictures and programs write them), with view= and a name (as in rad's files), or with an option.
+ * Other lines are skipped. *ret_text is owned by the caller. Returns ORL_ERR_NOT_FOUND,
+ * ORL_ERR_INVALID, or the error of the options, with the line.
  */
 int orl_view_file_read(const char *name, const char *text, size_t size, const char *entry,
                        char **ret_text, struct orl_error *err);
-/* Options, then more of them, whose word is the last; more may be NULL. Owned; NULL: no memory. */
+/* Joins two lists of options. An option in `more` overrides the same option in `options`; `more`
+ * may be NULL. Returns an owned string, or NULL when memory runs out. */
 char *orl_view_text_join(const char *options, const char *more);
 
-/* The size that a view's options ask for, by -x and -y; 0 of what they do not say. */
+/* Returns the image size that a view's options -x and -y ask for; 0 for a missing option. */
 int orl_view_text_size(const char *text, uint32_t *ret_width, uint32_t *ret_height,
                        struct orl_error *err);
 
-/* Checks what can be checked without the scene: counts, limits, names, view strings. */
+/* Checks everything that needs no scene: counts, limits, names, view strings. */
 int orl_job_validate(const struct orl_job *job, struct orl_error *err);
 
 /* ---- Photon map store ------------------------------------------------------------------------ */
@@ -134,64 +139,65 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err);
 enum { ORL_DIGEST_HEX = 64 };
 
 struct orl_map_info {
-    /* "global", "caustic" or "precomputed"; in a store also "bsdf": no photon map, but a BSDF kept
-     * as it is after loading, in which stored counts values and nothing is emitted; "scene", what a
-     * scene's files say, in which it counts surfaces; "annual"; and "made": a BSDF made of geometry
-     * or measurements (oriel/bsdf_kept.h), whose paths, or rows, are emitted. */
+    /* "global", "caustic" or "precomputed" for photon maps. A store also has other kinds. "bsdf" is
+     * a BSDF as it is after loading; `stored` counts its values, and nothing is emitted. "scene" is
+     * the parsed content of a scene's files; `stored` counts surfaces. "annual" holds data of
+     * annual runs. "made" is a BSDF made from geometry or measurements (oriel/bsdf_kept.h);
+     * `emitted` counts its paths or rows. */
     char kind[16];
-    char key[ORL_DIGEST_HEX + 1]; /* digest of all that determines the map, lower-case hex */
-    /* Digest of all of that but the target: of two maps of one family the larger continues the
-     * smaller. Empty: the map is made as a whole. */
+    char key[ORL_DIGEST_HEX + 1]; /* digest of all inputs that determine the map, lower-case hex */
+    /* Digest of the same inputs without the target: of two maps of one family the larger continues
+     * the smaller. Empty: the map is always built as a whole. */
     char family[ORL_DIGEST_HEX + 1];
     uint64_t target; /* photons asked for */
     uint64_t emitted, stored, bytes;
-    uint64_t reused;  /* of those stored, how many were taken over from a smaller map */
-    double seconds;   /* what building it took in all, with the smaller map, where that is known */
-    double earlier_s; /* of these, what jobs before this one spent */
-    bool cached;      /* true when this job found it ready */
+    uint64_t reused;  /* stored photons taken over from a smaller map */
+    double seconds;   /* total build time, including the smaller map's where it is known */
+    double earlier_s; /* part of `seconds` that earlier jobs spent */
+    bool cached;      /* true: this job found the map ready */
 };
 
 /*
- * Where maps, and BSDFs and scenes that take time to load, live between jobs. All calls come from
- * the run's lead thread.
+ * Store that keeps photon maps, and BSDFs and scenes that are slow to load, between jobs. All calls
+ * come from the run's lead thread.
  */
 struct orl_map_store {
     void *ctx;
     /*
-     * Asks for the map. Returns 0 with ret_path naming a complete file (ret_hit true, and *ret_info
-     * filled with what was committed) or a path at which the caller is to create it (ret_hit
-     * false). May wait while another job builds the same key; gives up with ORL_ERR_CANCELLED when
-     * *cancel. A hit stays pinned until release.
+     * Requests a map. Returns 0. On a hit *ret_hit is true, ret_path names a complete file, and
+     * *ret_info holds the committed data. On a miss *ret_hit is false, and the caller must create
+     * the file at ret_path. May wait while another job builds the same key; returns
+     * ORL_ERR_CANCELLED once *cancel is set. A hit stays pinned until release.
      */
     int (*acquire)(void *ctx, const char *kind, const char *key, atomic_bool *cancel,
                    char ret_path[4096], bool *ret_hit, struct orl_map_info *ret_info,
                    struct orl_error *err);
-    /* After a miss: the file at that path is complete, not synced. It becomes visible, and pinned.
-     */
+    /* Commits the file after a miss. The file at ret_path is complete but not synced. It becomes
+     * visible, and stays pinned until release. */
     int (*commit)(void *ctx, const struct orl_map_info *info, struct orl_error *err);
-    /* After a miss that failed, or a hit that proved corrupt: drops the file. */
+    /* Drops the file after a failed miss, or after a hit that proved corrupt. */
     void (*abandon)(void *ctx, const char *kind, const char *key);
-    /* Unpins after a hit, a commit, or a smaller map found. */
+    /* Unpins a map after a hit, a commit, or a smaller map found. */
     void (*release)(void *ctx, const char *kind, const char *key);
     /*
-     * Looks for the largest complete map of the family that was made for fewer photons than target.
-     * Returns 0; where *ret_found, ret_path names its file, *ret_info holds what was committed, and
-     * it stays pinned until release. NULL: maps are never topped up.
+     * Looks for the largest complete map of the family that was built for fewer photons than
+     * target. Returns 0. If *ret_found, ret_path names its file, *ret_info holds the committed
+     * data, and the map stays pinned until release. A NULL callback disables topping up.
      */
     int (*find_smaller)(void *ctx, const char *kind, const char *family, uint64_t target,
                         char ret_path[4096], bool *ret_found, struct orl_map_info *ret_info,
                         struct orl_error *err);
 };
 
-/* A store that keeps maps as <folder>/<kind>-<key>.opm, for one process at a time. */
+/* State of a store that keeps maps as <folder>/<kind>-<key>.opm, for one process at a time. */
 struct orl_folder_store {
     char folder[4096];
 };
 struct orl_map_store orl_map_store_in_folder(struct orl_folder_store *state);
 
-/* Is a photon map, at that path, as it was written? All of it is read. ORL_ERR_IO, _CORRUPT,
- * _VERSION. Of the kinds "bsdf" and "scene" nothing is said: a job that opens one looks at all of
- * it. */
+/* Checks that the photon map at `path` is intact; reads the whole file. Returns 0, ORL_ERR_IO,
+ * _CORRUPT or _VERSION. Files of kinds "bsdf" and "scene" are not checked: a job that opens one
+ * verifies all of it. */
 int orl_map_verify(const char *kind, const char *path, struct orl_error *err);
 
 /* ---- Results --------------------------------------------------------------------------------- */
@@ -207,101 +213,104 @@ enum orl_stage {
 };
 const char *orl_stage_name(enum orl_stage stage); /* "load", "bvh", "plan", ... */
 
-/* What false colours show at a point: in their unit; NaN where the view sees nothing. */
+/* Value at a labelled point, in the unit of the view's false colours; NaN where the view sees
+ * nothing. */
 struct orl_point_value {
     char name[ORL_PICTURE_LABEL_MAX];
     double value;
 };
 
-/* The files of sensors, names below the output folder. */
+/* Sensor result files, as names below the output folder. */
 struct orl_sensor_files {
-    char *csv, *res; /* all sensors, a line each; NULL: not asked for */
+    char *csv, *res; /* all sensors, one line each; NULL: not requested */
     struct {
         char *png, *svg;
-        char *dat; /* Radiance's data file; NULL: the sensors are no full grid */
+        char *dat; /* Radiance data file; NULL: the sensors are no full grid */
         size_t sensors;
-    } maps[ORL_HEAT_MAPS]; /* of planes, those of the most sensors first */
+    } maps[ORL_HEAT_MAPS]; /* one per plane, planes with the most sensors first */
     size_t n_maps;
 };
 void orl_sensor_files_done(struct orl_sensor_files *files);
 
-/* What came of a grid; names below the output folder. Owned. */
+/* Result files of a grid, as names below the output folder. Owned. */
 struct orl_grid_result {
     char *name;
-    size_t first, count; /* of the result's sensors */
-    char *res, *npy;     /* a value a line; NumPy's array */
+    size_t first, count; /* range of the result's sensors */
+    char *res, *npy;     /* text with one value a line; NumPy array */
 };
 
 struct orl_view_result {
     char *name;
-    char *files[ORL_PICTURES];      /* names below the output folder; NULL: there is none */
-    double scale;                   /* the top of its false colours; 0: there are none */
-    struct orl_point_value *points; /* that were named; owned */
+    char *files[ORL_PICTURES];      /* names below the output folder; NULL: no such file */
+    double scale;                   /* top value of the false colours; 0: there are none */
+    struct orl_point_value *points; /* labelled points; owned */
     size_t n_points;
-    struct orl_glare *glare; /* owned; NULL: no metrics are asked for */
-    uint32_t metrics;        /* that are */
+    struct orl_glare *glare; /* owned; NULL: no metrics requested */
+    uint32_t metrics;        /* requested metrics, bits of enum orl_glare_metric */
     double seconds;
-    bool black; /* no pixel has any light */
+    bool black; /* true: no pixel has any light */
 };
 
-/* Light by how it comes to a sensor. */
+/* Classes of light at a sensor, by the path that the light takes. */
 enum orl_light_class {
-    ORL_LIGHT_STRAIGHT, /* of suns and lamps, straight or through panes */
-    ORL_LIGHT_MIRRORED, /* of suns and lamps, by way of flat mirrors and panes */
-    ORL_LIGHT_OUTDOORS, /* of the sky, of what stands outdoors and of glows; not reflected diffusely
-                         */
-    ORL_LIGHT_REFLECTED, /* reflected diffusely, indoors or by what is beside the sensor */
+    ORL_LIGHT_STRAIGHT,  /* suns and lamps, directly or through panes */
+    ORL_LIGHT_MIRRORED,  /* suns and lamps, by flat mirrors and panes */
+    ORL_LIGHT_OUTDOORS,  /* sky, outdoor objects and glow sources, without diffuse reflection */
+    ORL_LIGHT_REFLECTED, /* reflected diffusely, indoors or by surfaces beside the sensor */
     ORL_LIGHT_CLASSES
 };
 const char *orl_light_class_name(enum orl_light_class light); /* "reflected light", ... */
 
-/* Sensors compared with plain path tracing (run/cross_check.c). */
+/* Comparison of sensors with plain path tracing (run/cross_check.c). */
 struct orl_cross_check {
-    uint64_t paths;     /* 0: none were compared */
-    size_t sensors;     /* of which enough is known by paths to compare */
-    size_t sensors_off; /* by more than the errors of both: their intervals are widened */
-    enum orl_light_class differs_in; /* what the difference is most like, if sensors are off */
-    double ratio, ratio_error; /* light by paths over light found, all together, and the standard
-                                  error of the former; NaN: not known, or paths find less
-                                  where they cannot find all */
+    uint64_t paths; /* 0: no sensors were compared */
+    size_t sensors; /* sensors with enough paths for a comparison */
+    /* Sensors that differ by more than both errors; their intervals are widened. */
+    size_t sensors_off;
+    /* Class of light that fits the difference best, if sensors_off > 0. */
+    enum orl_light_class differs_in;
+    double ratio, ratio_error; /* light found by paths over light found by the run, over all
+                                  sensors, and the standard error of the former; NaN: not known, or
+                                  paths find less where they cannot find all */
 };
 
-/* Why a sensor's value is unreliable. Its interval was widened to include what another method
- * found; how far off the value is beyond that is not known. Flags. */
+/* Reasons why a sensor's value is unreliable, as flags. Its interval was widened to include the
+ * value that another method found. The remaining error beyond that is not known. */
 enum orl_doubt {
-    ORL_DOUBT_CROSS_CHECK = 1, /* plain path tracing finds other light (run/cross_check.c) */
-    ORL_DOUBT_MISSED_LIGHT = 2 /* photons bring light that paths hardly ever meet (run/chance.c) */
+    ORL_DOUBT_CROSS_CHECK = 1, /* plain path tracing finds a different value (run/cross_check.c) */
+    ORL_DOUBT_MISSED_LIGHT = 2 /* photons carry light that paths hardly ever find (run/chance.c) */
 };
 enum { ORL_DOUBTS = 2 };
 const char *orl_doubt_name(enum orl_doubt doubt); /* "cross-check", "missed-light" */
 
-/* How a job with a goal ended. */
+/* Outcome of a job with a goal. */
 enum { ORL_COURSE = 48 };
 struct orl_outcome {
     bool asked, met;
-    struct orl_goal goal; /* the job's */
+    struct orl_goal goal; /* copy of the job's goal */
     uint32_t rounds;
-    double achieved;       /* relative error at the goal's share, as estimated; NaN: not known */
-    char why[ORL_WHY_MAX]; /* why it ended, and what would help where the goal is not met */
-    /* How the error fell: after rounds, the first and the latest among them, seconds since the
-     * run's start. Where there are more than fit every second one is left out. */
+    double achieved;       /* estimated relative error at the goal's share; NaN: not known */
+    char why[ORL_WHY_MAX]; /* reason for the end of the run, and advice where the goal is not met */
+    /* Error after rounds, with the seconds since the run's start. The first and the latest round
+     * are always included. When the array is full, every second entry is dropped. */
     struct {
         double seconds, error;
     } course[ORL_COURSE];
     uint32_t n_course;
 };
 
-/* What the run took, beside its times, and what more would: seconds of whole runs like it. */
+/* Work that the run took, besides its times, and the estimated seconds of whole runs with a smaller
+ * error. */
 struct orl_cost {
     uint64_t rays, photons;
-    double error;         /* what the two below are about: relative, at the goal's share or 0.95 */
-    double halve_s;       /* until that is half of it; NaN: out of reach, or not known */
-    double one_percent_s; /* until that is 1 %; 0 when it is met */
-    char model[ORL_WHY_MAX]; /* what they are worked out from, in a sentence */
+    double error;   /* relative error, at the goal's share or 0.95; basis of the two times below */
+    double halve_s; /* run time for half of `error`; NaN: out of reach, or not known */
+    double one_percent_s;    /* run time for an error of 1 %; 0: already reached */
+    char model[ORL_WHY_MAX]; /* one sentence on how the times are estimated */
 };
 
-/* What an accuracy takes: seconds of a job by `technique` with such a relative error, at the goal's
- * share or 0.95, on as many threads as it was made by. From the pilot's own error down. */
+/* Predicted seconds of a job by `technique` for a series of relative errors, at the goal's share or
+ * 0.95, on `threads` threads. The series starts at the pilot's own error and falls. */
 enum { ORL_CURVE = 10 };
 struct orl_curve {
     enum orl_technique technique;
@@ -310,7 +319,7 @@ struct orl_curve {
         double seconds, error;
     } points[ORL_CURVE];
     uint32_t n_points;       /* 0: not known */
-    char model[ORL_WHY_MAX]; /* as in orl_cost, or why not */
+    char model[ORL_WHY_MAX]; /* method, as in orl_cost, or the reason why there is no curve */
 };
 
 enum { ORL_RESULT_MAPS = 3 };
@@ -318,31 +327,32 @@ enum { ORL_RESULT_MAPS = 3 };
 struct orl_result {
     uint32_t threads;
     uint64_t seed;
-    struct orl_plan plan; /* what was simulated, and why */
-    const char *no_curve; /* of orl_plan_job: why no accuracy can be predicted; NULL: a pilot can */
+    struct orl_plan plan; /* simulated effects, with reasons */
+    const char *no_curve; /* set by orl_plan_job: why no accuracy can be predicted; NULL: a pilot
+                             can predict it */
     double timings_s[ORL_STAGE_COUNT];
     double total_s;
     struct orl_map_info maps[ORL_RESULT_MAPS];
     size_t n_maps;
-    /* One per sensor each; what they are made of: base/estimate.h. */
+    /* Arrays with one entry per sensor; base/estimate.h defines the quantities. */
     double *illuminance_lx;
-    double *standard_error_lx;   /* of photons and rays together */
-    double *bias_estimate_lx;    /* what bandwidths are thought to add */
+    double *standard_error_lx;   /* standard error of photons and rays together */
+    double *bias_estimate_lx;    /* estimated bias due to kernel bandwidth */
     double (*interval_95_lx)[2]; /* low, high */
-    unsigned char *doubts;       /* of enum orl_doubt; NULL: all values are reliable */
+    unsigned char *doubts;       /* bits of enum orl_doubt; NULL: all values are reliable */
     size_t n_sensors;
     struct orl_grid_result *grids;
     size_t n_grids;
-    char *grids_info; /* a file: what Honeybee's tools know the grids by; NULL: there are none */
+    char *grids_info; /* file name: grid list for Honeybee's tools; NULL: none */
     struct orl_sensor_files sensor_files;
     struct orl_view_result *views;
     size_t n_views;
-    bool sky_given; /* by the job */
-    bool sky_dark;  /* and it gives no light: night, or none was measured */
+    bool sky_given; /* true: the job has a sky */
+    bool sky_dark;  /* true: that sky gives no light (night, or no measurements) */
     struct orl_outcome outcome;
     struct orl_cross_check cross_check;
     struct orl_cost cost;
-    struct orl_health health; /* of what this run did */
+    struct orl_health health; /* numerical health counters of this run */
     char **warnings;
     size_t n_warnings;
 };
@@ -354,139 +364,144 @@ void orl_result_done(struct orl_result *result);
 struct orl_run_env {
     struct orl_crew *crew;             /* borrowed; the calling thread leads it */
     const struct orl_files *files;     /* borrowed */
-    const struct orl_map_store *store; /* borrowed; NULL: maps go with the run */
-    const struct orl_pieces *pieces;   /* borrowed: the run is shared (pieces.h); NULL: it is not */
-    struct orl_shelf *shelf;   /* borrowed: what one job works out for the next; may be NULL */
-    const char *files_id;      /* of a job on a shelf: what its files are, whatever their names: by
-                                  equal ones jobs share scenes. NULL: they do not */
+    const struct orl_map_store *store; /* borrowed; NULL: maps are dropped with the run */
+    /* Borrowed; set if several processes share the run (pieces.h); NULL: one process. */
+    const struct orl_pieces *pieces;
+    struct orl_shelf *shelf;   /* borrowed; in-memory cache shared with later jobs; may be NULL */
+    const char *files_id;      /* identity of the job's files, whatever their names; jobs with equal
+                                  identities share scenes on the shelf. NULL: no sharing */
     const char *output_folder; /* exists; images are written here */
-    const char *file_prefix;   /* in front of the names of files written there; NULL: none */
-    double part_from, part; /* the job's share in a larger one, for progress; 0: it is the whole */
-    double part_after_s; /* what comes after it is thought to take; 0: as long, share for share */
-    const double *part_stages_s; /* what its stages (enum orl_stage) are thought to take, by parts
-                                    before it; borrowed; NULL: as any job's */
+    const char *file_prefix;   /* prefix of the names of files written there; NULL: none */
+    double part_from, part; /* offset and share of this run within a larger job, for progress; 0: it
+                               is the whole job */
+    double part_after_s; /* estimated time of the work after this run; 0: estimated in proportion to
+                            the shares */
+    const double *part_stages_s; /* estimated seconds by stage (enum orl_stage), from earlier parts;
+                                    borrowed; NULL: defaults of any job */
     atomic_bool *cancel;         /* borrowed; polled per batch and tile */
-    double (*now_s)(void *ctx);  /* a steady clock */
-    /* Called by the lead thread, now and then, with fraction 0..1 of the stage and of the job, and
-     * the seconds that are thought to be left of it. The job's fraction never falls, and gets to 1
-     * when they are over; they may rise (oriel/eta.h). */
+    double (*now_s)(void *ctx);  /* monotonic clock, seconds */
+    /* Called by the lead thread from time to time, with the fraction 0..1 of the stage and of the
+     * job, and the estimated seconds left. The job's fraction never falls, and reaches 1 at the
+     * end. The seconds left may rise (oriel/eta.h). */
     void (*progress)(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
                      double left_s);
-    /* Called by the lead thread once the plan is made. May be NULL. */
+    /* Called by the lead thread once the plan is complete. May be NULL. */
     void (*plan_ready)(void *ctx, const struct orl_plan *plan);
-    /* Called by the lead thread when there is a warning, maybe more than once with the same; the
+    /* Called by the lead thread for each warning, possibly several times with the same text. The
      * text is valid during the call. May be NULL. */
     void (*warned)(void *ctx, const char *warning);
-    /* Called by the lead thread when a map is settled (hit or built). May be NULL. */
+    /* Called by the lead thread when a map is ready (hit or built). May be NULL. */
     void (*map_ready)(void *ctx, const struct orl_map_info *info);
-    /* Called by the lead thread when a view of the job is rendered: its pixels in W/sr/m2, from the
-     * top left, row by row, and the standard errors of their luma (NULL: not known); valid during
-     * the call. May be NULL. */
+    /* Called by the lead thread when a view is rendered. `pixels` holds W/sr/m2, row by row from
+     * the top left. `errors` holds the standard errors of their luma (NULL: not known). Both are
+     * valid during the call. May be NULL. */
     void (*view_ready)(void *ctx, size_t index, float (*const pixels)[3], const float *errors,
                        size_t count);
     /*
-     * Of a job without a goal. Called by the lead thread before a view is rendered: have its files
-     * been left in the output folder by an earlier run of the same job? True: *ret_view is filled,
-     * its strings by malloc for the run to free, and the view is not rendered again. May be NULL.
+     * For jobs without a goal. Called by the lead thread before a view is rendered. Returns true if
+     * an earlier run of the same job left the view's files in the output folder. Then *ret_view is
+     * filled, its strings allocated by malloc for the run to free, and rendering is skipped. May be
+     * NULL.
      */
     bool (*view_kept)(void *ctx, size_t index, struct orl_view_result *ret_view);
-    /* Likewise once the files of a view are written; the view is valid during the call. */
+    /* Called by the lead thread once the files of a view are written. The view is valid during the
+     * call. May be NULL. */
     void (*view_written)(void *ctx, size_t index, const struct orl_view_result *view);
     /*
-     * The same of its sensors, all together: the result has room for their numbers, illuminance to
-     * interval, and for nothing else yet. May be NULL.
+     * Counterpart of view_kept for all sensors together. The result has room for the sensor arrays,
+     * from illuminance_lx to interval_95_lx; no other field is set yet. May be NULL.
      */
     bool (*sensors_kept)(void *ctx, struct orl_result *result);
     void (*sensors_done)(void *ctx, const struct orl_result *result);
     /*
-     * Called by the lead thread after each round of a job with a goal: the result as it stands,
-     * files included; valid during the call. May be NULL.
+     * Called by the lead thread after each round of a job with a goal, with the intermediate result
+     * and its files. The result is valid during the call. May be NULL.
      */
     void (*round_ready)(void *ctx, const struct orl_result *result);
     /*
-     * Called by the lead thread at the end of a run, however it ends: timings_s, total_s and health
-     * are of what was done, and nothing else of the result is to be looked at; valid during the
-     * call. May be NULL.
+     * Called by the lead thread at the end of a run, also after errors. Only timings_s, total_s and
+     * health are set, for the work done. The result is valid during the call. May be NULL.
      */
     void (*spent)(void *ctx, const struct orl_result *spent);
     void *ctx;
 };
 
 /*
- * Makes the job's plan without rendering: loads the scene and runs the pilot. Returns 0 and fills
- * ret_result as orl_run does, but for maps, sensors and views. The store is asked for BSDFs only.
+ * Builds the job's plan without rendering: loads the scene and runs the pilot. Returns 0 and fills
+ * ret_result as orl_run does, except for maps, sensors and views. The store is used for BSDFs only.
  */
 int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
                  struct orl_result *ret_result, struct orl_error *err);
 
 /*
- * What accuracies of the job would take here by the technique, which is its plan's, whatever its
- * own settings: by two small rounds of it that are rendered, and the model of orl_cost. Maps of
- * these are kept nowhere. As orl_plan_job otherwise.
+ * Predicts the run time over accuracy for the job on this machine. `technique` is the plan's; the
+ * job's own settings are ignored. Renders two small rounds and applies the model of orl_cost. Their
+ * maps are not stored. Otherwise the same as orl_plan_job.
  */
 int orl_plan_curve(const struct orl_job *job, const struct orl_run_env *env,
                    enum orl_technique technique, struct orl_curve *ret_curve,
                    struct orl_error *err);
 
 /*
- * Runs the job, which has no more than one sky. Returns 0 and fills ret_result (owned by the
- * caller) or a negative orl_err; ORL_ERR_UNLIT when all that was asked for came out black, unless
- * the job expects that, or its sky gives no light.
+ * Runs the job, which has at most one sky. Returns 0 and fills ret_result (owned by the caller), or
+ * returns a negative orl_err. Returns ORL_ERR_UNLIT if all requested results are black, unless the
+ * job expects that or its sky gives no light.
  */
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
             struct orl_error *err);
 
-/* ---- Checks before a job is taken ------------------------------------------------------------ */
+/* ---- Checks before a job is accepted --------------------------------------------------------- */
 
 struct orl_scene_summary {
     uint64_t surfaces, materials, sources, triangles, bsdfs;
-    uint64_t placed_surfaces; /* those of instances that are kept once counted in each place */
+    uint64_t placed_surfaces; /* surfaces of instances, counted once for each placement */
     double bounds_min[3], bounds_max[3];
     char digest[ORL_DIGEST_HEX + 1];
-    char **referenced; /* names of files the scene pulled in beyond its main ones */
+    char **referenced; /* names of files that the scene includes beyond its main ones */
     size_t n_referenced;
 };
 
 /*
- * What libraries keep for a thread that builds scenes is made now: where memory ends within that
- * they may end the process, later they only fail. For threads that others count on, once each,
- * while there is room; scenes are built without it, too. A process inherits it from the thread that
- * forks. ORL_ERR_NOMEM.
+ * Allocates the per-thread state of libraries in a thread that builds scenes. If memory runs out
+ * during this allocation, the libraries may end the process; later they only fail. Call it once in
+ * each thread that must survive, while memory is available. Scenes can be built without it. A child
+ * process inherits the state from the thread that forks. Returns 0 or ORL_ERR_NOMEM.
  */
 int orl_prepare_thread(struct orl_error *err);
 
-/* Parses the scene and everything it refers to, as a job would, and says what is in it. Gives up
- * with ORL_ERR_CANCELLED when *cancel; NULL: never. */
+/* Parses the scene and all files it refers to, as a job would, and returns a summary. Returns
+ * ORL_ERR_CANCELLED once *cancel is set; cancel may be NULL. */
 int orl_scene_check(const char *const *main_files, size_t n_files, const struct orl_files *files,
                     const atomic_bool *cancel, struct orl_scene_summary *ret_summary,
                     struct orl_error *err);
 void orl_scene_summary_done(struct orl_scene_summary *summary);
 
 /*
- * Which files of a folder are the scene, when nobody says so: the Radiance files (.rad) at its top
- * that no command (a line with '!' in front, such as !xform) of another of its Radiance files
- * names. The top is the one folder that holds Radiance files and lies in the fewest others; when
- * several lie equally deep, no file is. Sets ret_main of each name. ORL_ERR_LIMIT: far too many
- * commands; or what files->open says.
+ * Guesses the scene files of a folder. These are the Radiance files (.rad) at its top that no
+ * command line (one that starts with '!', such as !xform) of another Radiance file in the folder
+ * names. The top is the folder with Radiance files that is nested least deep. If several folders
+ * are equally deep, no file is chosen. Sets ret_main for each name. Returns ORL_ERR_LIMIT for far
+ * too many commands, or the error of files->open.
  */
 int orl_scene_guess_main(const char *const *names, size_t count, const struct orl_files *files,
                          bool *ret_main, struct orl_error *err);
 
 /*
- * Reads a file of sensors, which is what `oriel run`, `oriel submit` and the daemon read one by:
- * lines of six numbers, x y z dx dy dz, between blanks, commas or semicolons; '#' begins a remark.
- * take is given each, and returns a negative number where it has no memory for it: ORL_ERR_NOMEM.
+ * Reads a file of sensors, for `oriel run`, `oriel submit` and the daemon. Each line has six
+ * numbers, x y z dx dy dz, separated by blanks, commas or semicolons; '#' begins a comment. Calls
+ * `take` for each sensor; `take` returns a negative number when memory runs out, and then the
+ * function returns ORL_ERR_NOMEM.
  */
 int orl_sensors_read(const char *name, const char *text, size_t size,
                      int (*take)(void *ctx, const double v[6]), void *ctx, struct orl_error *err);
 
-/* Whether a job would take these bytes for sensors, and how many there are; or for a weather file.
- * Errors: those of the job, with file and line. Of sensors nothing is kept in memory. */
+/* Checks that a job would accept the bytes as a sensor file or a weather file; returns the number
+ * of sensors. Errors are those of the job, with file and line. No sensors are kept in memory. */
 int orl_sensors_check(const char *name, const char *text, size_t size, size_t *ret_count,
                       struct orl_error *err);
 int orl_weather_check(const char *name, const char *text, size_t size, int year,
                       struct orl_error *err);
-/* Reads what the job's views name, lines of views and masks of glare, as the job would. */
+/* Reads the files that the job's views name (view lines and glare masks), as the job would. */
 int orl_views_check(const struct orl_job *job, const struct orl_files *files,
                     struct orl_error *err);
 

@@ -10,7 +10,7 @@
  * locale; hexadecimal numbers, "nan" and "inf" are refused. "0,5" is refused as a decimal comma
  * wherever a comma cannot separate two cells.
  *
- * Places. Lines and columns count from 1. Columns are characters of UTF-8; a tab is one.
+ * Positions. Lines and columns count from 1. Columns are characters of UTF-8; a tab is one.
  *
  * Ownership: a scanner and its slices borrow the text, which need not end in NUL, and own nothing.
  * Threads: a scanner is used by one thread at a time. Time: each byte is looked at a bounded number
@@ -25,31 +25,31 @@
 
 #include <oriel/error.h>
 
-/* A part of the text. */
+/* Part of a text; borrowed. */
 struct orl_slice {
     const char *text;
     size_t length;
 };
 
 enum orl_scanner_option {
-    ORL_SCANNER_COMMENTS =
-        1, /* '#' where a word may begin starts a comment, up to the line's end */
+    /* '#' where a word may begin starts a comment, up to the line's end. */
+    ORL_SCANNER_COMMENTS = 1,
     ORL_SCANNER_CONTINUATIONS = 2, /* a backslash at a line's end continues it on the next line */
     ORL_SCANNER_TEXT_HEADER = 4,   /* only the header is text: see orl_scanner_rest_is_text */
-    ORL_SCANNER_COMMENTS_IN_WORDS =
-        8, /* with REMARKS: '#' within a word starts a comment as well */
+    /* With ORL_SCANNER_COMMENTS: '#' within a word starts a comment as well. */
+    ORL_SCANNER_COMMENTS_IN_WORDS = 8,
 };
 
 struct orl_scanner {
     const char *at, *end;
-    const char *begin; /* of the current line */
-    const char *name;  /* of the file, for messages; borrowed */
+    const char *begin; /* start of the current line */
+    const char *name;  /* file name for messages; borrowed */
     int line;          /* number of the current line */
-    unsigned options;  /* of enum orl_scanner_option */
-    bool fresh;        /* nothing has been read */
+    unsigned options;  /* bits of enum orl_scanner_option */
+    bool fresh;        /* true: nothing was read yet */
 };
 
-/* ORL_ERR_SYNTAX: UTF-16, or no text. */
+/* Starts a scanner. Returns 0, or ORL_ERR_SYNTAX for UTF-16 and binary files. */
 int orl_scanner_init(struct orl_scanner *scanner, const char *name, const char *text, size_t size,
                      unsigned options, struct orl_error *err);
 
@@ -57,8 +57,8 @@ int orl_scanner_init(struct orl_scanner *scanner, const char *name, const char *
  * Ctrl-Z off its end. */
 int orl_scanner_rest_is_text(struct orl_scanner *scanner, struct orl_error *err);
 
-/* Cuts the byte order mark and Ctrl-Z off a text for a reader with a tokenizer of its own. The
- * errors are those of orl_scanner_init. */
+/* Cuts the byte order mark and Ctrl-Z off a text for a reader with a tokenizer of its own. Errors
+ * are those of orl_scanner_init. */
 int orl_text_trim(const char *name, struct orl_slice *text, struct orl_error *err);
 
 /* ---- Lines ----------------------------------------------------------------------------------- */
@@ -161,10 +161,10 @@ struct orl_slice orl_slice_take_word(struct orl_slice *rest);
 bool orl_slice_take_cell(struct orl_slice *rest, char separator, struct orl_slice *ret_cell);
 
 /*
- * Numbers that blanks, commas or semicolons separate. Two commas or semicolons with nothing between
- * them, and one at either end of the line, have an empty cell beside them. Where blanks or
- * semicolons alone separate other words of the line, "0,5" is one cell, for orl_scanner_number to
- * refuse.
+ * Iterator over numbers that are separated by blanks, commas or semicolons. Two commas or
+ * semicolons with nothing between them enclose an empty cell; one at either end of the line has an
+ * empty cell beside it. If only blanks or semicolons separate the other words of the line, "0,5" is
+ * one cell, which orl_scanner_number rejects.
  */
 struct orl_cells {
     struct orl_slice line;

@@ -1,4 +1,4 @@
-/* Seats: where people sit, with what name, and in which direction they look. */
+/* Seats: named positions of people with their view directions. */
 #ifndef ORIEL_SEAT_H
 #define ORIEL_SEAT_H
 
@@ -8,13 +8,13 @@
 
 struct orl_seat {
     char *name;                  /* owned */
-    struct orl_vec3 at, towards; /* scene units; not unit */
+    struct orl_vec3 at, towards; /* scene units; `towards` need not be unit */
 };
 
-/* Seats of a wish; and those whose views are in memory together (annual/seats.c). */
+/* Most seats in a request; and seats whose views are in memory together (annual/seats.c). */
 enum { ORL_GLARE_MOST_SEATS = 256, ORL_GLARE_SEATS_AT_ONCE = 4 };
 struct orl_seats_wish {
-    struct orl_seat *seats; /* owned; none: glare is not asked for */
+    struct orl_seat *seats; /* owned; none: no glare is computed */
     size_t n_seats;
 };
 void orl_seats_wish_done(struct orl_seats_wish *wish); /* zeros are fine */

@@ -1,10 +1,10 @@
 /*
- * A shelf: what jobs have worked out from scenes and maps, kept in memory for jobs that come after
- * them, up to a number of bytes; what was put there longest ago goes first. What lies on it can be
- * made again at any time, and says the same then: results do not depend on a shelf.
+ * In-memory cache of data that jobs derive from scenes and maps, for later jobs, up to a number of
+ * bytes. The oldest entry is dropped first. Entries can be computed again with the same result at
+ * any time: results do not depend on the cache.
  *
- * A scene is shared by all jobs that use it at the time. Anything else is one job's: who takes it
- * from the shelf has it alone, and puts it back.
+ * A scene is shared by all jobs that use it at the same time. Any other entry has one user: taking
+ * it removes it from the shelf, and the job puts it back afterwards.
  *
  * Locks: one mutex inside. Any thread may take and put.
  */
@@ -15,19 +15,19 @@
 
 struct orl_shelf;
 
-/* On one of 0 bytes nothing ever lies. NULL when out of memory. */
+/* Creates a shelf. With 0 bytes it never holds an entry. NULL when out of memory. */
 struct orl_shelf *orl_shelf_new(uint64_t most_bytes);
-/* With all that lies on it. NULL is allowed. */
+/* Frees the shelf and all its entries. NULL is allowed. */
 void orl_shelf_free(struct orl_shelf *shelf);
 
 struct orl_shelf_totals {
-    uint64_t bytes, things; /* that lie there now */
-    uint64_t shared;        /* of these things: scenes, which several jobs may use at once */
-    uint64_t hits;          /* times that a job found something there, since the shelf was made */
-    uint64_t shared_hits;   /* of these: scenes */
+    uint64_t bytes, things; /* current sizes */
+    uint64_t shared;        /* scenes among these entries, which several jobs may use at once */
+    uint64_t hits;          /* successful look-ups since the shelf was created */
+    uint64_t shared_hits;   /* hits that were scenes */
 };
 
-/* Of no shelf, zeros. */
+/* Returns the totals; zeros for a NULL shelf. */
 struct orl_shelf_totals orl_shelf_totals(struct orl_shelf *shelf);
 
 #endif

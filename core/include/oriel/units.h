@@ -20,7 +20,7 @@
 
 #define ORL_DEG_TO_RAD (ORL_PI / 180.0)
 
-/* Of the CIE's overcast sky on a level plane outside: what daylight factors are shares of. */
+/* Horizontal illuminance outdoors under the CIE overcast sky; reference of daylight factors. */
 #define ORL_OVERCAST_LX 10000.0
 
 #endif

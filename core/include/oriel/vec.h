@@ -37,7 +37,7 @@ static inline struct orl_vec3 orl_scale(struct orl_vec3 a, double s)
 {
     return orl_v3(a.x * s, a.y * s, a.z * s);
 }
-/* a + s b */
+/* Returns a + s b. */
 static inline struct orl_vec3 orl_madd(struct orl_vec3 a, struct orl_vec3 b, double s)
 {
     return orl_v3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
@@ -58,14 +58,14 @@ static inline double orl_length(struct orl_vec3 a)
 {
     return sqrt(orl_dot(a, a));
 }
-/* The unit vector along a; the zero vector stays zero. */
+/* Returns the unit vector along a; the zero vector stays zero. */
 static inline struct orl_vec3 orl_normalize(struct orl_vec3 a)
 {
     const double length = orl_length(a);
     return length > 0 ? orl_scale(a, 1.0 / length) : a;
 }
 
-/* A frame about unit n, without branches on n's direction but for its sign (Duff et al. 2017). */
+/* Returns a frame about the unit vector n, with a branch only on n's sign (Duff et al. 2017). */
 static inline struct orl_frame orl_frame_about(struct orl_vec3 n)
 {
     const double sign = copysign(1.0, n.z), a = -1.0 / (sign + n.z), b = n.x * n.y * a;
@@ -81,7 +81,8 @@ static inline struct orl_vec3 orl_to_world(const struct orl_frame *f, struct orl
     return orl_add(orl_add(orl_scale(f->u, l.x), orl_scale(f->v, l.y)), orl_scale(f->n, l.z));
 }
 
-/* Solid angle of the triangle that three unit vectors span (van Oosterom and Strackee 1983). */
+/* Returns the solid angle of the triangle that three unit vectors span (van Oosterom and Strackee
+ * 1983). */
 static inline double orl_triangle_sr(struct orl_vec3 a, struct orl_vec3 b, struct orl_vec3 c)
 {
     const double volume = fabs(orl_dot(a, orl_cross(b, c)));
@@ -104,18 +105,18 @@ static inline struct orl_rgb orl_rgb_scale(struct orl_rgb a, double s)
 {
     return (struct orl_rgb){a.r * s, a.g * s, a.b * s};
 }
-/* Luminance-weighted mean: times ORL_EFFICACY_LM_PER_W it is photometric. */
+/* Returns the luminance-weighted mean; times ORL_EFFICACY_LM_PER_W it is photometric. */
 static inline double orl_luma(struct orl_rgb a)
 {
     return ORL_LUMA_R * a.r + ORL_LUMA_G * a.g + ORL_LUMA_B * a.b;
 }
-/* fmax, in line: where one of them is no number, the other. */
+/* Same as fmax, inlined: if one argument is NaN, returns the other. */
 static inline double orl_larger(double a, double b)
 {
     const double larger = a > b ? a : b;
     return b == b ? larger : a;
 }
-/* fmin, likewise. */
+/* Same as fmin, inlined: if one argument is NaN, returns the other. */
 static inline double orl_smaller(double a, double b)
 {
     const double smaller = a < b ? a : b;

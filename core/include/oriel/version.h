@@ -1,4 +1,4 @@
-/* The version of the programs, in one place; api/openapi.yaml says the same. */
+/* Version of the programs, in one place; must match api/openapi.yaml. */
 #ifndef ORIEL_VERSION_H
 #define ORIEL_VERSION_H
 

@@ -1,34 +1,35 @@
 /*
- * View out by EN 17037:2018 (5.2 and annex C): how wide the view is, how far it reaches, and what
- * is in it. Recommended of at least 75 % of a used area, eyes at 1.2 m (seated) or 1.7 m:
+ * View out by EN 17037:2018 (5.2 and annex C): width, distance and content of the view. Recommended
+ * for at least 75 % of a used area, with eyes at 1.2 m (seated) or 1.7 m:
  *
- *            horizontal sight angle   distance outside   layers in one opening
- *   minimum  14 degrees                6 m               landscape
- *   medium   28 degrees               20 m               landscape and one more
- *   high     54 degrees               50 m               sky, landscape, ground
+ *              horizontal sight angle   distance outside   layers in one opening
+ *     minimum  14 degrees                6 m               landscape
+ *     medium   28 degrees               20 m               landscape and one more
+ *     high     54 degrees               50 m               sky, landscape, ground
  *
- * A place's level is the lowest of what it reaches by the three. How they are found, by rays from
- * the place, a quarter of a degree apart in azimuth and one degree in altitude:
+ * The level of a point is the lowest of its levels by the three criteria. They are evaluated by
+ * rays from the point, a quarter of a degree apart in azimuth and one degree in altitude.
  *
- * Openings are photon ports, as jobs have them, of glass, which the standard wants clear,
- * undistorted and neutral in colour: which panes are so can be told by name (BSDFs too, then), else
- * all of glass are. Ports in one plane with 0.3 m between them at the most are one opening: the
- * bars of a window divide no view. Holes without a pane are no openings. Shades are in their first
- * state.
+ * Openings are the photon ports of jobs that consist of glass. The standard requires clear,
+ * undistorted glass of neutral colour. Such panes can be listed by name (then also BSDFs);
+ * otherwise all glass counts. Ports in one plane at most 0.3 m apart are one opening, so that the
+ * bars of a window do not divide a view. Holes without a pane are no openings. Shades are in their
+ * first state.
  *
- * Layers. A ray that has passed an opening sees sky where it leaves the scene upwards, and ground
- * where it does so downwards; what it meets is landscape (the standard's natural or urban objects),
- * or ground: surfaces that are named so, or else those that face up within 10 degrees, and lie no
- * more than 0.5 m above the lowest of the scene. Where sky stands on ground in a column of rays,
- * there is the horizon, and that is landscape. What lies within 1 m of the pane is the window's own
- * (reveals, bars, louvres), and is no view.
+ * Layers. A ray that has passed an opening sees sky if it leaves the scene upwards, and ground if
+ * it leaves downwards. A surface that it hits is landscape (the standard's natural or urban
+ * objects) or ground. Ground surfaces are listed by name; otherwise they are those that face up
+ * within 10 degrees and lie at most 0.5 m above the lowest of the scene. If sky is directly above
+ * ground in a column of rays, the horizon there counts as landscape. Surfaces within 1 m of the
+ * pane belong to the window (reveals, bars, louvres), and are no view.
  *
- * Width: of all azimuths in which a place sees out by openings that show it landscape, roof lights
- * falling out by that. Distance: in each of these azimuths to what the ray next to the horizontal
- * meets other than ground, from the pane and along its normal, level; the median of that, since the
- * standard has it of the major obstruction. INFINITY: none. Scenes are in metres.
+ * Width: sum of all azimuths in which a point sees out by openings that show it landscape. This
+ * excludes roof lights. Distance: for each of these azimuths, the horizontal distance along the
+ * pane's normal from the pane to the first surface other than ground on the ray next to the
+ * horizontal. The result is the median, since the standard means the major obstruction. INFINITY:
+ * no obstruction. Scenes are in metres.
  *
- * Edges of an opening are known to an eighth of a degree of azimuth, half a degree of altitude.
+ * Edges of an opening are known to an eighth of a degree of azimuth and half a degree of altitude.
  * Results do not depend on the crew.
  */
 #ifndef ORIEL_VIEW_OUT_H
@@ -40,17 +41,17 @@
 
 enum { ORL_VIEW_OUT_MOST_PLACES = 20000, ORL_VIEW_OUT_MOST_NAMES = 1024 };
 
-/* All owned; orl_view_out_wish_done frees them. */
+/* Request for views out. All members are owned; orl_view_out_wish_done frees them. */
 struct orl_view_out_wish {
     struct orl_named_place *points;
     size_t n_points;
-    double above_sensors; /* eyes of all sensors, so far above them; NAN: of none */
-    char **openings;      /* surfaces or modifiers; NULL: all of glass */
+    double above_sensors; /* height of eyes above all sensors; NAN: sensors are not used */
+    char **openings;      /* names of surfaces or modifiers; NULL: all glass */
     size_t n_openings;
-    char **ground; /* likewise; NULL: as above */
+    char **ground; /* names of surfaces or modifiers; NULL: by the rule above */
     size_t n_ground;
 };
-void orl_view_out_wish_init(struct orl_view_out_wish *wish); /* nothing is asked for */
+void orl_view_out_wish_init(struct orl_view_out_wish *wish); /* sets no points and no sensors */
 bool orl_view_out_is_wished(const struct orl_view_out_wish *wish);
 void orl_view_out_wish_done(struct orl_view_out_wish *wish); /* NULL and zeros are fine */
 
@@ -58,24 +59,24 @@ enum orl_view_layer { ORL_VIEW_SKY = 1, ORL_VIEW_LANDSCAPE = 2, ORL_VIEW_GROUND 
 enum orl_view_level { ORL_VIEW_NONE, ORL_VIEW_MINIMUM, ORL_VIEW_MEDIUM, ORL_VIEW_HIGH };
 const char *orl_view_level_name(enum orl_view_level level); /* "none", "minimum", ... */
 
-/* From a place. */
+/* View out from a point. */
 struct orl_view_out {
     double sight_angle_deg, distance_m;
-    unsigned layers; /* of the opening that shows the most that count */
+    unsigned layers; /* layers of the opening that shows the most relevant ones */
     enum orl_view_level level;
 };
-/* By its other members. */
+/* Returns the level by the other members. */
 enum orl_view_level orl_view_out_level(const struct orl_view_out *view);
 
 struct orl_annual_request;
 struct orl_run_env;
 
-/* How many there are to see out from. */
+/* Returns the number of points and sensors to evaluate. */
 size_t orl_view_out_places(const struct orl_view_out_wish *wish,
                            const struct orl_annual_request *request);
-/* Reads the request's scene, or finds it on the shelf. ret_views: of the wish's points, then of
- * all sensors, where they are asked for. ORL_ERR_NOT_FOUND (a name is of nothing in the scene),
- * _LIMIT (places), _NOMEM, _CANCELLED, or what loading says. */
+/* Evaluates the views. Reads the request's scene, or finds it on the shelf. ret_views: of the
+ * wish's points, then of all sensors if requested. Returns 0, ORL_ERR_NOT_FOUND (a name matches
+ * nothing in the scene), _LIMIT (points), _NOMEM, _CANCELLED, or the error of loading. */
 int orl_view_out_find(const struct orl_view_out_wish *wish,
                       const struct orl_annual_request *request, const struct orl_run_env *env,
                       struct orl_view_out *ret_views, struct orl_error *err);

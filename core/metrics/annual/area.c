@@ -1,4 +1,4 @@
-/* Figures of areas: shares that pass, averages, the worst sensor. */
+/* Figures of areas: passing shares, averages, the worst sensor. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,27 +34,27 @@ static struct orl_annual_light row_of(const struct orl_annual_rows *rows, size_t
                                      .sunny = rows->sunny};
 }
 
-static int failed(int code, struct orl_error *err)
+static int report_failure(int code, struct orl_error *err)
 {
     return orl_error_set(err, code,
                          code == ORL_ERR_CANCELLED ? "cancelled while evaluating sensors"
                                                    : "out of memory");
 }
 
-static int poll(const struct orl_annual_rows *rows)
+static int poll_cancel(const struct orl_annual_rows *rows)
 {
     return orl_is_cancelled(rows->cancel) ? ORL_ERR_CANCELLED : 0;
 }
 
 /* ---- Shares ---------------------------------------------------------------------------------- */
 
-/* Lists the sensors whose side of the bound is open, and sums up the area of the others that
- * passes. `harder` standard errors are added to each sensor's crossing. Returns the length of the
- * list. */
-static size_t sort_out(const double *crossing, double harder, const double *area, size_t n,
-                       struct orl_area_part *ret_parts, struct orl_sum *sure)
+/* Lists the sensors whose side of the bound is undecided, and sums the area of the other sensors
+ * that pass. `harder` standard errors are added to each sensor's crossing. Returns the length of
+ * the list. */
+static size_t list_undecided(const double *crossing, double harder, const double *area, size_t n,
+                             struct orl_area_part *ret_parts, struct orl_sum *sure)
 {
-    const double certain = 30; /* standard errors: 1e-14 on the other side */
+    const double certain = 30; /* standard errors; the probability of the other side is 1e-14 */
     size_t open = 0;
     for (size_t i = 0; i < n; i++) {
         const double mine = area_at(area, i);
@@ -68,13 +68,14 @@ static size_t sort_out(const double *crossing, double harder, const double *area
 }
 
 /*
- * The area that passes, with 2.5 % below and above. A sensor's chance takes its truth to lie
- * anywhere around its value alike. Where those of many lie on the same side of the bound, close to
- * it, more values cross it one way than the other, and no value tells: so the lower end is found as
- * if all sensors passed by `one_sided` standard errors less, and the upper one by as much more.
- * Measured with 48 sensors of 64 paths each in two rooms, over all thresholds: by 0, 93 and 94 % of
- * intervals held the truth (in the worst thresholds 71 %), and 3 and 1.2 % missed it by 3 % of the
- * area or more; by 0.35, 98 and 99 % (0.3 and 0.1 %).
+ * Computes bounds on the passing area, with 2.5 % below and above. A sensor's probability assumes
+ * that its true value lies on either side of its estimate alike. If many sensors lie on the same
+ * side of the bound, close to it, more values cross it one way than the other, and no single value
+ * shows it. Therefore the lower end is computed as if all sensors were `one_sided` standard errors
+ * lower, and the upper end as if they were as much higher. Measured with 48 sensors of 64 paths
+ * each in two rooms, over all thresholds. With 0, 93 and 94 % of intervals contained the truth (71
+ * % at the worst thresholds), and 3 and 1.2 % missed it by 3 % of the area or more. With 0.35, 98
+ * and 99 % contained it, and 0.3 and 0.1 % missed it by as much.
  */
 static int find_bounds(const double *crossing, const double *area, size_t n,
                        const atomic_bool *cancel, double *ret_low, double *ret_high)
@@ -86,7 +87,7 @@ static int find_bounds(const double *crossing, const double *area, size_t n,
         struct orl_sum sure = {0};
         double low = 0, high = 0;
         const size_t open =
-            sort_out(crossing, end == 0 ? one_sided : -one_sided, area, n, parts, &sure);
+            list_undecided(crossing, end == 0 ? one_sided : -one_sided, area, n, parts, &sure);
         code = orl_chance_bounds(parts, open, tail, cancel, &low, &high);
         *(end == 0 ? ret_low : ret_high) = orl_sum_value(&sure) + (end == 0 ? low : high);
     }
@@ -109,7 +110,7 @@ int orl_annual_share(const double *crossing, const double *area, size_t n, bool 
     }
     const int code = find_bounds(crossing, area, n, cancel, &low, &high);
     if (code < 0)
-        return failed(code, err);
+        return report_failure(code, err);
     const double whole = orl_sum_value(&total);
     const double value = orl_percent(orl_sum_value(&passing), whole);
     *ret_result = (struct orl_annual_area){{value, NAN, NAN}, 0};
@@ -120,13 +121,13 @@ int orl_annual_share(const double *crossing, const double *area, size_t n, bool 
     return 0;
 }
 
-/* Sensors of a share, evaluated by a crew. */
+/* Crossings of the sensors of a share, evaluated by a crew. */
 struct crossings {
     const struct orl_annual_figure *figure;
     const struct orl_annual_period *period;
     const struct orl_annual_rows *rows;
-    double *crossing; /* of each sensor */
-    double *scratch;  /* of each member of the crew: room for the period's columns */
+    double *crossing; /* one per sensor */
+    double *scratch;  /* for each member of the crew: room for the period's columns */
     atomic_bool unknown, cancelled;
 };
 
@@ -140,13 +141,13 @@ static void find_crossing(void *arg, size_t i, uint32_t member)
         atomic_store(&c->unknown, true);
     c->crossing[i] = orl_annual_crossing(&c->figure->metric, c->figure->least, c->period, &row,
                                          c->scratch + member * c->period->n_columns);
-    if (poll(c->rows) < 0)
+    if (poll_cancel(c->rows) < 0)
         atomic_store(&c->cancelled, true);
 }
 
-static int share_of(const struct orl_annual_figure *figure, const struct orl_annual_period *period,
-                    const struct orl_annual_rows *rows, struct orl_annual_area *ret_area,
-                    struct orl_error *err)
+static int compute_share(const struct orl_annual_figure *figure,
+                         const struct orl_annual_period *period, const struct orl_annual_rows *rows,
+                         struct orl_annual_area *ret_area, struct orl_error *err)
 {
     const size_t n = rows->n_sensors;
     double *room = calloc(n + orl_crew_size(rows->crew) * period->n_columns + 1, sizeof *room);
@@ -155,7 +156,7 @@ static int share_of(const struct orl_annual_figure *figure, const struct orl_ann
     struct crossings c = {figure, period, rows, .crossing = room, .scratch = room + n};
     orl_crew_for(rows->crew, n, find_crossing, &c);
     const int code = atomic_load(&c.cancelled)
-                         ? failed(ORL_ERR_CANCELLED, err)
+                         ? report_failure(ORL_ERR_CANCELLED, err)
                          : orl_annual_share(room, rows->area, n, !atomic_load(&c.unknown),
                                             rows->cancel, ret_area, err);
     free(room);
@@ -164,7 +165,7 @@ static int share_of(const struct orl_annual_figure *figure, const struct orl_ann
 
 /* ---- Averages, and the worst ----------------------------------------------------------------- */
 
-/* Errors of sensors are independent: their squares add up. */
+/* Errors of sensors are independent, so their squares add up. */
 struct orl_annual_value orl_annual_average(const struct orl_annual_value *values,
                                            const double *area, size_t n)
 {
@@ -181,29 +182,31 @@ struct orl_annual_value orl_annual_average(const struct orl_annual_value *values
                                      value + sqrt(orl_sum_value(&above)) / total};
 }
 
-static int average(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
-                   const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
-                   struct orl_error *err)
+static int compute_average(const struct orl_annual_metric *metric,
+                           const struct orl_annual_period *period,
+                           const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
+                           struct orl_error *err)
 {
     struct orl_annual_value *values = calloc(rows->n_sensors + 1, sizeof *values);
     int code = 0;
     if (!values)
-        return failed(ORL_ERR_NOMEM, err);
+        return report_failure(ORL_ERR_NOMEM, err);
     for (size_t i = 0; i < rows->n_sensors && code == 0; i++) {
         const struct orl_annual_light row = row_of(rows, i);
         orl_annual_evaluate(metric, period, &row, &values[i]);
-        code = poll(rows);
+        code = poll_cancel(rows);
     }
     if (code == 0)
         *ret_value = orl_annual_average(values, rows->area, rows->n_sensors);
     free(values);
-    return code < 0 ? failed(code, err) : 0;
+    return code < 0 ? report_failure(code, err) : 0;
 }
 
-/* Any of n may be the worst: below, all of them are held at once (Sidak 1967). */
-static int worst(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
-                 const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
-                 struct orl_error *err)
+/* Computes the value of the worst sensor. Since any of n may be the worst, the lower end uses
+ * bounds that hold for all sensors at once (Sidak 1967). */
+static int compute_worst(const struct orl_annual_metric *metric,
+                         const struct orl_annual_period *period, const struct orl_annual_rows *rows,
+                         struct orl_annual_value *ret_value, struct orl_error *err)
 {
     const double z = orl_student_t(-expm1(log(0.975) / (double)rows->n_sensors));
     struct orl_annual_value least = {INFINITY, INFINITY, INFINITY};
@@ -216,8 +219,8 @@ static int worst(const struct orl_annual_metric *metric, const struct orl_annual
         least.value = fmin(least.value, one.value);
         least.high = fmin(least.high, one.high);
         least.low = fmin(least.low, orl_annual_within(metric, period, &row, z).low);
-        if (poll(rows) < 0)
-            return failed(ORL_ERR_CANCELLED, err);
+        if (poll_cancel(rows) < 0)
+            return report_failure(ORL_ERR_CANCELLED, err);
     }
     if (!known)
         least.low = least.high = NAN;
@@ -227,8 +230,8 @@ static int worst(const struct orl_annual_metric *metric, const struct orl_annual
 
 /* ---- The mean as a sensor -------------------------------------------------------------------- */
 
-/* Computes the mean over sensors of values, or with `squares` of their standard errors, for each
- * column. Returns 0 or ORL_ERR_CANCELLED. */
+/* Computes for each column the mean of values over sensors, or, with `squares`, the standard error
+ * of that mean from their standard errors. Returns 0 or ORL_ERR_CANCELLED. */
 static int mean_columns(const float *values, const struct orl_annual_rows *rows, bool squares,
                         double *sums, float *ret_mean)
 {
@@ -240,7 +243,7 @@ static int mean_columns(const float *values, const struct orl_annual_rows *rows,
         total += mine;
         for (size_t k = 0; k < rows->n_columns; k++)
             sums[k] += squares ? mine * mine * row[k] * row[k] : mine * row[k];
-        if (poll(rows) < 0)
+        if (poll_cancel(rows) < 0)
             return ORL_ERR_CANCELLED;
     }
     for (size_t k = 0; k < rows->n_columns; k++)
@@ -248,7 +251,7 @@ static int mean_columns(const float *values, const struct orl_annual_rows *rows,
     return 0;
 }
 
-/* Sensors have independent errors: their squares are added. */
+/* Errors of sensors are independent, so their squares are added. */
 static float mean_coherence(const struct orl_annual_rows *rows)
 {
     double sum = 0, whole = 0;
@@ -260,9 +263,10 @@ static float mean_coherence(const struct orl_annual_rows *rows)
     return (float)sqrt(sum / whole);
 }
 
-static int of_mean(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
-                   const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
-                   struct orl_error *err)
+static int compute_of_mean(const struct orl_annual_metric *metric,
+                           const struct orl_annual_period *period,
+                           const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
+                           struct orl_error *err)
 {
     const float *const given[4] = {rows->total_lx, rows->direct_lx, rows->total_error_lx,
                                    rows->direct_error_lx};
@@ -287,13 +291,13 @@ static int of_mean(const struct orl_annual_metric *metric, const struct orl_annu
     }
     free(means);
     free(sums);
-    return code < 0 ? failed(code, err) : 0;
+    return code < 0 ? report_failure(code, err) : 0;
 }
 
 /* ---- Figures --------------------------------------------------------------------------------- */
 
-static int check(const struct orl_annual_figure *figure, const struct orl_annual_rows *rows,
-                 struct orl_error *err)
+static int check_figure(const struct orl_annual_figure *figure, const struct orl_annual_rows *rows,
+                        struct orl_error *err)
 {
     if (rows->n_sensors == 0)
         return orl_error_set(err, ORL_ERR_INVALID, "there are no sensors to make a figure of");
@@ -314,23 +318,23 @@ int orl_annual_figure_of(const struct orl_annual_figure *figure,
 {
     const struct orl_annual_period *period = &periods[figure->metric.when];
     struct orl_annual_area result = {.open = 0};
-    int code = check(figure, rows, err);
+    int code = check_figure(figure, rows, err);
     if (code < 0)
         return code;
     switch (figure->over) {
     case ORL_OVER_SHARE:
-        code = share_of(figure, period, rows, &result, err);
+        code = compute_share(figure, period, rows, &result, err);
         break;
     case ORL_OVER_AVERAGE:
-        code = average(&figure->metric, period, rows, &result.value, err);
+        code = compute_average(&figure->metric, period, rows, &result.value, err);
         break;
     case ORL_OVER_LEAST:
-        code = worst(&figure->metric, period, rows, &result.value, err);
+        code = compute_worst(&figure->metric, period, rows, &result.value, err);
         break;
-    case ORL_OVER_OF_MEAN: /* a mean DF is the DF of the mean */
+    case ORL_OVER_OF_MEAN: /* the mean of DFs is the DF of the mean */
         code = figure->metric.kind == ORL_METRIC_DF
-                   ? average(&figure->metric, period, rows, &result.value, err)
-                   : of_mean(&figure->metric, period, rows, &result.value, err);
+                   ? compute_average(&figure->metric, period, rows, &result.value, err)
+                   : compute_of_mean(&figure->metric, period, rows, &result.value, err);
         break;
     }
     if (code == 0)

@@ -9,7 +9,7 @@
 #include <oriel/units.h>
 
 enum { PLACES = 1 << 14 };
-static const double nothing = 1e-18; /* of probability, not worth carrying on */
+static const double nothing = 1e-18; /* negligible probability; such places are dropped */
 
 double orl_student_above(double t)
 {
@@ -36,7 +36,7 @@ double orl_student_t(double share_above)
     return (low + high) / 2;
 }
 
-/* A distribution over places, of which those outside of first to last are empty. */
+/* Distribution over places; those outside first to last are empty. */
 struct spread {
     double *at;
     size_t first, last;
@@ -62,7 +62,7 @@ static void add_part(struct spread *s, double places, double pass)
         s->at[s->last--] = 0;
 }
 
-static bool all_alike(const struct orl_area_part *parts, size_t n)
+static bool areas_are_equal(const struct orl_area_part *parts, size_t n)
 {
     for (size_t i = 1; i < n; i++)
         if (parts[i].area != parts[0].area)
@@ -84,7 +84,7 @@ static void find_bounds(const struct spread *s, double tail, size_t *ret_low, si
 int orl_chance_bounds(const struct orl_area_part *parts, size_t n, double tail,
                       const atomic_bool *cancel, double *ret_low, double *ret_high)
 {
-    const bool alike = all_alike(parts, n);
+    const bool alike = areas_are_equal(parts, n);
     double total = 0;
     bool cancelled = false;
     for (size_t i = 0; i < n; i++)

@@ -1,4 +1,4 @@
-/* When a room is in use: by the clock, or by a file. */
+/* Hours of use of a room, by weekdays and hours or from a file. */
 #include <oriel/annual_metrics.h>
 
 #include <math.h>
@@ -14,7 +14,7 @@ void orl_occupancy_init(struct orl_occupancy *occupancy)
         .from_h = 8, .to_h = 18, .days = 0x7f, .first_day = ORL_FIRST_DAY_OF_WEATHER};
 }
 
-/* 0 Monday ... 6 Sunday */
+/* Returns 0 Monday ... 6 Sunday. */
 static unsigned weekday_of(const struct orl_occupancy *occupancy,
                            const struct orl_annual_steps *steps, uint32_t day)
 {
@@ -43,25 +43,26 @@ struct reading {
     struct orl_scanner scanner;
     const struct orl_annual_steps *steps;
     unsigned char *marks;
-    struct orl_annual_steps lines; /* the year in steps of a line each */
+    struct orl_annual_steps lines; /* year divided into one step per line */
     uint32_t count;
-    int fields; /* of a line, all alike; 0: none was read yet */
+    int fields; /* fields per line, the same in all lines; 0: no line was read yet */
     bool has_words;
     struct orl_error *err;
 };
 
-static int complain(const struct reading *r, int code, const char *what)
+static int report_line_error(const struct reading *r, int code, const char *what)
 {
     orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
     return code;
 }
 
-/* How fine the file is, by its first line's hour: 0.5, or 0.25 for half hours. */
+/* Finds the resolution of the file from the hour of its first line: 0.5 for hours, 0.25 for half
+ * hours. */
 static int find_resolution(struct reading *r, double hour)
 {
     const double per_hour = hour > 0 && hour < 0.5 ? round(0.5 / hour) : 1;
     if (per_hour != 1 && per_hour != r->steps->per_hour)
-        return complain(r, ORL_ERR_RANGE, "the file's steps are not those of the year");
+        return report_line_error(r, ORL_ERR_RANGE, "the file's steps are not those of the year");
     r->lines.per_hour = (uint32_t)per_hour;
     r->lines.count = r->steps->count / r->steps->per_hour * (uint32_t)per_hour;
     return 0;
@@ -77,13 +78,13 @@ static int check_time(struct reading *r, const double values[MOST_FIELDS])
     if (values[0] == day.month && values[1] == day.day &&
         fabs(values[2] - middle) <= 0.5 / r->lines.per_hour + 1e-6)
         return 0;
-    complain(r, ORL_ERR_RANGE, "this is not the time of the line");
+    report_line_error(r, ORL_ERR_RANGE, "this is not the time of the line");
     orl_error_hint(r->err, "%d,%d,%g is wanted here: month, day, hour of the middle", day.month,
                    day.day, middle);
     return ORL_ERR_RANGE;
 }
 
-/* The first field is a number, maybe "nan" or "inf", or a misspelt one. */
+/* Returns true if the first field is a number, including "nan", "inf" and misspelt numbers. */
 static bool begins_number(struct orl_slice line)
 {
     struct orl_cells cells;
@@ -97,8 +98,9 @@ static bool begins_number(struct orl_slice line)
            orl_number_read(cell.text, cell.length, &value) != ORL_NUMBER_NOT_ONE;
 }
 
-/* The numbers of a line, between commas, semicolons or space; how many, or an error. */
-static int split(struct reading *r, struct orl_slice line, double ret_values[MOST_FIELDS])
+/* Splits a line into numbers separated by commas, semicolons or blanks. Returns their count, or an
+ * error. */
+static int split_line(struct reading *r, struct orl_slice line, double ret_values[MOST_FIELDS])
 {
     struct orl_cells cells;
     struct orl_slice cell;
@@ -127,31 +129,33 @@ static int read_line(struct reading *r, struct orl_slice line)
         r->has_words = true;
         return 0;
     }
-    const int n = split(r, line, values);
+    const int n = split_line(r, line, values);
     if (n < 0)
         return n;
     if (n != 1 && n != MOST_FIELDS)
-        return complain(r, ORL_ERR_SYNTAX, "one number is wanted, or \"month,day,hour,value\"");
+        return report_line_error(r, ORL_ERR_SYNTAX,
+                                 "one number is wanted, or \"month,day,hour,value\"");
     if (r->fields != 0 && n != r->fields)
-        return complain(r, ORL_ERR_SYNTAX,
-                        "lines of one number and \"month,day,hour,value\" are mixed");
+        return report_line_error(r, ORL_ERR_SYNTAX,
+                                 "lines of one number and \"month,day,hour,value\" are mixed");
     r->fields = n;
     if (r->count == r->steps->count)
-        return complain(r, ORL_ERR_RANGE, "the file has more lines than the year has steps");
+        return report_line_error(r, ORL_ERR_RANGE,
+                                 "the file has more lines than the year has steps");
     const int code = n == MOST_FIELDS ? check_time(r, values) : 0;
     if (code == 0)
         r->marks[r->count++] = values[n - 1] > 0;
     return code;
 }
 
-/* Hours to the steps of each, from the last one on. */
-static void stretch(unsigned char *marks, const struct orl_annual_steps *steps)
+/* Copies hourly marks to the steps of each hour, from the last one on. */
+static void expand_hours(unsigned char *marks, const struct orl_annual_steps *steps)
 {
     for (uint32_t i = steps->count; i-- > 0;)
         marks[i] = marks[i / steps->per_hour];
 }
 
-static int complain_count(const struct reading *r)
+static int report_line_count(const struct reading *r)
 {
     orl_error_set(r->err, ORL_ERR_RANGE, "the file has %u lines, and the year %u steps", r->count,
                   r->steps->count);
@@ -173,8 +177,8 @@ int orl_occupancy_read(const char *name, const char *text, size_t size,
     if (code < 0)
         return code;
     if (r.count != steps->count && r.count * (uint64_t)steps->per_hour != steps->count)
-        return complain_count(&r);
+        return report_line_count(&r);
     if (r.count != steps->count)
-        stretch(ret_marks, steps);
+        expand_hours(ret_marks, steps);
     return 0;
 }

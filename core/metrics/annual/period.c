@@ -1,4 +1,4 @@
-/* Which steps of a year count. */
+/* Steps of a year that count. */
 #include <oriel/annual_metrics.h>
 
 #include <stdlib.h>

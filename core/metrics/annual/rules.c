@@ -1,4 +1,4 @@
-/* What standards and labels ask for, as targets. */
+/* Requirements of standards and labels, as targets. */
 #include <oriel/annual_metrics.h>
 
 #include <string.h>

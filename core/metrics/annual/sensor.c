@@ -1,4 +1,4 @@
-/* Metrics of one sensor's year, and the error at which each would change sides. */
+/* Metrics of one sensor's year, and the error at which each would change sides of a bound. */
 #include "metrics/annual/sensor.h"
 
 #include <float.h>
@@ -16,11 +16,11 @@ static bool is_direct(enum orl_metric_kind kind)
     return kind == ORL_METRIC_DIRECT_HOURS;
 }
 
-/* What of a row a metric is made of. */
+/* Part of a row that a metric uses. */
 struct light {
     const float *value, *error, *factor;
-    const unsigned char *sunny; /* columns whose errors are coherent in part; NULL: none are */
-    double coherence;           /* of those */
+    const unsigned char *sunny; /* columns whose errors are partly coherent; NULL: none */
+    double coherence;           /* coherence of the errors in sunny columns */
 };
 
 static struct light light_of_total(const struct orl_annual_light *row)
@@ -49,27 +49,27 @@ bool orl_annual_errors_known(const struct orl_annual_metric *metric,
 }
 
 /*
- * The standard error of a column as far as all columns share it, relative to its light.
+ * Returns the part of a column's relative standard error that all columns share.
  *
- * Light adds up from few bright paths and many dim ones: an estimate that comes out low thinks
- * itself surer than it is, as its error shrinks with it. In proportion, errors are even: values
- * move by factors, and no further than the error allows of means that are never below zero, which
- * is their own size.
+ * Light is a sum over few bright paths and many dim ones. An estimate that comes out low has too
+ * small a standard error, since the error shrinks with the value. Relative errors are more even, so
+ * values are moved by factors. For means that are never negative the error is at most the value
+ * itself.
  */
-static double proportion(const struct light *light, size_t column)
+static double shared_relative_error(const struct light *light, size_t column)
 {
     const double error = fmin((double)light->error[column] / (double)light->value[column], 1);
     return light->sunny && light->sunny[column] ? light->coherence * error : error;
 }
 
-static double shifted(const struct light *light, uint32_t column, double z)
+static double shifted_value(const struct light *light, uint32_t column, double z)
 {
     const double value = light->value[column];
     if (z == 0 || !light->error || !(value > 0) || !(light->error[column] > 0))
         return fmax(0, value);
     if (light->factor && fabs(z) == ORL_ANNUAL_Z)
         return z > 0 ? value * light->factor[column] : value / light->factor[column];
-    return value * exp(z * proportion(light, column));
+    return value * exp(z * shared_relative_error(light, column));
 }
 
 void orl_annual_factors(const struct orl_annual_light *row, size_t n, float *ret_factors)
@@ -77,12 +77,12 @@ void orl_annual_factors(const struct orl_annual_light *row, size_t n, float *ret
     const struct light light = light_of_total(row);
     for (size_t i = 0; i < n; i++)
         ret_factors[i] = light.value[i] > 0 && light.error[i] > 0
-                             ? (float)exp(ORL_ANNUAL_Z * proportion(&light, i))
+                             ? (float)exp(ORL_ANNUAL_Z * shared_relative_error(&light, i))
                              : 1;
 }
 
-/* Steps that are lit so that they count, as the metric weighs them; dark ones are the caller's. */
-static double weigh(const struct orl_annual_metric *metric, double lx)
+/* Returns the weight of a step with that illuminance in the metric. */
+static double step_weight(const struct orl_annual_metric *metric, double lx)
 {
     switch (metric->kind) {
     case ORL_METRIC_CDA:
@@ -109,12 +109,12 @@ double orl_annual_at(const struct orl_annual_metric *metric, const struct orl_an
 {
     const struct light light = light_of(metric, row);
     if (metric->kind == ORL_METRIC_DF)
-        return 100 * shifted(&light, 0, z) / ORL_OVERCAST_LX;
+        return 100 * shifted_value(&light, 0, z) / ORL_OVERCAST_LX;
     const double dark_h = period->hours - (double)period->n_columns * period->step_h;
     double sum = 0;
     for (size_t i = 0; i < period->n_columns; i++)
-        sum += weigh(metric, shifted(&light, period->columns[i], z));
-    const double hours = sum * period->step_h + dark_h * weigh(metric, 0);
+        sum += step_weight(metric, shifted_value(&light, period->columns[i], z));
+    const double hours = sum * period->step_h + dark_h * step_weight(metric, 0);
     switch (metric->kind) {
     case ORL_METRIC_MEAN:
         return period->hours > 0 ? hours / period->hours : 0;
@@ -134,7 +134,7 @@ bool orl_annual_grows(enum orl_metric_kind kind)
 
 /* ---- Intervals ------------------------------------------------------------------------------- */
 
-/* Of what grows or falls all the way. */
+/* Returns the interval of a metric that is monotonic in the light. */
 static struct orl_annual_value steady_within(const struct orl_annual_metric *metric,
                                              const struct orl_annual_period *period,
                                              const struct orl_annual_light *row, double z)
@@ -146,9 +146,9 @@ static struct orl_annual_value steady_within(const struct orl_annual_metric *met
 }
 
 /*
- * UDI is what has reached the lower bound less what has left by the upper one. With a common factor
- * the two move together and their difference less; with less in common they do not. Their squares
- * are added, which is wide enough for either.
+ * UDI is the share that has reached the lower bound less the share above the upper bound. With a
+ * common factor the two move together, and their difference varies less; with less coherence it
+ * varies more. Adding their squares is wide enough for either case.
  */
 static struct orl_annual_value range_within(const struct orl_annual_metric *metric,
                                             const struct orl_annual_period *period,
@@ -186,7 +186,7 @@ void orl_annual_evaluate(const struct orl_annual_metric *metric,
 
 /* ---- Crossings ------------------------------------------------------------------------------- */
 
-/* The z at which one step begins to count. */
+/* Returns the z at which one step begins to count. */
 static double step_crossing(const struct orl_annual_metric *metric, const struct light *light,
                             uint32_t column)
 {
@@ -194,14 +194,15 @@ static double step_crossing(const struct orl_annual_metric *metric, const struct
     const bool strict =
         metric->kind == ORL_METRIC_UDI_UPPER || metric->kind == ORL_METRIC_DIRECT_HOURS;
     const bool unsure = light->error && light->error[column] > 0 && lx > 0;
-    const double share = unsure ? proportion(light, column) : 0;
+    const double share = unsure ? shared_relative_error(light, column) : 0;
     if (!(share > 0))
         return (strict ? lx > metric->low_lx : lx >= metric->low_lx) ? -INFINITY : INFINITY;
     const double z = log(metric->low_lx / lx) / share;
-    return strict && lx <= metric->low_lx ? fmax(z, DBL_MIN) : z; /* met exactly is not more */
+    /* An exactly equal value is not more. */
+    return strict && lx <= metric->low_lx ? fmax(z, DBL_MIN) : z;
 }
 
-/* Of metrics that count hours: that of the last step they need. */
+/* Returns the crossing of a metric that counts hours: that of the last step it needs. */
 static double counting_crossing(const struct orl_annual_metric *metric, double needed_h,
                                 const struct orl_annual_period *period,
                                 const struct orl_annual_light *row, double *scratch)
@@ -218,12 +219,12 @@ static double counting_crossing(const struct orl_annual_metric *metric, double n
     return orl_find_kth(scratch, period->n_columns, (size_t)needed - 1);
 }
 
-/* Of the others, which grow steadily. */
+/* Returns the crossing of other metrics, which grow monotonically, by bisection. */
 static double sought_crossing(const struct orl_annual_metric *metric, double bound,
                               const struct orl_annual_period *period,
                               const struct orl_annual_light *row)
 {
-    const double reach = 38; /* beyond, a normal law has no chance left in a double */
+    const double reach = 38; /* beyond it a double holds no probability of a normal law */
     const double hair = 1e-12 * fabs(bound);
     double low = -reach, high = reach;
     if (orl_annual_at(metric, period, row, low) >= bound - hair)

@@ -1,4 +1,4 @@
-/* Targets in words, and verdicts on them. */
+/* Parser of targets, and verdicts on them. */
 #include <oriel/annual_metrics.h>
 
 #include <ctype.h>
@@ -14,7 +14,7 @@ struct reading {
     struct orl_error *err;
 };
 
-static int wanted(const struct reading *r, const char *what)
+static int report_wanted(const struct reading *r, const char *what)
 {
     orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s': %s is wanted %s%s%s", r->text, what,
                   *r->at ? "at '" : "at its end", r->at, *r->at ? "'" : "");
@@ -29,8 +29,8 @@ static void skip_space(struct reading *r)
         r->at++;
 }
 
-/* A word, in either case, that no letter follows. */
-static bool take(struct reading *r, const char *word)
+/* Takes a word, in either case, if no letter follows it. */
+static bool take_word(struct reading *r, const char *word)
 {
     const size_t length = strlen(word);
     skip_space(r);
@@ -60,7 +60,7 @@ struct kind_name {
     double least;
 };
 
-/* Names, with the numbers that those without any have. Longer names first. */
+/* Names with default numbers. Longer names come first. */
 static const struct kind_name kind_names[] = {
     {"udi_lower", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_LOWER, ORL_WHEN_OCCUPIED, 100, 0}, 0},
     {"udi_part", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_PART, ORL_WHEN_OCCUPIED, 100, 300}, 0},
@@ -81,34 +81,34 @@ static const struct kind_name kind_names[] = {
 static const struct kind_name *take_kind(struct reading *r)
 {
     for (size_t i = 0; i < sizeof kind_names / sizeof *kind_names; i++)
-        if (take(r, kind_names[i].name))
+        if (take_word(r, kind_names[i].name))
             return &kind_names[i];
     return NULL;
 }
 
-/* The second number of "300/50", "300,50" and "100-3000", if it stands there. */
+/* Takes the second number of "300/50", "300,50" and "100-3000", if there is one. */
 static int take_second(struct reading *r, double *ret_value)
 {
     skip_space(r);
     if (*r->at == '\0' || !strchr("/,-", *r->at))
         return 0;
     r->at++;
-    return take_number(r, ret_value) ? 0 : wanted(r, "a number");
+    return take_number(r, ret_value) ? 0 : report_wanted(r, "a number");
 }
 
-/* "sDF2", "sDF2 %", "sDF300lx": a factor, or what it is to give. */
+/* Reads "sDF2", "sDF2 %" or "sDF300lx": a factor, or the illuminance that it must give. */
 static int read_factor(struct reading *r, struct orl_annual_figure *figure)
 {
     double number = 0;
     if (figure->over != ORL_OVER_SHARE || !take_number(r, &number))
         return 0;
     if (!(number > 0))
-        return wanted(r, "a daylight factor above 0 % before what stands");
-    const bool lux = take(r, "lx");
+        return report_wanted(r, "a daylight factor above 0 % before what stands");
+    const bool lux = take_word(r, "lx");
     figure->metric.low_lx = lux ? number : 0;
     figure->least = lux ? 0 : number;
     if (!lux)
-        take(r, "%");
+        take_word(r, "%");
     return 0;
 }
 
@@ -126,16 +126,17 @@ static int read_numbers(struct reading *r, struct orl_annual_figure *figure)
         code = take_second(r, &figure->least);
     else if (range)
         code = take_second(r, &metric->high_lx);
-    if (code == 0 && figure->over == ORL_OVER_SHARE && !take(r, "%"))
-        take(r, "h");
+    if (code == 0 && figure->over == ORL_OVER_SHARE && !take_word(r, "%"))
+        take_word(r, "h");
     if (code < 0)
         return code;
     if (!(metric->low_lx > 0) && metric->kind != ORL_METRIC_DIRECT_HOURS)
-        return wanted(r, "an illuminance above 0 lx before what stands");
+        return report_wanted(r, "an illuminance above 0 lx before what stands");
     if (range && metric->high_lx < metric->low_lx)
-        return wanted(r, "a range from the lower to the higher illuminance before what stands");
+        return report_wanted(r,
+                             "a range from the lower to the higher illuminance before what stands");
     if (metric->kind == ORL_METRIC_DA && figure->over == ORL_OVER_SHARE && figure->least > 100)
-        return wanted(r, "a share of the hours, in percent, before what stands");
+        return report_wanted(r, "a share of the hours, in percent, before what stands");
     return 0;
 }
 
@@ -144,7 +145,7 @@ static bool is_relation(char c)
     return c == '<' || c == '>' || c == '=';
 }
 
-/* All words up to the relation: names may hold spaces. */
+/* Reads all words up to the relation, since names may contain spaces. */
 static int read_grid(struct reading *r, char ret_grid[ORL_TARGET_GRID])
 {
     size_t length = 0;
@@ -155,7 +156,7 @@ static int read_grid(struct reading *r, char ret_grid[ORL_TARGET_GRID])
     while (length > 0 && isspace((unsigned char)r->at[length - 1]))
         length--;
     if (length == 0)
-        return wanted(r, "a grid's name");
+        return report_wanted(r, "a grid's name");
     if (length >= ORL_TARGET_GRID)
         return orl_error_set(r->err, ORL_ERR_LIMIT, "'%s': the grid's name is too long", r->text);
     memcpy(ret_grid, r->at, length);
@@ -166,19 +167,19 @@ static int read_grid(struct reading *r, char ret_grid[ORL_TARGET_GRID])
 
 static void read_when(struct reading *r, enum orl_annual_when *when)
 {
-    if (take(r, "in daylight hours"))
+    if (take_word(r, "in daylight hours"))
         *when = ORL_WHEN_DAYLIGHT;
-    else if (take(r, "over the year"))
+    else if (take_word(r, "over the year"))
         *when = ORL_WHEN_ALWAYS;
 }
 
 static int read_figure(struct reading *r, struct orl_annual_target *target)
 {
-    const bool least = take(r, "least");
+    const bool least = take_word(r, "least");
     const struct kind_name *kind = take_kind(r);
     if (!kind)
-        return wanted(r,
-                      "a figure's name (sDA, ASE, DA, cDA, UDI, illuminance, hours, DF, sDF, ...)");
+        return report_wanted(
+            r, "a figure's name (sDA, ASE, DA, cDA, UDI, illuminance, hours, DF, sDF, ...)");
     target->figure = (struct orl_annual_figure){kind->over, kind->metric, kind->least};
     if (least && kind->over == ORL_OVER_SHARE)
         return orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s': a share of the area has no least one",
@@ -186,7 +187,7 @@ static int read_figure(struct reading *r, struct orl_annual_target *target)
     int code = read_numbers(r, &target->figure);
     if (least)
         target->figure.over = ORL_OVER_LEAST;
-    if (code == 0 && take(r, "of mean")) {
+    if (code == 0 && take_word(r, "of mean")) {
         if (kind->over == ORL_OVER_SHARE || least)
             return orl_error_set(r->err, ORL_ERR_SYNTAX,
                                  "'%s': the mean over the area has no share and no least one",
@@ -195,7 +196,7 @@ static int read_figure(struct reading *r, struct orl_annual_target *target)
     }
     if (code == 0 && kind->metric.kind != ORL_METRIC_DF)
         read_when(r, &target->figure.metric.when);
-    if (code == 0 && take(r, "of"))
+    if (code == 0 && take_word(r, "of"))
         code = read_grid(r, target->grid);
     return code;
 }
@@ -206,8 +207,9 @@ int orl_annual_metric_parse(const char *text, struct orl_annual_metric *ret_metr
     struct reading r = {.text = text, .at = text, .err = err};
     const struct kind_name *kind = take_kind(&r);
     if (!kind || kind->over != ORL_OVER_AVERAGE)
-        return wanted(&r, "a metric of sensors (DA, cDA, UDI, udi_lower, udi_part, udi_upper, "
-                          "illuminance, cumulative, hours, direct_hours, DF)");
+        return report_wanted(&r,
+                             "a metric of sensors (DA, cDA, UDI, udi_lower, udi_part, udi_upper, "
+                             "illuminance, cumulative, hours, direct_hours, DF)");
     struct orl_annual_figure figure = {kind->over, kind->metric, 0};
     const int code = read_numbers(&r, &figure);
     if (code < 0)
@@ -216,7 +218,7 @@ int orl_annual_metric_parse(const char *text, struct orl_annual_metric *ret_metr
         read_when(&r, &figure.metric.when);
     skip_space(&r);
     if (*r.at)
-        return wanted(&r, "nothing more");
+        return report_wanted(&r, "nothing more");
     *ret_metric = figure.metric;
     return 0;
 }
@@ -237,7 +239,7 @@ static int read_relation(struct reading *r, enum orl_relation *ret_relation)
             *ret_relation = signs[i].relation;
             return 0;
         }
-    return wanted(r, "'>=', '<=', '>' or '<'");
+    return report_wanted(r, "'>=', '<=', '>' or '<'");
 }
 
 static const char *unit_of(const struct orl_annual_figure *figure)
@@ -250,12 +252,12 @@ static int read_bound(struct reading *r, struct orl_annual_target *target)
     const char *unit = unit_of(&target->figure);
     char what[64];
     if (!take_number(r, &target->bound))
-        return wanted(r, "a number");
-    const bool said = take(r, unit);
+        return report_wanted(r, "a number");
+    const bool said = take_word(r, unit);
     snprintf(what, sizeof what, "nothing more than the unit %s", unit);
     skip_space(r);
     if (*r->at)
-        return wanted(r, what);
+        return report_wanted(r, what);
     if (strcmp(unit, "%") != 0)
         return 0;
     if (target->bound > 100)
@@ -297,7 +299,7 @@ const char *orl_verdict_name(enum orl_verdict verdict)
     return names[verdict];
 }
 
-static bool meets(const struct orl_annual_target *target, double value)
+static bool meets_bound(const struct orl_annual_target *target, double value)
 {
     const double bound = target->bound, hair = 1e-9 * fmax(1, fabs(bound));
     switch (target->relation) {
@@ -317,7 +319,7 @@ enum orl_verdict orl_annual_judge(const struct orl_annual_target *target,
 {
     if (isnan(value->low) || isnan(value->high))
         return ORL_VERDICT_UNKNOWN;
-    const bool low = meets(target, value->low), high = meets(target, value->high);
+    const bool low = meets_bound(target, value->low), high = meets_bound(target, value->high);
     return low != high ? ORL_VERDICT_UNDECIDED : low ? ORL_VERDICT_PASS : ORL_VERDICT_FAIL;
 }
 
