@@ -412,7 +412,11 @@ int orl_wave_adopt(struct orl_sharing *sharing, const struct orl_piece *pieces, 
 
     while (rc == 0 && orl_wave_find(sharing->folder, wave.name)) {
         wave.n = orl_wave_parts(sharing->folder, wave.name);
+        char again[sizeof wave.name];
         rc = finish_wave(sharing, &wave, err);
+        if (rc == 0 && orl_wave_find(sharing->folder, again) && strcmp(again, wave.name) == 0)
+            rc = orl_error_set(err, ORL_ERR_IO, "%s/%s.wave cannot be removed", sharing->folder,
+                               wave.name);
         if (rc == 0)
             orl_wave_mark(sharing->folder, wave.name, wave.n, pieces, n, ret_made);
         wave_done(&wave);
