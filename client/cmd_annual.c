@@ -9,9 +9,9 @@
 
 #include "job_file.h"
 #include "local.h"
-#include "parts/files.h"
+#include "parts/whole_files.h"
 #include "problem.h"
-#include "report.h"
+#include "report_error.h"
 #include "sharing_line.h"
 #include "verdict_line.h"
 

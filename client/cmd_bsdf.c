@@ -9,7 +9,7 @@
 
 #include "bsdf_file.h"
 #include "bsdf_json.h"
-#include "report.h"
+#include "report_error.h"
 
 static void print_directions(const struct orl_bsdf_check *c)
 {

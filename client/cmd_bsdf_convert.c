@@ -10,10 +10,10 @@
 #include "bsdf_compare_json.h"
 #include "bsdf_file.h"
 #include "bsdf_make_json.h"
+#include "document_options.h"
 #include "local.h"
-#include "parts/files.h"
-#include "report.h"
-#include "words.h"
+#include "parts/whole_files.h"
+#include "report_error.h"
 
 /* ---- Differences ----------------------------------------------------------------------------- */
 

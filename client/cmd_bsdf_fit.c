@@ -6,11 +6,11 @@
 #include <string.h>
 
 #include "bsdf_fit_json.h"
+#include "document_options.h"
 #include "job_file.h"
 #include "local.h"
-#include "parts/files.h"
-#include "report.h"
-#include "words.h"
+#include "parts/whole_files.h"
+#include "report_error.h"
 
 enum { FLAGS = 2 };
 

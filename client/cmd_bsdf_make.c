@@ -7,12 +7,12 @@
 #include <string.h>
 
 #include "bsdf_make_json.h"
+#include "document_options.h"
 #include "job_file.h"
 #include "local.h"
-#include "parts/files.h"
-#include "report.h"
+#include "parts/whole_files.h"
+#include "report_error.h"
 #include "sharing_line.h"
-#include "words.h"
 
 /* The command line, which is turned into a document. */
 struct line {

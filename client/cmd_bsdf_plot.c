@@ -11,7 +11,7 @@
 
 #include "bsdf_file.h"
 #include "chart/bsdf_chart.h"
-#include "report.h"
+#include "report_error.h"
 
 enum { FRAMES = 17, STEP_DEG = 5 };
 static const double frame_s = 0.4;

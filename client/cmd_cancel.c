@@ -3,10 +3,10 @@
 
 #include <stdio.h>
 
-#include "follow.h"
-#include "http.h"
+#include "follow_job.h"
+#include "http_client.h"
 #include "json_get.h"
-#include "report.h"
+#include "report_error.h"
 
 int orl_cmd_cancel(const struct orl_subcommand *self, int argc, char **argv)
 {

@@ -4,12 +4,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "follow.h"
-#include "http.h"
+#include "follow_job.h"
+#include "http_client.h"
 #include "json_get.h"
-#include "parts/files.h"
+#include "parts/whole_files.h"
 #include "problem.h"
-#include "report.h"
+#include "report_error.h"
 
 static const char result_name[] = "result.json";
 

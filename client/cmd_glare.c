@@ -10,7 +10,7 @@
 #include <oriel/glare.h>
 
 #include "glare_json.h"
-#include "report.h"
+#include "report_error.h"
 
 /* Options of the command line, as text. */
 struct asked {

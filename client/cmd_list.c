@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "http.h"
+#include "http_client.h"
 #include "json_get.h"
 #include "progress.h"
-#include "report.h"
+#include "report_error.h"
 
 static void print_scenes(const json_t *scenes)
 {

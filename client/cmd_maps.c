@@ -5,10 +5,10 @@
 #include <string.h>
 #include <time.h>
 
-#include "http.h"
+#include "http_client.h"
 #include "json_get.h"
 #include "progress.h"
-#include "report.h"
+#include "report_error.h"
 
 /* Formats the age of a time such as "2026-11-22T05:01:02Z" as "3 h"; "-" if it is no such time. */
 static void format_age(const char *when, char *text, size_t size)

@@ -13,11 +13,11 @@
 #include "annual_json.h"
 #include "decode.h"
 #include "local.h"
-#include "parts/files.h"
 #include "parts/shared_folder.h"
+#include "parts/whole_files.h"
 #include "place.h"
 #include "problem.h"
-#include "report.h"
+#include "report_error.h"
 #include "task_json.h"
 
 /* The part: its pieces and progress. */

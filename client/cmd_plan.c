@@ -12,7 +12,7 @@
 #include "json_get.h"
 #include "local.h"
 #include "plan_table.h"
-#include "report.h"
+#include "report_error.h"
 #include "result_json.h"
 #include "task_json.h"
 #include "wrap.h"

@@ -4,8 +4,8 @@
 #include <stdio.h>
 
 #include "job_file.h"
-#include "parts/files.h"
-#include "report.h"
+#include "parts/whole_files.h"
+#include "report_error.h"
 
 /* Writes a job document that renders the whole project. */
 static int write_job(const struct orl_project_place *place, struct orl_error *err)

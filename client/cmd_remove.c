@@ -7,9 +7,9 @@
 
 #include <oriel/limits.h>
 
-#include "http.h"
+#include "http_client.h"
 #include "json_get.h"
-#include "report.h"
+#include "report_error.h"
 
 /* Returns the API path of a kind, such as "/v1/jobs" for "job", or NULL for others. */
 static const char *folder_of(const char *what)

@@ -12,9 +12,9 @@
 
 #include "job_file.h"
 #include "local.h"
-#include "parts/files.h"
+#include "parts/whole_files.h"
 #include "problem.h"
-#include "report.h"
+#include "report_error.h"
 #include "result_json.h"
 #include "sharing_line.h"
 

@@ -4,12 +4,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "follow.h"
-#include "http.h"
+#include "follow_job.h"
+#include "http_client.h"
 #include "job_table.h"
 #include "json_get.h"
 #include "progress.h"
-#include "report.h"
+#include "report_error.h"
 #include "study_table.h"
 #include "verdict_line.h"
 

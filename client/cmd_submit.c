@@ -8,14 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bundle.h"
-#include "follow.h"
-#include "http.h"
+#include "follow_job.h"
+#include "http_client.h"
 #include "job_file.h"
 #include "json_get.h"
-#include "report.h"
+#include "report_error.h"
 #include "task_bundle.h"
 #include "task_json.h"
+#include "upload_bundle.h"
 
 /* Returns the document's member that names the files to upload. */
 static const char *place_of(const struct orl_job_file *file)

@@ -10,11 +10,11 @@
 
 #include <oriel/limits.h>
 
-#include "bundle.h"
 #include "digest.h"
-#include "http.h"
+#include "http_client.h"
 #include "json_get.h"
-#include "report.h"
+#include "report_error.h"
+#include "upload_bundle.h"
 
 static int upload_files(struct orl_http *http, const char *folder, char **names, size_t count,
                         bool list_only, struct orl_error *err)

@@ -18,8 +18,8 @@
 #include "job_file.h"
 #include "json_get.h"
 #include "local.h"
-#include "parts/files.h"
-#include "report.h"
+#include "parts/whole_files.h"
+#include "report_error.h"
 
 enum { EXIT_CANNOT = 2, PATH_SIZE = 4096 };
 

@@ -1,9 +1,9 @@
 /* oriel wait ID: waits for a job with progress on stderr. */
 #include "command.h"
 
-#include "follow.h"
-#include "http.h"
-#include "report.h"
+#include "follow_job.h"
+#include "http_client.h"
+#include "report_error.h"
 
 int orl_cmd_wait(const struct orl_subcommand *self, int argc, char **argv)
 {

@@ -10,11 +10,11 @@
 #include <string.h>
 #include <time.h>
 
-#include "http.h"
+#include "http_client.h"
 #include "job_table.h"
 #include "json_get.h"
 #include "progress.h"
-#include "report.h"
+#include "report_error.h"
 
 /* Seconds to wait for an absent daemon, and percent between two lines of a running job. */
 #define PATIENCE_S 60.0

@@ -9,7 +9,7 @@
 
 #include <oriel/error.h>
 
-#include "http.h"
+#include "http_client.h"
 #include "parts/file_digest.h"
 
 /* Computes the id of a scene of these files (defined at POST /v1/scenes). */

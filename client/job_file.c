@@ -12,7 +12,7 @@
 
 #include "decode.h"
 #include "job_json.h"
-#include "parts/files.h"
+#include "parts/whole_files.h"
 #include "place.h"
 
 /* Returns the folder part of path, "." if there is none. */

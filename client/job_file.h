@@ -10,7 +10,7 @@
 #include <oriel/error.h>
 #include <oriel/run.h>
 
-#include "project.h"
+#include "project_command.h"
 
 struct orl_job_file {
     const char *path; /* borrowed from the command line */
@@ -21,7 +21,7 @@ struct orl_job_file {
 };
 
 /* Reads and parses the document; JSON errors have file and line. If its scene names a project,
- * the project is opened (project.h) and listed on stderr. */
+ * the project is opened (project_command.h) and listed on stderr. */
 int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct orl_error *err);
 
 /* Options for a project that is given in place of a document. Borrowed. */

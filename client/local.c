@@ -14,9 +14,9 @@
 
 #include "annual_job.h"
 #include "decode.h"
-#include "follow.h"
+#include "follow_job.h"
 #include "library.h"
-#include "parts/files.h"
+#include "parts/whole_files.h"
 #include "plan_table.h"
 #include "progress.h"
 #include "result_json.h"

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "parts/files.h"
+#include "parts/whole_files.h"
 
 enum { PATH_SIZE = 4096, MOST_NAMES = 100000, DEPTH = 16 };
 

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "local.h"
-#include "parts/files.h"
+#include "parts/whole_files.h"
 #include "progress.h"
 #include "task_bundle.h"
 

@@ -1,12 +1,12 @@
 /*
  * Collects all files that a document of any kind needs: those of its scene with their
- * references (bundle.h), and those that the document names itself.
+ * references (upload_bundle.h), and those that the document names itself.
  */
 #ifndef ORL_CLIENT_TASK_BUNDLE_H
 #define ORL_CLIENT_TASK_BUNDLE_H
 
-#include "bundle.h"
 #include "task_json.h"
+#include "upload_bundle.h"
 
 /* Collects the files of a document that names its scene's files, below the folder. Call
  * orl_bundle_done afterwards. */

@@ -11,9 +11,9 @@
 #include "process/pool.h"
 #include "process/signals.h"
 #include "process/times.h"
-#include "runner/program.h"
+#include "runner/build_id.h"
 #include "store/opening.h"
-#include "store/tokens.h"
+#include "store/token_rows.h"
 #include "upkeep/missing.h"
 #include "upkeep/scrub.h"
 

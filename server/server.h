@@ -21,7 +21,7 @@
 #include "health/metrics.h"
 #include "health/pulse.h"
 #include "http/context.h"
-#include "http/http.h"
+#include "http/http_server.h"
 #include "jobs/jobs.h"
 #include "process/config.h"
 #include "process/log.h"

@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "honeybee/assets.h"
-#include "honeybee/luminaires.h"
+#include "honeybee/model_luminaires.h"
+#include "honeybee/model_surfaces.h"
 #include "honeybee/modifier_sets.h"
-#include "honeybee/surfaces.h"
 
 bool orl_hbjson_is_model(const json_t *document)
 {

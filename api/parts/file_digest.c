@@ -4,7 +4,7 @@
 
 #include <sodium.h>
 
-#include "parts/files.h"
+#include "parts/whole_files.h"
 
 void orl_digest_end(struct orl_sha256 *hash, char ret_digest[ORL_DIGEST_TEXT])
 {

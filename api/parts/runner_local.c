@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "parts/files.h"
+#include "parts/whole_files.h"
 
 extern char **environ;
 

@@ -16,9 +16,9 @@
 
 #include <oriel/open.h>
 
-#include "parts/command.h"
-#include "parts/files.h"
+#include "parts/run_program.h"
 #include "parts/slurm_facts.h"
+#include "parts/whole_files.h"
 
 /* Interval of queries to Slurm about a wave, in seconds. It grows with the wave's age
  * (asked_share of it), which bounds the total number of queries. */

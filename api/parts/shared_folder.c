@@ -15,7 +15,7 @@
 
 #include "decode.h"
 #include "parts/file_digest.h"
-#include "parts/files.h"
+#include "parts/whole_files.h"
 
 /* ---- Creation -------------------------------------------------------------------------------- */
 

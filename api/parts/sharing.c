@@ -6,9 +6,9 @@
 #include <string.h>
 #include <time.h>
 
-#include "parts/files.h"
 #include "parts/wave.h"
 #include "parts/wave_files.h"
+#include "parts/whole_files.h"
 
 /* Makes the pieces that are not made yet, in their order. */
 static int run_rest(struct orl_sharing *sharing, const struct orl_piece *pieces, size_t n,

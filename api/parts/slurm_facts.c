@@ -7,7 +7,7 @@
 
 #include <oriel/open.h>
 
-#include "parts/command.h"
+#include "parts/run_program.h"
 
 /* ---- Bounds ---------------------------------------------------------------------------------- */
 

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "parts/files.h"
+#include "parts/whole_files.h"
 
 /* ---- Writing --------------------------------------------------------------------------------- */
 

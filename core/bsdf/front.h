@@ -1,6 +1,6 @@
 /*
- * Contents of an orl_bsdf, shared by bsdf.c (builds it), values.c (evaluates it) and check.c. For
- * core/bsdf only.
+ * Contents of an orl_bsdf, shared by bsdf.c (builds it), values.c (evaluates it) and check_bsdf.c.
+ * For core/bsdf only.
  *
  * A view is one component in the surface's frame. A transmission missing in the file is a
  * transposed view of the one that is there. Views are immutable once loaded.
@@ -26,7 +26,7 @@ struct orl_bsdf {
     struct orl_component_view views[2][2]; /* [light comes from the front][transmitted] */
     double bound[2]; /* upper bounds of R + T as filed, any channel: light from back, front */
     struct orl_bsdf_info info;
-    struct orl_sealed_file file; /* mapped file with all arrays (compiled.h), if any */
+    struct orl_sealed_file file; /* mapped file with all arrays (compiled_bsdf.h), if any */
 };
 
 /* Sets the views according to the components present. */

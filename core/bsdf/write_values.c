@@ -1,6 +1,6 @@
 /* Writes numbers in a file. A matrix has a line per direction out; directions in run along the
  * line. */
-#include "bsdf/write.h"
+#include "bsdf/write_xml.h"
 
 #include <stdlib.h>
 

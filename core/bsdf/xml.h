@@ -10,9 +10,9 @@
 #include <expat.h>
 #include <oriel/limits.h>
 
-#include "bsdf/blocks.h"
 #include "bsdf/document.h"
 #include "bsdf/text.h"
+#include "bsdf/tree_blocks.h"
 
 /* Elements that are read, by their place in the document. */
 enum orl_xml_element {

@@ -13,7 +13,7 @@
 #ifndef ORL_FIT_BLEND_H
 #define ORL_FIT_BLEND_H
 
-#include "fit/plans.h"
+#include "fit/transport_plans.h"
 
 /* A Gaussian of light around the direction (x, y, z). */
 struct orl_fit_ray {

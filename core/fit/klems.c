@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "bsdf/shirley.h"
-#include "bsdf/write.h"
+#include "bsdf/write_xml.h"
 #include "fit/output.h"
-#include "goniometer/provenance.h"
+#include "goniometer/panel_xml.h"
 
 enum { LEVELS = 6, PARTS = 4 }; /* screen levels; parts a side of a screen cell */
 

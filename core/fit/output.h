@@ -24,7 +24,7 @@ int orl_fit_write_klems(const struct orl_bsdf_fit_request *request,
                         const struct orl_bsdf_make_env *env, struct orl_fit_models *models,
                         struct orl_bsdf_fitted *fitted, struct orl_error *err);
 
-/* Writes the document with comments on how it was made (provenance.c). */
+/* Writes the document with comments on how it was made (fit_provenance.c). */
 struct orl_document;
 struct orl_bsdf_labels;
 int orl_fit_write_xml(struct orl_document *document, const struct orl_bsdf_labels *data,

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Limit on turns, as a multiple of the turn of the incident direction (plans.c). */
+/* Limit on turns, as a multiple of the turn of the incident direction (transport_plans.c). */
 static const double steepest = 2.5;
 /* Smallest share of a cluster that must move to one place to define a slope. */
 static const float least_whole = 0.7F;

@@ -1,6 +1,7 @@
 /*
- * Compiler from trees to programs: dependencies of an expression (survey.c), its instructions
- * (emit.c), and one array of all instructions (compile.c). Inside of core/function only.
+ * Compiler from trees to programs: dependencies of an expression (survey_program.c), its
+ * instructions (emit_code.c), and one array of all instructions (compile.c). Inside of
+ * core/function only.
  */
 #ifndef ORL_FUNCTION_COMPILER_H
 #define ORL_FUNCTION_COMPILER_H

@@ -1,4 +1,4 @@
-#include "function/emit.h"
+#include "function/emit_code.h"
 
 #include <math.h>
 #include <string.h>

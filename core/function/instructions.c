@@ -1,7 +1,7 @@
 #include <stdlib.h>
 
 #include "base/grow.h"
-#include "function/emit.h"
+#include "function/emit_code.h"
 
 int orl_compiler_no_memory(struct orl_compiler *c)
 {

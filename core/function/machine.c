@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "function/builtins.h"
-#include "function/lanes.h"
+#include "function/eight_lanes.h"
 
 enum { LANES = ORL_FUNCTION_LANES, STACK = ORL_FUNCTION_STACK };
 

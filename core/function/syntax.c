@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "base/grow.h"
+#include "function/definition_words.h"
 #include "function/definitions.h"
-#include "function/words.h"
 
 /* Parser state for one text. */
 struct parser {

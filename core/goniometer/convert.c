@@ -1,9 +1,9 @@
 /* Converts a BSDF to another basis: measures the file in place of a panel. */
 #include <oriel/bsdf_convert.h>
 
-#include "goniometer/klems.h"
-#include "goniometer/mirrors.h"
-#include "goniometer/trees.h"
+#include "goniometer/klems_matrices.h"
+#include "goniometer/panel_mirrors.h"
+#include "goniometer/panel_trees.h"
 
 static int check_request(const struct orl_bsdf_make_request *to, struct orl_error *err)
 {

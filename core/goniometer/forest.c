@@ -7,7 +7,7 @@
 #include <oriel/units.h>
 
 #include "base/grow.h"
-#include "bsdf/write.h"
+#include "bsdf/write_xml.h"
 #include "goniometer/fan.h"
 #include "goniometer/hues.h"
 

@@ -15,7 +15,7 @@
 #ifndef ORL_GONIOMETER_HUES_H
 #define ORL_GONIOMETER_HUES_H
 
-#include "bsdf/write.h"
+#include "bsdf/write_xml.h"
 #include "goniometer/forest.h"
 
 /* Result of joining chromaticities: is_one is true if fan nodes at `level` can have the

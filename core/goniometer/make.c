@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "base/sobol.h"
-#include "goniometer/klems.h"
-#include "goniometer/mirrors.h"
-#include "goniometer/trees.h"
+#include "goniometer/klems_matrices.h"
+#include "goniometer/panel_mirrors.h"
+#include "goniometer/panel_trees.h"
 
 static int make_from_sample(const struct orl_bsdf_make_request *request,
                             const struct orl_bsdf_make_env *env,

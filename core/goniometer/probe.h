@@ -7,8 +7,8 @@
 #define ORL_GONIOMETER_PROBE_H
 
 #include "goniometer/batches.h"
-#include "goniometer/follow.h"
 #include "goniometer/forest.h"
+#include "goniometer/trace_panel.h"
 
 struct orl_gonio_probe {
     const struct orl_gonio_sample *sample;

@@ -15,7 +15,7 @@
 
 #include "bsdf/basis.h"
 #include "goniometer/batches.h"
-#include "goniometer/follow.h"
+#include "goniometer/trace_panel.h"
 
 struct orl_gonio_sheet {
     struct orl_basis basis;

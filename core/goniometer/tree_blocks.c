@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "goniometer/panel_request.h"
 #include "goniometer/probe.h"
 #include "goniometer/reading.h"
-#include "goniometer/request.h"
 #include "goniometer/resolve.h"
 
 enum { AT_ONCE = 16 };
@@ -16,7 +16,7 @@ enum { SURVEY_PATHS = 4 };
 enum { MOST_BRANCHES = 1 << 20 };
 
 /* Share of the peak from which values must reach the accuracy. Reported errors begin a little
- * higher (trees.c), because a few paths overestimate the peak. */
+ * higher (panel_trees.c), because a few paths overestimate the peak. */
 static const double sampled_from = 0.007;
 
 static int most_branches(const struct orl_gonio_trees *t)

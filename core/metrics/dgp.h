@@ -6,7 +6,7 @@
  *
  * Conventions: Ev is the vertical illuminance at the eye in lx, L the luminance of a source in
  * cd/m2, w its solid angle in sr, P its position index after Guth (1 on the line of sight, more
- * beside it). Sources are found elsewhere (sources.h).
+ * beside it). Sources are found elsewhere (glare_sources.h).
  *
  * Constants: the paper's are 5.87e-5, 0.0918 and 0.16; the program evalglare, whose numbers most
  * reports quote, has 5.87e-5, 0.092 and 0.159. The fit is valid from 0.2 to 0.8, above 380 lx.

@@ -11,7 +11,7 @@
 #ifndef ORL_METRICS_GLARE_H
 #define ORL_METRICS_GLARE_H
 
-#include "metrics/sources.h"
+#include "metrics/glare_sources.h"
 #include "render/film/film.h"
 
 /* Returns the luminances of a film, cd/m2; owned. NULL: out of memory. */

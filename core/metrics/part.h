@@ -3,7 +3,7 @@
 #ifndef ORL_METRICS_PART_H
 #define ORL_METRICS_PART_H
 
-#include "metrics/sources.h"
+#include "metrics/glare_sources.h"
 
 /* Computes the statistics of masked pixels. Median and percentiles are over pixels, independent of
  * their solid angle. The mean is weighted by solid angle; the deviation is about the unweighted

@@ -1,10 +1,10 @@
-/* Adds pixels that a source surrounds to that source; see sources.h. */
+/* Adds pixels that a source surrounds to that source; see glare_sources.h. */
 #ifndef ORL_METRICS_SMOOTH_H
 #define ORL_METRICS_SMOOTH_H
 
 #include <stdint.h>
 
-#include "metrics/sources.h"
+#include "metrics/glare_sources.h"
 
 /* label: for each pixel, 0 or a source, from 1 to n_labels. Of the picture only field and cancel
  * are used. cancel is polled per pixel, since a disc may be as wide as the picture. Returns 0,

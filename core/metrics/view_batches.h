@@ -9,10 +9,10 @@
  * intervals are wide enough for a bias of that size (base/estimate.h).
  *
  * Neither includes a source that no sample has found. Suns and small lamps seen directly are
- * sampled separately (render/image/discs.h), and are always found. Before that, with two lamps of a
- * fifth of a pixel and 16 samples per pixel, 1 run in 120 saw none. It gave a small error for a DGP
- * that was 0.06 too low. Small sources seen in mirrors, and skies between slats, are still left to
- * chance.
+ * sampled separately (render/image/small_lights.h), and are always found. Before that, with two
+ * lamps of a fifth of a pixel and 16 samples per pixel, 1 run in 120 saw none. It gave a small
+ * error for a DGP that was 0.06 too low. Small sources seen in mirrors, and skies between slats,
+ * are still left to chance.
  *
  * At most ORL_VIEW_BATCHES are kept. When they are full, neighbours are merged, so that there are
  * always at least half as many. Threads: the lead's only.

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "annual/hours.h"
+#include "annual/sky/hours.h"
 #include "report/open_scene.h"
 #include "scene/generate/sun.h"
 

@@ -10,7 +10,7 @@
 #include <oriel/limits.h>
 #include <oriel/sha256.h>
 
-#include "annual/hours.h"
+#include "annual/sky/hours.h"
 #include "base/grow.h"
 #include "light/weather.h"
 #include "run/stages.h"

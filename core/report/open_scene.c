@@ -1,7 +1,7 @@
 #include "report/open_scene.h"
 
-#include "annual/variant.h"
-#include "run/scene.h"
+#include "annual/shades/variant.h"
+#include "run/cache/scene_cache.h"
 #include "run/stages.h"
 
 int orl_open_scene(const struct orl_annual_request *request, const struct orl_run_env *given,

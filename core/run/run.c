@@ -5,12 +5,12 @@
 
 #include <oriel/paths.h>
 
-#include "run/cost.h"
-#include "run/curve.h"
-#include "run/grids.h"
-#include "run/rounds.h"
-#include "run/scene.h"
-#include "run/sensor_run.h"
+#include "run/cache/scene_cache.h"
+#include "run/goals/accuracy_curve.h"
+#include "run/goals/round_cost.h"
+#include "run/goals/rounds.h"
+#include "run/request/grids.h"
+#include "run/stages/sensor_run.h"
 #include "scene/material/lobed.h"
 #include "scene/material/pattern.h"
 

@@ -18,7 +18,7 @@ struct orl_sensor_round {
     double *groups; /* out, [sensor][ORL_MAP_BATCHES]: mean of each group, lux */
 };
 
-/* Last reported share and its time; the current phase (ahead.h) and its start. */
+/* Last reported share and its time; the current phase (remaining_time.h) and its start. */
 struct orl_told {
     double share, at_s;
     double phase_from, phase_to, phase_s;
@@ -36,8 +36,9 @@ struct orl_run_state {
     bool sensors_owned;
     /* True in the sensors' own run of a job with views (sensor_run.h). */
     bool only_sensors;
-    bool only_plan;                /* true if only a plan is requested, without rendering */
-    struct orl_pilot *pilot;       /* set if the accuracy curve is requested (curve.h); else NULL */
+    bool only_plan; /* true if only a plan is requested, without rendering */
+    struct orl_pilot
+        *pilot; /* set if the accuracy curve is requested (accuracy_curve.h); else NULL */
     const struct orl_swaps *swaps; /* changed materials of the scene; NULL: none */
     /* Reference-counted, released at the end of the run, like lights. */
     struct orl_scene *scene;
@@ -49,11 +50,12 @@ struct orl_run_state {
     struct orl_photon_map *maps[ORL_MAP_KINDS];
     bool held[ORL_MAP_KINDS]; /* true if a pin of the store must be released */
     char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];
-    struct orl_search *searches;    /* one per crew member */
-    double read_before;             /* share of the global map that earlier jobs have read */
-    double cost_s[ORL_STAGE_COUNT]; /* estimate for the run or the current round (ahead.h) */
-    double after_s;                 /* estimate for the rounds after it */
-    struct orl_told *told;          /* progress of the whole run */
+    struct orl_search *searches; /* one per crew member */
+    double read_before;          /* share of the global map that earlier jobs have read */
+    double
+        cost_s[ORL_STAGE_COUNT]; /* estimate for the run or the current round (remaining_time.h) */
+    double after_s;              /* estimate for the rounds after it */
+    struct orl_told *told;       /* progress of the whole run */
     /* Plans and renders a job's sensors in a run of their own (sensor_run.h). */
     int (*run_sensors)(const struct orl_job *job, const struct orl_run_env *env,
                        struct orl_scene *scene, struct orl_result *ret_result,

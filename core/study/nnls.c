@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "study/fit.h"
+#include "study/error_model.h"
 
 struct nnls {
     size_t n;

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "study/request.h"
+#include "study/study_request.h"
 
 void orl_one_run_done(struct orl_one_run *run)
 {

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "study/cost.h"
 #include "study/shared_runs.h"
+#include "study/study_cost.h"
 
 void orl_series_done(struct orl_series *series)
 {

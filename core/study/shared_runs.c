@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "run/pieces.h"
-#include "study/cost.h"
-#include "study/request.h"
+#include "run/distributed/pieces.h"
 #include "study/speed.h"
+#include "study/study_cost.h"
+#include "study/study_request.h"
 
 /* Version of a piece's contents and file layout; raise it when either changes. */
 static const char recipe[] = "oriel study runs 1";

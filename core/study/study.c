@@ -12,13 +12,13 @@
 #include <unistd.h>
 
 #include "run/stages.h"
-#include "study/cost.h"
-#include "study/fit.h"
+#include "study/error_model.h"
 #include "study/judge.h"
-#include "study/request.h"
 #include "study/series.h"
 #include "study/shared_runs.h"
 #include "study/speed.h"
+#include "study/study_cost.h"
+#include "study/study_request.h"
 
 void orl_study_done(struct orl_study *study)
 {

@@ -28,7 +28,7 @@
 
 #include "process/log.h"
 #include "store/folders.h"
-#include "store/maps.h"
+#include "store/map_rows.h"
 
 struct orl_map_cache;
 

@@ -8,7 +8,7 @@
 #include "checks/job_brief.h"
 #include "checks/job_inputs.h"
 #include "checks/lanes.h"
-#include "store/bundle.h"
+#include "store/scene_bundle.h"
 
 /* Checks that the bundle is a scene. *ret_summary is JSON text that the caller owns. The bundle
  * must be sorted. choice: the parts of a project that the scene was made of (child_checks.h), which

@@ -6,7 +6,7 @@
 #define ORL_SERVER_CHECKS_JOB_INPUTS_H
 
 #include "checks/job_brief.h"
-#include "store/bundle.h"
+#include "store/scene_bundle.h"
 
 struct orl_job_inputs {
     struct orl_bundle files; /* each file once */

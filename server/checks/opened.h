@@ -8,7 +8,7 @@
 
 #include <jansson.h>
 
-#include "store/bundle.h"
+#include "store/scene_bundle.h"
 
 struct orl_opened {
     struct orl_bundle bundle; /* the request's "files", in their order */

@@ -19,9 +19,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "health/machine.h"
+#include "health/kernel_facts.h"
 #include "health/memory.h"
-#include "store/jobs.h"
+#include "store/job_rows.h"
 
 /* The end of the previous daemon. */
 struct orl_past {
@@ -29,7 +29,7 @@ struct orl_past {
     uint32_t checks;      /* checks of uploads that were running */
     char job[ORL_JOB_ID]; /* job of the faulting thread; "": no job */
     uint64_t resident, capacity;
-    char boot[ORL_BOOT_ID]; /* machine.h; "": unknown */
+    char boot[ORL_BOOT_ID]; /* kernel_facts.h; "": unknown */
     uint64_t oom_kills;     /* the machine's count when last recorded */
     bool rebooted, not_oom; /* since then: a reboot; no process killed for memory */
 };

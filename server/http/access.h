@@ -7,7 +7,7 @@
 #define ORL_SERVER_HTTP_ACCESS_H
 
 #include "http/request.h"
-#include "store/sessions.h"
+#include "store/session_rows.h"
 
 /* Checks the origin, before the route is known. Returns false, with a 403 made, for another site's
  * page. Fills request->cross_origin. */

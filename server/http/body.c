@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include "process/limits.h"
-#include "store/bundle.h"
 #include "store/mapped_file.h"
+#include "store/scene_bundle.h"
 
 void orl_body_init(struct orl_body *body, uint64_t limit, struct orl_hold *hold)
 {

@@ -24,9 +24,9 @@
 #include "http/body.h"
 #include "http/clients.h"
 #include "http/target.h"
-#include "store/jobs.h"
+#include "store/job_rows.h"
 #include "store/settling.h"
-#include "store/tokens.h"
+#include "store/token_rows.h"
 
 struct orl_http_context;
 struct orl_server;

@@ -21,7 +21,7 @@
 #define ORL_SERVER_HTTP_SESSIONS_H
 
 #include "http/request.h"
-#include "store/sessions.h"
+#include "store/session_rows.h"
 
 enum { ORL_SESSION_COOKIE = 320 };
 

@@ -31,7 +31,7 @@
 #include "process/log.h"
 #include "runner/worker.h"
 #include "store/blobs.h"
-#include "store/jobs.h"
+#include "store/job_rows.h"
 #include "store/retention_clock.h"
 #include "store/settling.h"
 

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "http/http.h"
+#include "http/http_server.h"
 #include "process/times.h"
 #include "server.h"
 

@@ -13,9 +13,9 @@
 
 #include "encode.h"
 #include "picture_json.h"
-#include "store/bundle.h"
 #include "store/mapped_file.h"
 #include "store/orphans.h"
+#include "store/scene_bundle.h"
 
 static void path_below(const char *folder, const char *before, const char *name, const char *ending,
                        char ret_path[ORL_PATH_MAX])

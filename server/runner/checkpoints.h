@@ -8,7 +8,7 @@
  * or is cancelled, and stays with one that is queued again.
  *
  * A folder is valid if its "+key" is the job's. The key is a digest of the request, of the scene,
- * and of the program with all of its libraries (program.h), since another program might render
+ * and of the program with all of its libraries (build_id.h), since another program might render
  * other pictures. So one job may continue with another's folder. A part is valid if its files match
  * its note.
  *

@@ -7,7 +7,7 @@
 #include <oriel/run.h>
 #include <oriel/study.h>
 
-#include "store/bundle.h"
+#include "store/scene_bundle.h"
 #include "task_json.h"
 
 /*

@@ -15,9 +15,9 @@
 
 #include <uv.h>
 
-#include "store/bundle.h"
 #include "store/db.h"
 #include "store/folders.h"
+#include "store/scene_bundle.h"
 #include "store/settling.h"
 
 struct orl_blobs;

@@ -16,8 +16,8 @@
 #include <oriel/sha256.h>
 
 #include "process/times.h"
-#include "store/bundle.h"
 #include "store/mapped_file.h"
+#include "store/scene_bundle.h"
 
 static int io_error(struct orl_error *err, const char *what, const char *path)
 {

@@ -8,8 +8,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "store/bundle.h"
 #include "store/db.h"
+#include "store/scene_bundle.h"
 
 struct orl_stored_item {
     int64_t created_ms;

@@ -9,7 +9,7 @@
 #include <oriel/sha256.h>
 
 #include "http/hold.h"
-#include "store/bundle.h"
+#include "store/scene_bundle.h"
 
 /* Callbacks that receive the files in place of tmp/. */
 struct orl_incoming_sink {

@@ -16,7 +16,7 @@
 #include <oriel/annual_phases.h>
 #include <oriel/units.h>
 
-#include "annual/matrix_file.h"
+#include "annual/phases/matrix_file.h"
 #include "bsdf/basis.h"
 #include "fixtures/bsdf_make.h"
 #include "support/cli.h"

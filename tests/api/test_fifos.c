@@ -24,7 +24,7 @@
 #include "base/sealed.h"
 #include "http/tls.h"
 #include "photon/map/map.h"
-#include "run/kept_file.h"
+#include "run/cache/word_file.h"
 #include "store/folders.h"
 #include "store/mapped_file.h"
 #include "support/cli.h"

@@ -4,7 +4,7 @@
  * processor time and by the clock; resident bytes a polygon once it is loaded, and at most; and a
  * job by orl_run, stage by stage, that keeps what it has read, with a second one that finds the
  * scene on the shelf, and a third, in another process, that finds what was kept
- * (scene/keep/keep.h).
+ * (scene/keep/scene_bytes.h).
  *
  * ORIEL_POLYGONS: how many, 5000000. ORIEL_POLYGONS_KINDS: of "shared", "apart".
  */

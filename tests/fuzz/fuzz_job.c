@@ -12,7 +12,7 @@
 #include "job_json.h"
 #include "light/daylight.h"
 #include "render/film/view.h"
-#include "study/request.h"
+#include "study/study_request.h"
 #include "study_json.h"
 
 static void check_rays(const struct orl_view *view)

@@ -12,7 +12,7 @@
 #include "http/query.h"
 #include "http/router.h"
 #include "process/limits.h"
-#include "store/bundle.h"
+#include "store/scene_bundle.h"
 #include "support/wire.h"
 
 /* Of every shape that the daemon has. */

@@ -12,8 +12,8 @@
 
 #include "process/carried.h"
 #include "store/db.h"
-#include "store/jobs.h"
-#include "store/maps.h"
+#include "store/job_rows.h"
+#include "store/map_rows.h"
 #include "store/migrate.h"
 
 static const struct orl_migration two[] = {

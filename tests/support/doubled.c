@@ -9,7 +9,7 @@
 #include <oriel/run.h>
 #include <oriel/study.h>
 
-#include "annual/matrix_file.h"
+#include "annual/phases/matrix_file.h"
 #include "annual_json.h"
 #include "bsdf_json.h"
 #include "bsdf_make_json.h"

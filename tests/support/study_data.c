@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/random.h"
-#include "study/fit.h"
+#include "study/error_model.h"
 
 static double draw_normal(struct orl_random *random)
 {

@@ -15,7 +15,7 @@
 #include <oriel/bsdf.h>
 #include <oriel/run.h>
 
-#include "annual/matrix_file.h"
+#include "annual/phases/matrix_file.h"
 #include "fit/rows.h"
 #include "frads.h"
 #include "light/weather.h"

@@ -12,8 +12,8 @@
 
 #include <oriel/eta.h>
 
-#include "run/ahead.h"
-#include "run/deadline.h"
+#include "run/goals/deadline.h"
+#include "run/progress/remaining_time.h"
 #include "run/stages.h"
 
 static const double foreseen[ORL_STAGE_COUNT] = {0.2, 0.05, 0.1, 4, 1, 10};

@@ -14,7 +14,7 @@
 #include <oriel/annual_metrics.h>
 
 #include "base/random.h"
-#include "metrics/annual/chance.h"
+#include "metrics/annual/pass_probability.h"
 static void assert_near(double value, double wanted, double tolerance)
 {
     if (!(fabs(value - wanted) <= tolerance))

@@ -1,7 +1,7 @@
 /*
- * Light of window groups that are in many combinations of states (annual/parts.h): work of four
- * rooms with a group each is that of a run for each state, not for each group, and what the groups
- * add up to is what each room has alone.
+ * Light of window groups that are in many combinations of states (annual/shades/window_parts.h):
+ * work of four rooms with a group each is that of a run for each state, not for each group, and
+ * what the groups add up to is what each room has alone.
  */
 #include <setjmp.h>
 #include <stdarg.h>

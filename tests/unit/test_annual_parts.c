@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/hours.h"
-#include "annual/nodes.h"
-#include "annual/sun_squares.h"
+#include "annual/sky/hours.h"
+#include "annual/sun/sun_grid.h"
+#include "annual/sun_map/sun_squares.h"
 #include "base/random.h"
 #include "light/daylight.h"
 #include "light/sky.h"

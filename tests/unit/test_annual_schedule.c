@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/schedule.h"
+#include "annual/shades/schedule.h"
 
 static char name[] = "g", room[] = "room", desks[] = "Desks";
 

@@ -1,7 +1,7 @@
 /*
- * The searches behind sunlight of a year (annual/direction_tree.h, annual/pane_tree.h): they find
- * what a loop over everything finds, draw without bias, and their work, counted in nodes of the
- * trees, grows with the logarithm of the number of suns, windows and mirrors.
+ * The searches behind sunlight of a year (annual/sun/direction_tree.h, annual/panes/pane_tree.h):
+ * they find what a loop over everything finds, draw without bias, and their work, counted in nodes
+ * of the trees, grows with the logarithm of the number of suns, windows and mirrors.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/direction_tree.h"
-#include "annual/pane_tree.h"
+#include "annual/panes/pane_tree.h"
+#include "annual/sun/direction_tree.h"
 
 enum { MOST_PANES = 1024, MOST_SUNS = 8192 };
 

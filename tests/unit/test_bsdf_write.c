@@ -11,7 +11,7 @@
 
 #include "base/random.h"
 #include "bsdf/front.h"
-#include "bsdf/write.h"
+#include "bsdf/write_xml.h"
 
 static const char *const bases[] = {"LBNL/Klems Full", "LBNL/Klems Half", "LBNL/Klems Quarter"};
 

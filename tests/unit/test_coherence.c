@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "annual/coherence.h"
-#include "metrics/annual/sensor.h"
+#include "annual/rows/coherence.h"
+#include "metrics/annual/sensor_year.h"
 
 enum { HOURS = 16, TILES = 2 };
 

@@ -1,7 +1,7 @@
 /*
- * The cross-check of sensors by plain path tracing (run/cross_check.c): values that are right, too
- * low and too high, in a room with a window and in one with a ball of glass besides. Truths are
- * from the oracle (support/brute.h).
+ * The cross-check of sensors by plain path tracing (run/diagnostics/cross_check.c): values that are
+ * right, too low and too high, in a room with a window and in one with a ball of glass besides.
+ * Truths are from the oracle (support/brute.h).
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 #include "light/scene.h"
-#include "scene/keep/keep.h"
+#include "scene/keep/scene_bytes.h"
 #include "scene/parse/parse.h"
 #include "support/grove.h"
 #include "support/polygons.h"

@@ -13,7 +13,7 @@
 #include <oriel/bsdf.h>
 #include <oriel/crew.h>
 
-#include "annual/matrix_file.h"
+#include "annual/phases/matrix_file.h"
 #include "bsdf/basis.h"
 #include "support/scene_text.h"
 

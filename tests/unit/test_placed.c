@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "annual/sun_squares.h"
+#include "annual/sun_map/sun_squares.h"
 #include "base/random.h"
 #include "light/world.h"
 #include "photon/surface/outline.h"

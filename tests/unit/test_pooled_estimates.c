@@ -10,8 +10,8 @@
 #include <stdlib.h>
 
 #include "base/random.h"
-#include "run/cost.h"
-#include "run/pooled_estimates.h"
+#include "run/goals/pooled_estimates.h"
+#include "run/goals/round_cost.h"
 
 /* Normal, by Box and Muller. */
 static double normal(struct orl_random *random)

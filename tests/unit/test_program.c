@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "runner/program.h"
+#include "runner/build_id.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define PRELOADS 0 /* sanitizers want to come first */

@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "http/context.h"
-#include "http/http.h"
+#include "http/http_server.h"
 #include "http/reply.h"
 #include "support/http_wire.h"
 

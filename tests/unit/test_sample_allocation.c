@@ -10,7 +10,7 @@
 #include <oriel/units.h>
 
 #include "base/random.h"
-#include "run/sample_allocation.h"
+#include "run/goals/sample_allocation.h"
 
 enum { SENSORS = 60 };
 

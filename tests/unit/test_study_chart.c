@@ -13,7 +13,7 @@
 
 #include "chart/layout.h"
 #include "chart/study_chart.h"
-#include "study/fit.h"
+#include "study/error_model.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 #include "support/study_data.h"

@@ -11,7 +11,7 @@
 #include <oriel/vec.h>
 
 #include "base/random.h"
-#include "study/fit.h"
+#include "study/error_model.h"
 #include "support/study_data.h"
 
 static const uint64_t photons[] = {10000, 40000, 160000, 640000};

@@ -15,7 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "run/kept_file.h"
+#include "run/cache/word_file.h"
 #include "support/cli.h"
 #include "support/extent.h"
 #include "support/year.h"

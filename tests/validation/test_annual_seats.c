@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/panels.h"
-#include "annual/seat_view.h"
-#include "annual/trace.h"
+#include "annual/panes/bsdf_panes.h"
+#include "annual/rows/trace_sensor.h"
+#include "annual/seats/seat_view.h"
 #include "support/scene_text.h"
 
 enum { PANES = 20, RAYS = 4 };

@@ -230,9 +230,10 @@ static double three_errors(double share, double tries)
  * numbers that held scattered from seed to seed by 0.5 to 1.1 of the binomial variance, so that
  * sensors of one seed do not go together.) The reference, of 32 times as many paths, adds 1.5 % to
  * the spread, and takes half a percent from what holds. A mean sums hours of all bands of
- * illuminance, whose errors cancel more than the one factor of a sensor says (annual/coherence.h):
- * of 2304 tries 97.7 % held, and of 576 such ones three standard errors are 1.9 %. Where all errors
- * of hours count as one common factor, 99 % and more hold the reference.
+ * illuminance, whose errors cancel more than the one factor of a sensor says
+ * (annual/rows/coherence.h): of 2304 tries 97.7 % held, and of 576 such ones three standard errors
+ * are 1.9 %. Where all errors of hours count as one common factor, 99 % and more hold the
+ * reference.
  */
 static void test_sensors(void **state)
 {

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "run/sensor_run.h"
+#include "run/stages/sensor_run.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
 

@@ -45,8 +45,8 @@ static inline bool orl_bsdf_basis_is_tree(enum orl_bsdf_basis basis)
 /* Mirror symmetries of the panel, under which both halves of the result are made equal. Matrices
  * are averaged; for trees of rank 4 only one half is measured. Trees of rank 3 support none. Auto,
  * for trees of rank 4: mirrors through the cell's middle that are detected in its surfaces, if all
- * of their materials are uniform and scatter by the normal alone (goniometer/mirrors.h). Auto,
- * otherwise: none. */
+ * of their materials are uniform and scatter by the normal alone (goniometer/panel_mirrors.h).
+ * Auto, otherwise: none. */
 enum orl_bsdf_symmetry {
     ORL_BSDF_ASYMMETRIC = 0,
     ORL_BSDF_LEFT_RIGHT = 1, /* x */

@@ -4,7 +4,7 @@
  * A view with metrics is evaluated as rendered, before its pixels are rounded to a file. A Radiance
  * HDR picture with a VIEW line is evaluated by orl_glare_of_picture. First, glare sources are
  * found: pixels above a threshold, merged where they lie close, with bright peaks kept separate
- * (metrics/sources.h). Then the indices are computed (metrics/indices.h).
+ * (metrics/glare_sources.h). Then the indices are computed (metrics/indices.h).
  *
  * Units: luminance cd/m2, illuminance lx, solid angles sr. Positions in a picture are in pixels
  * from its left and its lower edge, 0.5 in the middle of the first.

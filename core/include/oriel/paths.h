@@ -53,7 +53,7 @@ enum orl_path_receiver { ORL_RECEIVER_AIR, ORL_RECEIVER_SURFACE, ORL_RECEIVERS }
 
 /* Returns the strategies by which the technique finds the class. 0: it finds none of it, and jobs
  * with such light are rejected. ORL_TECHNIQUE_AUTO stands for plain path tracing with shadow rays,
- * which checks results (core/run/cross_check.c). */
+ * which checks results (core/run/diagnostics/cross_check.c). */
 unsigned orl_path_strategies(enum orl_technique technique, enum orl_path_class class,
                              enum orl_path_receiver receiver);
 

@@ -61,7 +61,7 @@ struct orl_view_request {
 
 /*
  * Goal of a job that leaves the sample counts to the run: an accuracy or a time, not both. The run
- * goes in rounds (run/rounds.h) until the goal is met or cannot be met.
+ * goes in rounds (run/goals/rounds.h) until the goal is met or cannot be met.
  */
 struct orl_goal {
     double relative_error; /* 0: none. |x - truth| / truth, with study.h's floors */
@@ -261,7 +261,7 @@ enum orl_light_class {
 };
 const char *orl_light_class_name(enum orl_light_class light); /* "reflected light", ... */
 
-/* Comparison of sensors with plain path tracing (run/cross_check.c). */
+/* Comparison of sensors with plain path tracing (run/diagnostics/cross_check.c). */
 struct orl_cross_check {
     uint64_t paths; /* 0: no sensors were compared */
     size_t sensors; /* sensors with enough paths for a comparison */
@@ -277,8 +277,10 @@ struct orl_cross_check {
 /* Reasons why a sensor's value is unreliable, as flags. Its interval was widened to include the
  * value that another method found. The remaining error beyond that is not known. */
 enum orl_doubt {
-    ORL_DOUBT_CROSS_CHECK = 1, /* plain path tracing finds a different value (run/cross_check.c) */
-    ORL_DOUBT_MISSED_LIGHT = 2 /* photons carry light that paths hardly ever find (run/chance.c) */
+    ORL_DOUBT_CROSS_CHECK =
+        1, /* plain path tracing finds a different value (run/diagnostics/cross_check.c) */
+    ORL_DOUBT_MISSED_LIGHT =
+        2 /* photons carry light that paths hardly ever find (run/diagnostics/missed_light.c) */
 };
 enum { ORL_DOUBTS = 2 };
 const char *orl_doubt_name(enum orl_doubt doubt); /* "cross-check", "missed-light" */

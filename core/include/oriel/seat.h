@@ -11,7 +11,7 @@ struct orl_seat {
     struct orl_vec3 at, towards; /* scene units; `towards` need not be unit */
 };
 
-/* Most seats in a request; and seats whose views are in memory together (annual/seats.c). */
+/* Most seats in a request; and seats whose views are in memory together (annual/seats/seats.c). */
 enum { ORL_GLARE_MOST_SEATS = 256, ORL_GLARE_SEATS_AT_ONCE = 4 };
 struct orl_seats_wish {
     struct orl_seat *seats; /* owned; none: no glare is computed */

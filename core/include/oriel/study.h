@@ -118,8 +118,8 @@ struct orl_study_reference {
 /*
  * Model of a technique's error over its settings, N photons and S samples:
  *     rms^2 = kernel + spread / N + bias / N^2 + samples / S
- * core/study/fit.h derives it. A term that the settings cannot separate from the others is absent:
- * NaN.
+ * core/study/error_model.h derives it. A term that the settings cannot separate from the others is
+ * absent: NaN.
  */
 enum orl_fit_term { ORL_FIT_KERNEL, ORL_FIT_SPREAD, ORL_FIT_BIAS, ORL_FIT_SAMPLES, ORL_FIT_TERMS };
 const char *orl_fit_term_name(enum orl_fit_term term); /* "kernel", "spread", ... */

@@ -7,8 +7,8 @@
 
 #include "base/percent.h"
 #include "base/sum.h"
-#include "metrics/annual/chance.h"
-#include "metrics/annual/sensor.h"
+#include "metrics/annual/pass_probability.h"
+#include "metrics/annual/sensor_year.h"
 
 static double area_at(const double *area, size_t i)
 {

@@ -10,7 +10,7 @@
 #include <oriel/health.h>
 
 #include "base/sum.h"
-#include "photon/flight/discs.h"
+#include "photon/flight/counting_discs.h"
 #include "photon/map/map.h"
 
 struct orl_deposits {

@@ -1,7 +1,7 @@
 #include "photon/flight/emit_freely.h"
 
-#include "photon/flight/beam.h"
 #include "photon/flight/guide.h"
+#include "photon/flight/parallel_beam.h"
 #include "photon/flight/table.h"
 #include "scene/material/hemisphere.h"
 

@@ -1,8 +1,9 @@
 /*
  * The estimator that is responsible for a caustic photon's path (partition of path space).
  *
- * Photons that sensors count in flight (discs.h) carry only light that the sensor does not sample
- * itself. A sensor samples suns by their images in flat mirrors, and by the lobes of one pane.
+ * Photons that sensors count in flight (counting_discs.h) carry only light that the sensor does not
+ * sample itself. A sensor samples suns by their images in flat mirrors, and by the lobes of one
+ * pane.
  *
  * For backward paths (render/backward/backward.h), photons carry only light that paths find by
  * chance. Paths sample suns and lamps, with their images, from all surfaces with lobes. They hit

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "light/path.h"
-#include "photon/flight/beam.h"
+#include "photon/flight/parallel_beam.h"
 #include "photon/flight/table.h"
 #include "scene/material/hemisphere.h"
 

@@ -20,9 +20,10 @@
  * Suns and lamps reached by a curved mirror, a dielectric or several mirrors have no shadow rays:
  * only a ray that hits the light by chance finds them. That is noise, not bias, but few jobs have
  * enough samples to notice it. Photons therefore measure such light at the sensors, intervals are
- * widened to include it, and a warning names the sensors that lack it (run/chance.c). Exterior
- * paths are traced by exterior.h until they enter a building. Rays meet BSDFs with a thickness as
- * light does; only the views' own rays see the geometry that the BSDF stands for.
+ * widened to include it, and a warning names the sensors that lack it
+ * (run/diagnostics/missed_light.c). Exterior paths are traced by exterior.h until they enter a
+ * building. Rays meet BSDFs with a thickness as light does; only the views' own rays see the
+ * geometry that the BSDF stands for.
  */
 #ifndef ORL_RENDER_BACKWARD_BACKWARD_H
 #define ORL_RENDER_BACKWARD_BACKWARD_H

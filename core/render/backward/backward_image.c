@@ -1,6 +1,6 @@
 /* Views by the backward technique: every pixel is the mean of a number of rays through it. */
 #include "render/backward/backward.h"
-#include "render/image/discs.h"
+#include "render/image/small_lights.h"
 #include "render/picture/error_map.h"
 
 /* Samples per ray: for pictures, and for sums over many pixels. */

@@ -1,9 +1,9 @@
 /*
  * Caustics at sensors in mid-air, where no photon lands: light of suns and lamps that mirrors,
- * lobes and dielectrics have redirected. sensor.c samples suns seen by flat mirrors or by one
- * pane's lobes. Photons that pass through a disc about the sensor measure all other caustics
- * (photon/flight/discs.h): off rough metal, through two panes, down a light pipe, out of a lens, of
- * lamps.
+ * lobes and dielectrics have redirected. gather_sensor.c samples suns seen by flat mirrors or by
+ * one pane's lobes. Photons that pass through a disc about the sensor measure all other caustics
+ * (photon/flight/counting_discs.h): off rough metal, through two panes, down a light pipe, out of a
+ * lens, of lamps.
  *
  * These photons are emitted for this purpose, in rounds. Rounds end if more photons would change
  * the sensors' errors little, or if no sensor's estimate changes by more than its error. They also

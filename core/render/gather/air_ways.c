@@ -30,8 +30,8 @@ static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_face
 
 /*
  * Returns true if caustics in mid-air need photons. Panes with lobes and flat mirrors that all lie
- * in one plane redirect light once. For suns sensor.c samples such light, as it does any number of
- * flat mirrors alone.
+ * in one plane redirect light once. For suns gather_sensor.c samples such light, as it does any
+ * number of flat mirrors alone.
  */
 static bool caustics_need_photons(const struct orl_world *world)
 {

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 
 #include "render/gather/icache_fit.h"
-#include "render/image/discs.h"
 #include "render/image/mosaic.h"
+#include "render/image/small_lights.h"
 
 enum { LAMP_RAYS = 4 };
 /* Rays into a pane's lobes; fewer if the rest is not gathered and the picture has larger other

@@ -52,7 +52,7 @@ typedef struct orl_rgb orl_shade_radiance(const void *ctx, const struct orl_lobe
  * it. */
 enum orl_suns {
     ORL_SUNS_SEEN,  /* all */
-    ORL_SUNS_APART, /* none: rays of their own add them (discs.h) */
+    ORL_SUNS_APART, /* none: rays of their own add them (small_lights.h) */
     ORL_SUNS_ALONE, /* only suns, and nothing else: for a ray of a sun */
     ORL_LAMP_ALONE  /* only one lamp: for a ray of that lamp */
 };

@@ -8,7 +8,7 @@
 #include "render/film/png.h"
 #include "render/film/read_hdr.h"
 #include "render/picture/display.h"
-#include "render/sequence/sheet.h"
+#include "render/sequence/contact_sheet.h"
 
 static const double usual_frame_s = 0.5;
 

@@ -5,7 +5,7 @@
  */
 #include <stdio.h>
 
-#include "scene/generate/curve.h"
+#include "scene/generate/swept_curve.h"
 
 /* A segment of the curve: heights and radii of its ends, and its normal (height, radius). */
 struct piece {

@@ -3,7 +3,7 @@
  */
 #include <stdio.h>
 
-#include "scene/generate/curve.h"
+#include "scene/generate/swept_curve.h"
 
 static void add_joint(const struct orl_generator_curve *curve, int number, const double from[4],
                       const double to[4], struct orl_text *text)

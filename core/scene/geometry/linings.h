@@ -6,7 +6,7 @@
  *
  * So a lining is omitted, as if it were "void", where windows in its volume face it on one side,
  * and open space on the other. The space behind a window is not matter. Rooms without windows only
- * get a warning, by the places of sensors and eyes (run/health.c).
+ * get a warning, by the places of sensors and eyes (run/diagnostics/health_warnings.c).
  *
  * Threads: settled once, by one thread, before the geometry is shared or copied; then immutable.
  */

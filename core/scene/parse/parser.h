@@ -84,7 +84,7 @@ int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err);
 bool orl_parser_is_surface(const char *type);
 
-/* materials.c: plastic, ..., glow (and brightfunc, by way of skies.c); and aliases. */
+/* materials.c: plastic, ..., glow (and brightfunc, by way of sky_patterns.c); and aliases. */
 int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_error *err);
 int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
@@ -114,7 +114,7 @@ int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
 int orl_parser_own(struct orl_parser *parser, const struct orl_scope *scope, enum orl_own_kind own,
                    struct orl_pattern **ret_pattern, struct orl_error *err);
 
-/* skies.c: a brightfunc of a sky's function file. */
+/* sky_patterns.c: a brightfunc of a sky's function file. */
 bool orl_parser_is_sky(const struct orl_primitive *primitive);
 int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
                    struct orl_error *err);

@@ -1,0 +1,70 @@
+/*
+ * Sunlight at sensors through BSDF panes, with the position of the sun of every hour.
+ *
+ * Two techniques sample the radiance that a pane sends to a sensor: points of the pane, and BSDF
+ * samples of the hour's sun. They are weighted by the balance heuristic (Veach 1997, chapter 9).
+ * BSDF samples do not depend on the position of the pane or the sensor, so all sensors share them.
+ * Visibility of a pane from a sensor is computed once for all hours.
+ *
+ * Most panes are fully visible from a sensor, and fully in the sun or in shade. If 64 stratified
+ * points of a pane agree, no more rays are traced for that sensor or that sun. An obstacle that
+ * hides a share f of the pane is missed with probability (1 - f)^64. The mean error is at most 0.6
+ * % of the light. Points behind the sensor's plane do not count. With half of the points it is 1.1
+ * %; with fewer points rays are traced. A pane is probed for a sun when the first sensor needs the
+ * two.
+ *
+ * Panes are ports of a sealed building. Immutable once made, except for the results of probes,
+ * which do not depend on the order of requests.
+ */
+#ifndef ORL_ANNUAL_PANES_BSDF_PANES_H
+#define ORL_ANNUAL_PANES_BSDF_PANES_H
+
+#include "annual/panes/bsdf_pane_samples.h"
+#include "annual/panes/sun_windows.h"
+#include "annual/sun/sun_rows.h"
+#include "annual/year/annual_scene.h"
+
+enum { ORL_PANEL_PROBING_SENSORS = 16 }; /* with fewer sensors, probes cost more than they save */
+
+enum {
+    ORL_PANEL_SIDE = 8, /* parts of a pane along an edge */
+    ORL_PANEL_PARTS = ORL_PANEL_SIDE * ORL_PANEL_SIDE,
+    ORL_PANEL_GROUPS = 8,      /* independent groups, for standard errors */
+    ORL_PANEL_MOST_KINDS = 32, /* kinds: combinations of material and normal */
+};
+
+struct orl_panel {
+    struct orl_window window;
+    struct orl_vec3 inward;
+    uint32_t kind, part; /* part of the windows (annual_scene.h) */
+    double area;
+};
+
+struct orl_panels {
+    const struct orl_world *world; /* borrowed, like suns */
+    const struct orl_year_suns *suns;
+    struct orl_panel *at;
+    size_t count;
+    struct orl_panel_kind kinds[ORL_PANEL_MOST_KINDS];
+    size_t n_kinds;
+    struct orl_panel_draws *draws; /* [kind][sun] */
+    uint64_t seed;
+    /* [pane][sun]: share of the sun's light that reaches all points of the pane. -1: points differ;
+     * -2: not probed yet. NULL: panes are not probed. */
+    _Atomic float *sunlit;
+};
+
+/* Returns 0, ORL_ERR_NOMEM, _LIMIT (too many kinds) or _CANCELLED. The caller calls orl_panels_done
+ * in either case. */
+int orl_panels_init(struct orl_panels *panels, const struct orl_annual_scene *scene,
+                    const struct orl_year_suns *suns, size_t n_sensors, uint64_t seed,
+                    struct orl_crew *crew);
+void orl_panels_done(struct orl_panels *panels);
+
+/* Adds the direct sunlight through panels for every wanted sun, and the square of its standard
+ * error. name: number of the sensor, for random numbers. Cancellation of the crew is checked before
+ * each pane; the remaining panes are then left out. crew may be NULL. */
+void orl_panels_add(const struct orl_panels *panels, const struct orl_place *place, uint64_t name,
+                    const struct orl_crew *crew, const struct orl_sun_rows *rows);
+
+#endif

@@ -1,0 +1,237 @@
+#include "annual/sky/hours.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "annual/sky/sky_tile.h"
+#include "light/daylight.h"
+
+/* State of reading the weather file's rows. */
+struct reader {
+    const struct orl_weather *weather;
+    const char *name;
+    double reflectance;
+    struct orl_daylight *daylights;
+    double *diffuse_w;
+    struct orl_daylight_sun *suns; /* by row */
+    struct orl_error *errors;      /* by row: code 0 if the row is valid */
+};
+
+/* Returns the sun of a row. If no sunlight was measured, the position is computed, unless the sun
+ * is far below the horizon. */
+static struct orl_daylight_sun sun_of(const struct reader *r, size_t index)
+{
+    static const double well_set = -0.02; /* sine of altitude, well below that of half the disc */
+    const struct orl_weather_row *row = &r->weather->rows[index];
+    const struct orl_daylight *d = &r->daylights[index];
+    if (!row->missing && !d->black && d->sun_radiance > 0)
+        return (struct orl_daylight_sun){d->sun, d->sun_angle_deg};
+    if (!row->missing && d->sun.z < well_set)
+        return (struct orl_daylight_sun){.angle_deg = 0};
+    return orl_daylight_sun_of_row(r->weather, row);
+}
+
+static void read_row(void *arg, size_t index, uint32_t member)
+{
+    struct reader *r = arg;
+    const struct orl_weather_row *row = &r->weather->rows[index];
+    (void)member;
+    if (!row->missing && orl_daylight_of_row(r->weather, row, &r->daylights[index],
+                                             &r->diffuse_w[index], &r->errors[index]) < 0)
+        orl_error_at(&r->errors[index], r->name, row->line, NULL);
+    else
+        r->suns[index] = sun_of(r, index);
+}
+
+static struct orl_annual_step step_of(const struct reader *r, size_t index)
+{
+    const struct orl_weather_row *row = &r->weather->rows[index];
+    const struct orl_daylight *d = &r->daylights[index];
+    struct orl_annual_step step = {.month = row->month,
+                                   .day = row->day,
+                                   .hour = row->hour,
+                                   .missing = row->missing,
+                                   .column = ORL_ANNUAL_DARK,
+                                   .sun_altitude_deg = NAN,
+                                   .sun_azimuth_deg = NAN};
+    if (row->missing)
+        return step;
+    step.sun_altitude_deg = atan2(d->sun.z, hypot(d->sun.x, d->sun.y)) / ORL_DEG_TO_RAD;
+    step.sun_azimuth_deg = atan2(-d->sun.x, -d->sun.y) / ORL_DEG_TO_RAD;
+    if (d->black)
+        return step;
+    step.direct_normal_lx = ORL_EFFICACY_LM_PER_W * orl_daylight_normal(d);
+    step.diffuse_lx = ORL_EFFICACY_LM_PER_W * r->diffuse_w[index];
+    step.global_lx = step.diffuse_lx + step.direct_normal_lx * fmax(0, d->sun.z);
+    return step;
+}
+
+static bool is_lit(const struct orl_annual_step *step)
+{
+    return step->diffuse_lx > 0 || step->direct_normal_lx > 0;
+}
+
+/* Fills the steps, and numbers the lit ones as columns. */
+static int make_steps(struct orl_hours *hours, const struct reader *r, struct orl_error *err)
+{
+    for (size_t i = 0; i < hours->n_steps; i++) {
+        struct orl_annual_step *step = &hours->steps[i];
+        if (r->errors[i].code < 0) {
+            *err = r->errors[i];
+            return err->code;
+        }
+        *step = step_of(r, i);
+        hours->n_missing += step->missing;
+        if (!is_lit(step))
+            continue;
+        if (r->daylights[i].warnings[0] && hours->n_warned++ == 0)
+            snprintf(hours->warning, sizeof hours->warning, "%s", r->daylights[i].warnings);
+        step->column = (uint32_t)hours->n_columns;
+        hours->step_of_column[hours->n_columns++] = (uint32_t)i;
+    }
+    return 0;
+}
+
+/* Lists the suns of all rows, including rows without measured light. */
+static void place_suns(struct orl_hours *hours, const struct reader *r, double north_deg)
+{
+    const struct orl_turn turn = orl_turn_by(north_deg);
+    struct orl_year_suns *suns = &hours->suns;
+    for (size_t i = 0; i < hours->n_steps; i++) {
+        const struct orl_annual_step *step = &hours->steps[i];
+        const bool is_up = r->suns[i].angle_deg > 0;
+        if (step->column != ORL_ANNUAL_DARK)
+            hours->sun_of_column[step->column] =
+                (struct orl_column_sun){(uint32_t)suns->count, is_up ? step->direct_normal_lx : 0};
+        if (!is_up)
+            continue;
+        const struct orl_vec3 sun = orl_normalize(r->suns[i].towards);
+        suns->in_sky[suns->count] = sun;
+        suns->at[suns->count++] =
+            (struct orl_hour_sun){.towards = orl_turn_to_scene(turn, sun),
+                                  .angle_rad = r->suns[i].angle_deg * ORL_DEG_TO_RAD,
+                                  .wanted = step->direct_normal_lx > 0};
+    }
+}
+
+void orl_hours_want_all(struct orl_hours *hours)
+{
+    for (size_t i = 0; i < hours->suns.count; i++)
+        hours->suns.at[i].wanted = true;
+}
+
+/* ---- Skies ----------------------------------------------------------------------------------- */
+
+struct painter {
+    struct orl_hours *hours;
+    const struct orl_sky_rows *rows;
+    const struct reader *reader;
+};
+
+static void paint_tile(void *arg, size_t index, uint32_t member)
+{
+    const struct painter *p = arg;
+    struct orl_hours *hours = p->hours;
+    const struct orl_daylight *skies[ORL_HOURS_TILE];
+    double diffuse_w[ORL_HOURS_TILE];
+    uint32_t n = 0;
+    (void)member;
+    for (size_t c = index * ORL_HOURS_TILE; c < hours->n_columns && n < ORL_HOURS_TILE; c++, n++) {
+        const size_t step = hours->step_of_column[c];
+        skies[n] = &p->reader->daylights[step];
+        diffuse_w[n] = p->reader->diffuse_w[step];
+    }
+    orl_sky_tile_paint(p->rows, skies, diffuse_w, n, p->reader->reflectance,
+                       hours->fine + index * ORL_BINS * ORL_HOURS_TILE,
+                       hours->coarse + index * ORL_BINS_COARSE * ORL_HOURS_TILE);
+}
+
+static int paint_skies(struct orl_hours *hours, const struct orl_bins *bins, const struct reader *r,
+                       struct orl_crew *crew)
+{
+    struct orl_sky_rows rows;
+    const struct painter painter = {hours, &rows, r};
+    hours->n_tiles = (hours->n_columns + ORL_HOURS_TILE - 1) / ORL_HOURS_TILE;
+    const size_t floats = (hours->n_tiles + 1) * ORL_HOURS_TILE;
+    hours->fine = malloc(floats * ORL_BINS * sizeof *hours->fine);
+    hours->coarse = malloc(floats * ORL_BINS_COARSE * sizeof *hours->coarse);
+    if (!hours->fine || !hours->coarse)
+        return ORL_ERR_NOMEM;
+    orl_sky_rows_init(&rows, bins);
+    return orl_crew_try(crew, hours->n_tiles, paint_tile, (void *)(uintptr_t)&painter);
+}
+
+/* ---- All of it ------------------------------------------------------------------------------- */
+
+static struct orl_vec3 direction_of_sun(const void *suns, uint32_t index)
+{
+    return ((const struct orl_hour_sun *)suns)[index].towards;
+}
+
+static int make_all(struct orl_hours *hours, const struct orl_bins *bins, struct reader *r,
+                    double north_deg, struct orl_crew *crew, struct orl_error *err)
+{
+    const size_t n = hours->n_steps;
+    int code = orl_crew_try(crew, n, read_row, r);
+    if (code == 0)
+        code = make_steps(hours, r, err);
+    if (code < 0)
+        return code;
+    hours->suns.at = calloc(n + 1, sizeof *hours->suns.at);
+    hours->suns.in_sky = calloc(n + 1, sizeof *hours->suns.in_sky);
+    hours->sun_of_column = calloc(hours->n_columns + 1, sizeof *hours->sun_of_column);
+    if (!hours->suns.at || !hours->suns.in_sky || !hours->sun_of_column)
+        return ORL_ERR_NOMEM;
+    place_suns(hours, r, north_deg);
+    if (orl_direction_tree_init(&hours->suns.tree, direction_of_sun, hours->suns.at, NULL,
+                                hours->suns.count) < 0)
+        return ORL_ERR_NOMEM;
+    return paint_skies(hours, bins, r, crew);
+}
+
+int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
+                   const struct orl_weather *weather, const char *weather_name, double north_deg,
+                   double ground_reflectance, struct orl_crew *crew, struct orl_error *err)
+{
+    const size_t n = weather->n_rows;
+    struct reader r = {.weather = weather, .name = weather_name, .reflectance = ground_reflectance};
+    *hours = (struct orl_hours){.n_steps = n};
+    if (n > ORL_HOURS_MOST)
+        return orl_error_set(
+            err, ORL_ERR_LIMIT,
+            "the weather file has %zu rows, and a year at most %d: those of 10-minute steps", n,
+            ORL_HOURS_MOST);
+    int code = ORL_ERR_NOMEM;
+    hours->steps = calloc(n + 1, sizeof *hours->steps);
+    hours->step_of_column = calloc(n + 1, sizeof *hours->step_of_column);
+    r.daylights = calloc(n + 1, sizeof *r.daylights);
+    r.diffuse_w = calloc(n + 1, sizeof *r.diffuse_w);
+    r.suns = calloc(n + 1, sizeof *r.suns);
+    r.errors = calloc(n + 1, sizeof *r.errors);
+    struct orl_error why = {0};
+    if (hours->steps && hours->step_of_column && r.daylights && r.diffuse_w && r.suns && r.errors)
+        code = make_all(hours, bins, &r, north_deg, crew, &why);
+    if (code < 0 && why.code == code && err)
+        *err = why;
+    else if (code < 0)
+        orl_error_set(err, code, "%s",
+                      code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory for skies");
+    free(r.daylights);
+    free(r.diffuse_w);
+    free(r.suns);
+    free(r.errors);
+    return code;
+}
+
+void orl_hours_done(struct orl_hours *hours)
+{
+    free(hours->steps);
+    free(hours->step_of_column);
+    free(hours->suns.at);
+    free(hours->suns.in_sky);
+    orl_direction_tree_done(&hours->suns.tree);
+    free(hours->sun_of_column);
+    free(hours->fine);
+    free(hours->coarse);
+    *hours = (struct orl_hours){.steps = NULL};
+}

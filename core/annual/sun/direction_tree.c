@@ -1,0 +1,122 @@
+#include "annual/sun/direction_tree.h"
+
+#include <stdlib.h>
+
+#include <oriel/error.h>
+
+enum { MOST_DEPTH = 64 };
+
+static double along(struct orl_vec3 v, int axis)
+{
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+/* ---- Building -------------------------------------------------------------------------------- */
+
+static int widest_axis(const struct orl_direction_entry *entries, size_t count)
+{
+    int widest = 0;
+    double most = -1;
+    for (int axis = 0; axis < 3; axis++) {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t i = 0; i < count; i++) {
+            low = fmin(low, along(entries[i].towards, axis));
+            high = fmax(high, along(entries[i].towards, axis));
+        }
+        if (high - low > most) {
+            most = high - low;
+            widest = axis;
+        }
+    }
+    return widest;
+}
+
+static int compare_along(const struct orl_direction_entry *x, const struct orl_direction_entry *y,
+                         int axis)
+{
+    const double a = along(x->towards, axis), b = along(y->towards, axis);
+    return a != b ? (a < b ? -1 : 1) : (x->index > y->index) - (x->index < y->index);
+}
+
+static int compare_x(const void *a, const void *b)
+{
+    return compare_along(a, b, 0);
+}
+
+static int compare_y(const void *a, const void *b)
+{
+    return compare_along(a, b, 1);
+}
+
+static int compare_z(const void *a, const void *b)
+{
+    return compare_along(a, b, 2);
+}
+
+/* Sorts a range and splits it at its median, so the depth is the logarithm of count. */
+static void split_range(struct orl_direction_tree *tree, size_t low, size_t high)
+{
+    static int (*const by_axis[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
+    if (high <= low)
+        return;
+    const size_t middle = low + (high - low) / 2;
+    const int axis = widest_axis(tree->entries + low, high - low);
+    qsort(tree->entries + low, high - low, sizeof *tree->entries, by_axis[axis]);
+    tree->axes[middle] = (unsigned char)axis;
+    split_range(tree, low, middle);
+    split_range(tree, middle + 1, high);
+}
+
+int orl_direction_tree_init(struct orl_direction_tree *tree, orl_direction_of direction,
+                            const void *owner, const uint32_t *indices, size_t count)
+{
+    *tree = (struct orl_direction_tree){.entries = malloc((count + 1) * sizeof *tree->entries),
+                                        .axes = malloc(count + 1),
+                                        .count = count};
+    if (!tree->entries || !tree->axes)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t index = indices ? indices[i] : (uint32_t)i;
+        tree->entries[i] = (struct orl_direction_entry){direction(owner, index), index};
+    }
+    split_range(tree, 0, count);
+    return 0;
+}
+
+void orl_direction_tree_done(struct orl_direction_tree *tree)
+{
+    free(tree->entries);
+    free(tree->axes);
+    *tree = (struct orl_direction_tree){.entries = NULL};
+}
+
+/* ---- Searching ------------------------------------------------------------------------------- */
+
+/* Directions within an angle of the axis lie in a sphere around its tip, with the chord as
+ * radius. */
+size_t orl_direction_tree_find(const struct orl_direction_tree *tree, const struct orl_cone *cone,
+                               void (*visit)(void *ctx, uint32_t index), void *ctx)
+{
+    const double chord = sqrt(2 * (1 - cone->cosine)) + 1e-9, least = cone->cosine - 1e-9;
+    struct range {
+        size_t low, high;
+    } stack[MOST_DEPTH] = {{0, tree->count}};
+    size_t tested = 0;
+    for (int depth = 1; depth > 0;) {
+        const struct range r = stack[--depth];
+        if (r.high <= r.low)
+            continue;
+        const size_t middle = r.low + (r.high - r.low) / 2;
+        const struct orl_direction_entry *entry = &tree->entries[middle];
+        const int axis = tree->axes[middle];
+        const double off = along(cone->axis, axis) - along(entry->towards, axis);
+        tested++;
+        if (orl_dot(entry->towards, cone->axis) >= least)
+            visit(ctx, entry->index);
+        if (off <= chord)
+            stack[depth++] = (struct range){r.low, middle};
+        if (off >= -chord)
+            stack[depth++] = (struct range){middle + 1, r.high};
+    }
+    return tested;
+}

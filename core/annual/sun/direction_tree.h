@@ -1,0 +1,56 @@
+/*
+ * A balanced k-d tree of unit directions: finds those within a cone without testing each of them.
+ * The directions are suns; the cone is that of a pane as it is seen from a place.
+ *
+ * Immutable once built; the directions themselves are copied.
+ */
+#ifndef ORL_ANNUAL_SUN_DIRECTION_TREE_H
+#define ORL_ANNUAL_SUN_DIRECTION_TREE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/vec.h>
+
+struct orl_direction_entry {
+    struct orl_vec3 towards; /* unit */
+    uint32_t index;
+};
+
+/* Each range is split at its middle entry along the axis axes[middle]. */
+struct orl_direction_tree {
+    struct orl_direction_entry *entries;
+    unsigned char *axes;
+    size_t count;
+};
+
+/* The directions whose cosine with the unit axis is at least `cosine`; -1: every direction. */
+struct orl_cone {
+    struct orl_vec3 axis;
+    double cosine;
+};
+
+/* Returns the cone widened by an angle, given as its sine. */
+static inline struct orl_cone orl_cone_widened(struct orl_cone cone, double sine)
+{
+    const double cosine = sqrt(1 - sine * sine);
+    const double own_sine = sqrt(fmax(1 - cone.cosine * cone.cosine, 0));
+    cone.cosine = cone.cosine > -cosine ? cone.cosine * cosine - own_sine * sine : -1;
+    return cone;
+}
+
+/* Returns the direction with the given index from the owner's storage. */
+typedef struct orl_vec3 (*orl_direction_of)(const void *owner, uint32_t index);
+
+/* Builds a tree of the directions with the given indices, or of all (indices NULL). Returns 0 or
+ * ORL_ERR_NOMEM; orl_direction_tree_done in either case. */
+int orl_direction_tree_init(struct orl_direction_tree *tree, orl_direction_of direction,
+                            const void *owner, const uint32_t *indices, size_t count);
+void orl_direction_tree_done(struct orl_direction_tree *tree);
+
+/* Calls visit with the index of each direction in the cone, in an order that depends on the tree
+ * and the cone alone. Returns how many entries were tested. */
+size_t orl_direction_tree_find(const struct orl_direction_tree *tree, const struct orl_cone *cone,
+                               void (*visit)(void *ctx, uint32_t index), void *ctx);
+
+#endif

@@ -1,0 +1,72 @@
+/*
+ * Map of sunlight on surfaces inside a sealed building, for each beam (sun_beams.h). It holds the
+ * light that reaches each square of a surface through ports, mirrors and lobes, but no diffuse
+ * surface. A whole map includes diffuse interreflection (contribution photons, oriel/annual.h).
+ * Photons pass straight through clear panes, are deflected or scattered by BSDFs, and are reflected
+ * by surfaces that are not diffuse. All sensors share the map. A path that hits a surface looks up
+ * the light of all nodes there, without shadow rays.
+ *
+ * A square lies on one side of a facet. It is a small fraction of a window wide, or of a slat's
+ * width. It stores flux divided by the surface area in it, so no flux is lost at edges. Its value
+ * is a mean, which suffices for light seen from elsewhere. A sensor's own direct light is not taken
+ * from the map.
+ *
+ * Photons form ORL_SUN_MAP_LOTS independent groups, which yield standard errors. The map depends on
+ * seed and scene alone; immutable once made.
+ */
+#ifndef ORL_ANNUAL_SUN_MAP_SUN_MAP_H
+#define ORL_ANNUAL_SUN_MAP_SUN_MAP_H
+
+#include <oriel/annual.h>
+#include <oriel/crew.h>
+
+#include "annual/sun_map/sun_beams.h"
+#include "annual/sun_map/sun_photons.h"
+#include "base/random.h"
+#include "base/sobol.h"
+#include "light/world.h"
+
+struct orl_sun_map;
+
+/* Limits of a map: squares, and entries. There is one entry for each beam that reaches a lot of a
+ * square. */
+enum { ORL_SUN_MAP_MOST_SQUARES = 1 << 22, ORL_SUN_MAP_MOST_ENTRIES = ORL_ANNUAL_MOST_MAP_VALUES };
+
+struct orl_sun_map_request {
+    const struct orl_world *world; /* borrowed, also by the map */
+    const struct orl_sobol *sobol;
+    /* Frames in scene axes, n towards the sun; used during the call only. */
+    const struct orl_frame *nodes;
+    size_t n_nodes;
+    uint64_t seed;
+    uint32_t photons; /* photons per node, over all its beams and lots */
+    uint32_t of_beam; /* least photons per beam */
+    /* By port of the world (window_parts.h), used during the call only; NULL: one part. */
+    const uint16_t *part_of_port;
+    bool whole; /* true if light between diffuse surfaces is included */
+};
+
+/* Builds a map. *ret_map is NULL if there is nothing to map: an open scene, no ports or no nodes.
+ * Returns 0, ORL_ERR_NOMEM, ORL_ERR_CANCELLED, or ORL_ERR_LIMIT beyond the limits above. */
+int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *crew,
+                    struct orl_sun_map **ret_map);
+/* Restores a map from the data that orl_sun_map_save wrote for an equal request. Returns 0 or
+ * ORL_ERR_NOMEM. */
+int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data,
+                     struct orl_sun_map **ret_map);
+/* Serialises a map. ret_data is owned by the caller, and a multiple of 4 bytes long. Returns 0 or
+ * ORL_ERR_NOMEM. */
+int orl_sun_map_save(const struct orl_sun_map *map, void **ret_data, size_t *ret_size);
+void orl_sun_map_free(struct orl_sun_map *map); /* NULL is allowed */
+
+/* Returns the map's beams, in the order in which sums hold them. */
+const struct orl_sun_beams *orl_sun_map_beams(const struct orl_sun_map *map);
+
+/*
+ * Adds the light of every beam on the hit side of the surface, times weight, to beams: luma, for a
+ * sun with a normal illuminance of 1. Adds the estimate of each lot alone to lots, [beam][lot].
+ */
+void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit,
+                     struct orl_rgb weight, double *beams, float *lots);
+
+#endif

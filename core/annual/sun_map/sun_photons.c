@@ -1,0 +1,149 @@
+#include "annual/sun_map/sun_photons.h"
+
+#include <stdlib.h>
+
+#include "light/direct.h"
+#include "light/path.h"
+
+enum { MOST_BOUNCES = 64 };
+/* Share of a photon's first flux below which Russian roulette applies. */
+static const double dimmest = 0.05;
+
+/* Distribution of a beam's photons over its ports. */
+struct aim {
+    double *shares; /* by port: cumulative flux */
+    double flux;    /* flux of all ports */
+};
+
+static void record_deposit(struct orl_sun_shot *s, const struct orl_hit *hit, uint32_t lot,
+                           struct orl_rgb flux)
+{
+    if (!orl_rgb_is_finite(flux))
+        return;
+    if (s->n_deposits == s->room) {
+        const size_t room = s->room > 0 ? 2 * s->room : 1024;
+        struct orl_sun_deposit *grown = realloc(s->deposits, room * sizeof *grown);
+        if (!grown) {
+            s->code = ORL_ERR_NOMEM;
+            return;
+        }
+        s->deposits = grown;
+        s->room = room;
+    }
+    s->deposits[s->n_deposits++] =
+        (struct orl_sun_deposit){.facet = hit->facet,
+                                 .lot = lot,
+                                 .front = hit->front,
+                                 .point = hit->point,
+                                 .normal = hit->normal,
+                                 .flux = {(float)flux.r, (float)flux.g, (float)flux.b}};
+}
+
+/* Traces a photon from the inner side of a port until it is absorbed, leaves, or no permitted lobe
+ * scatters it. */
+static void trace_photon(struct orl_sun_shot *s, struct orl_path path, uint32_t lot,
+                         struct orl_random *random)
+{
+    const struct orl_world *world = s->beams->world;
+    const double first = orl_rgb_max(path.weight);
+    const enum orl_lobes lobes =
+        s->whole ? ORL_LOBE_ALL : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
+    bool outside = false;
+    for (int bounce = 0; bounce < MOST_BOUNCES; bounce++) {
+        struct orl_hit hit;
+        if (!orl_path_meet(world, &path, &hit))
+            return;
+        const struct orl_material *m = orl_world_material(world, &hit);
+        orl_path_arrive(&path, m, &hit);
+        if (!outside && orl_rgb_max(orl_material_diffuse(m, &hit)) > 0)
+            record_deposit(s, &hit, lot, path.weight);
+        if (!s->whole && orl_material_is_matt(m))
+            return;
+        const struct orl_scatter scatter =
+            orl_scatter_sample(m, &hit, orl_path_back(&path), ORL_TRANSPORT_LIGHT, lobes, random);
+        if (scatter.event == ORL_EVENT_ABSORBED)
+            return;
+        path.weight = orl_rgb_mul(path.weight, scatter.weight);
+        const double chance = fmin(orl_rgb_max(path.weight) / (first * dimmest), 1);
+        if (!(chance > 0) || (chance < 1 && !orl_path_survives(&path, chance, random)))
+            return;
+        outside = orl_world_outside_after(world, &hit, scatter.transmitted, outside);
+        orl_path_leave(&path, world, &hit, &scatter);
+    }
+}
+
+static size_t port_at(const struct orl_world *world, const struct aim *aim, double share)
+{
+    size_t low = 0, high = world->n_ports - 1;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (share < aim->shares[middle])
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+/* Traces one photon from the sun's disc to a port and through it. */
+static void emit_photon(struct orl_sun_shot *s, const struct aim *aim, uint32_t index, uint32_t lot)
+{
+    const struct orl_world *world = s->beams->world;
+    const struct orl_frame *sun = &s->nodes[s->beams->at[s->beam].node];
+    const uint64_t name = (uint64_t)s->beam * ORL_SUN_MAP_LOTS + lot;
+    struct orl_random random =
+        orl_random_stream(s->seed, ORL_PURPOSE_SUN_MAP, (name << 32) + index);
+    double u[ORL_SOBOL_DIMENSIONS];
+    orl_sobol_point(s->sobol, index, (uint32_t)orl_mix64(s->seed + orl_mix64(name + 1)),
+                    ORL_SOBOL_DIMENSIONS, u);
+    const struct orl_port *port = &world->ports[port_at(world, aim, u[2] * aim->flux)];
+    const double disc = 0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
+    const struct orl_sun there = {.frame = *sun, .cos_half_angle = cos(disc)};
+    const double on_disc[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
+    const struct orl_vec3 towards = orl_sun_sample(&there, on_disc);
+    struct orl_hit hit = {.facet = port->facet};
+    orl_facet_sample(world->geometry, port->facet, u, &hit.point, &hit.normal);
+    hit.front = orl_dot(towards, hit.normal) > 0;
+    if (!(orl_dot(towards, port->outward) > 0) || !orl_port_owns(world->geometry, port, hit.point))
+        return;
+    const struct orl_rgb share = orl_transmittance(
+        world, orl_hit_leave(world->geometry, &hit, towards), towards, INFINITY, false);
+    if (!(orl_rgb_max(share) > 0))
+        return;
+    const struct orl_material *m = orl_world_material(world, &hit);
+    const struct orl_scatter scatter =
+        orl_scatter_sample_at(m, &hit, towards, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, u + 3);
+    if (scatter.event == ORL_EVENT_ABSORBED)
+        return;
+    struct orl_path path = orl_path_from(hit.point, scatter.direction);
+    path.weight = orl_rgb_scale(orl_rgb_mul(share, scatter.weight), aim->flux / s->photons);
+    orl_path_leave(&path, world, &hit, &scatter);
+    trace_photon(s, path, lot, &random);
+}
+
+/* Photons are distributed by the flux of unobstructed ports; obstacles attenuate each photon. */
+void orl_sun_shoot(struct orl_sun_shot *s)
+{
+    const struct orl_world *world = s->beams->world;
+    const struct orl_sun_beam *beam = &s->beams->at[s->beam];
+    const struct orl_vec3 sun = s->nodes[beam->node].n;
+    struct aim aim = {.shares = malloc(world->n_ports * sizeof *aim.shares)};
+    if (!aim.shares) {
+        s->code = ORL_ERR_NOMEM;
+        return;
+    }
+    for (size_t i = 0; i < world->n_ports; i++) {
+        if (s->beams->kind_of_port[i] == beam->kind)
+            aim.flux += world->ports[i].area * fmax(orl_dot(sun, world->ports[i].outward), 0);
+        aim.shares[i] = aim.flux;
+    }
+    for (uint32_t i = s->first; aim.flux > 0 && i < s->end && s->code == 0; i++)
+        emit_photon(s, &aim, i / ORL_SUN_MAP_LOTS, i % ORL_SUN_MAP_LOTS);
+    free(aim.shares);
+}
+
+void orl_sun_shot_done(struct orl_sun_shot *s)
+{
+    free(s->deposits);
+    s->deposits = NULL;
+}

@@ -1,0 +1,133 @@
+#include "annual/year/scope.h"
+
+#include "scene/geometry/placed.h"
+#include "scene/material/bounds.h"
+#include "scene/material/lobed.h"
+#include "scene/material/pattern.h"
+
+/* Reflectance above which a mirror, stronger than panes, would need second reflections. */
+static const double strong = 0.25;
+
+static int refuse_surface(const struct orl_world *world, uint32_t facet, struct orl_error *err,
+                          const char *what)
+{
+    const struct orl_surface_label label = orl_scene_label_of(world->scene, facet);
+    orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                  "a year of light does not follow %s yet, which the surface '%.100s' calls for",
+                  what, label.name);
+    orl_error_at(err, label.file, label.line, NULL);
+    orl_error_hint(err, "run it hour by hour: a job with a list of skies");
+    return ORL_ERR_UNSUPPORTED;
+}
+
+static int refuse_mist(const struct orl_world *world, struct orl_error *err)
+{
+    uint32_t facet = 0;
+    while (!(orl_facet_area(world->scene->mist, facet) > 0))
+        facet++;
+    return refuse_surface(world, facet, err, "light through mist");
+}
+
+int orl_annual_admit(const struct orl_world *world, struct orl_error *err)
+{
+    int class = -1;
+    if (world->scene->mist)
+        return refuse_mist(world, err);
+    bool panels = false;
+    uint32_t mirror = UINT32_MAX;
+    for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
+        const uint32_t i = walk.facet;
+        struct orl_facet room;
+        const struct orl_facet *facet = orl_facet_of(world->geometry, i, &room);
+        const struct orl_material *m = &world->materials[facet->material];
+        if (!(facet->area > 0))
+            continue;
+        const int32_t port = orl_world_port_of(world, i);
+        if (m->kind == ORL_MATERIAL_BSDF && (world->open || port == ORL_NO_PORT))
+            return refuse_surface(world, i, err,
+                                  "sunlight by BSDFs that are no windows of a closed building");
+        panels = panels || m->kind == ORL_MATERIAL_BSDF;
+        if (orl_lobed_any_transmits(m))
+            return refuse_surface(world, i, err, "what functions or data let through");
+        if (orl_material_bends(m))
+            return refuse_surface(world, i, err, "refracted sunlight");
+        if (!(orl_material_mirrored_most(m, true, 0.5) > strong))
+            continue;
+        const int here = world->images.class_of ? orl_images_class(&world->images, i) : -1;
+        if (here < 0)
+            return refuse_surface(world, i, err, "sunlight off curved mirrors");
+        if (class >= 0 && here != class)
+            return refuse_surface(world, i, err, "sunlight between mirrors of several planes");
+        class = here;
+        mirror = i;
+    }
+    /* Sunlight from a mirror onto a BSDF pane is not followed. */
+    if (panels && mirror != UINT32_MAX)
+        return refuse_surface(world, mirror, err, "sunlight off mirrors where windows are BSDFs");
+    return 0;
+}
+
+size_t orl_annual_count_curved(const struct orl_world *world, uint32_t *ret_first)
+{
+    size_t n = 0;
+    for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
+        struct orl_facet room;
+        const struct orl_facet *facet = orl_facet_of(world->geometry, walk.facet, &room);
+        const bool flat = facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING;
+        const bool textured = world->materials[facet->material].texture != NULL;
+        if ((flat && !textured) || !orl_material_is_mirror(&world->materials[facet->material]))
+            continue;
+        if (n == 0)
+            *ret_first = walk.facet;
+        n += walk.places;
+    }
+    return n;
+}
+
+/* ---- Colour ---------------------------------------------------------------------------------- */
+
+static bool is_gray(struct orl_rgb color)
+{
+    return color.r == color.g && color.g == color.b;
+}
+
+static bool is_gray_panel(const struct orl_material *m)
+{
+    struct orl_bsdf_info info;
+    orl_bsdf_describe(m->bsdf, &info);
+    return !info.colored && is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
+}
+
+/* Returns true if light that the material sends on, other than diffusely, keeps its colour. */
+static bool is_colourless(const struct orl_material *m)
+{
+    switch (m->kind) {
+    case ORL_MATERIAL_BSDF:
+        return is_gray_panel(m);
+    case ORL_MATERIAL_GLASS:
+        return is_gray(m->transmissivity) && !(m->pattern && m->pattern->coloured);
+    case ORL_MATERIAL_ASHIKHMIN:
+        return is_gray(m->color) && is_gray(m->gloss) && !(m->pattern && m->pattern->coloured);
+    case ORL_MATERIAL_GLAZING:
+        return !m->angles->coloured && is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
+    case ORL_MATERIAL_MIXTURE:
+        return is_colourless(&m->mixed[0]) && is_colourless(&m->mixed[1]);
+    case ORL_MATERIAL_LOBED:
+        return is_gray(m->color) && !(m->pattern && m->pattern->coloured);
+    case ORL_MATERIAL_TRANS:
+    case ORL_MATERIAL_METAL:
+    case ORL_MATERIAL_MIRROR:
+        return (is_gray(m->color) && !(m->pattern && m->pattern->coloured)) ||
+               orl_material_is_matt(m);
+    default: /* plastic's specular reflection is white */
+        return true;
+    }
+}
+
+bool orl_annual_is_colourless(const struct orl_world *world)
+{
+    for (size_t i = 0; i < world->n_materials; i++)
+        if (!is_colourless(&world->materials[i]))
+            return false;
+    return true;
+}

@@ -1,0 +1,159 @@
+#include "metrics/glare_sources.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "metrics/position.h"
+#include "metrics/smooth.h"
+#include "metrics/unite.h"
+
+/* State of a search: labels of all pixels, and the list of pixels to be grouped. */
+struct search {
+    const struct orl_luminances *picture;
+    const struct orl_source_rule *rule;
+    size_t count;     /* number of pixels in the picture */
+    uint32_t *label;  /* source of each pixel, from 1 on; 0: none */
+    uint32_t *pixels; /* list of pixels */
+    uint32_t *group;  /* group of each pixel in the list */
+    uint32_t n_labels;
+};
+
+/* Lists the counting pixels brighter than cd_m2; for peaks, only pixels of sources. */
+static size_t list_brighter(struct search *s, double cd_m2, bool at_least, bool of_sources)
+{
+    const float *sr = s->picture->field->solid_angle, *luminance = s->picture->cd_m2;
+    size_t n = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        const double here = (double)luminance[i];
+        const bool brighter = at_least ? here >= cd_m2 : here > cd_m2;
+        if (sr[i] > 0 && brighter && (!of_sources || s->label[i] > 0))
+            s->pixels[n++] = (uint32_t)i;
+    }
+    return n;
+}
+
+/* Groups the pixels of the list under new labels. */
+static int label_groups(struct search *s, size_t n)
+{
+    uint32_t groups = 0;
+    const int code = n == 0 ? 0
+                            : orl_unite(s->picture->field, s->pixels, n, s->rule->radius_rad / 2,
+                                        s->group, &groups);
+    for (size_t i = 0; code == 0 && i < n; i++)
+        s->label[s->pixels[i]] = s->n_labels + 1 + s->group[i];
+    s->n_labels += groups;
+    return code;
+}
+
+static int label_sources(struct search *s)
+{
+    int code = label_groups(s, list_brighter(s, s->rule->threshold_cd_m2, false, false));
+    if (code == 0 && s->rule->smooth && s->n_labels > 0)
+        code = orl_smooth_sources(s->picture, s->rule->radius_rad, s->n_labels, s->label);
+    if (code == 0 && isfinite(s->rule->peak_cd_m2))
+        code = label_groups(s, list_brighter(s, s->rule->peak_cd_m2, true, true));
+    return code;
+}
+
+/* Adds a pixel to the sums of a source: luminance times solid angle, and positions weighted by
+ * that. */
+static void add_pixel(struct orl_glare_source *source, const struct orl_luminances *picture,
+                      size_t pixel)
+{
+    const struct orl_field *field = picture->field;
+    const double sr = (double)field->solid_angle[pixel], cd_m2 = (double)picture->cd_m2[pixel];
+    const size_t column = pixel % field->width, row = pixel / field->width;
+    const double weight = sr * cd_m2;
+    source->pixels++;
+    source->solid_angle_sr += sr;
+    source->luminance_cd_m2 += weight;
+    source->illuminance_lx += weight * (double)field->direction[pixel][2];
+    source->x += weight * (double)column;
+    source->y += weight * (double)row;
+    source->most_cd_m2 = fmax(source->most_cd_m2, cd_m2);
+}
+
+/* Computes a direction as evalglare does: by the view's up itself, which need not be perpendicular
+ * to the line of sight. */
+static struct orl_vec3 by_tilted_up(const struct orl_field *field, struct orl_vec3 to)
+{
+    const double upright = orl_dot(orl_normalize(field->view.up), field->eye.v);
+    const double across = hypot(to.x, to.y), y = upright * to.y;
+    return orl_v3(sqrt(fmax(across * across - y * y, 0)), y, to.z);
+}
+
+/* Converts sums to means. Until here x and y referred to the pixels' corners. */
+static void finish_source(struct orl_glare_source *source, const struct search *s)
+{
+    const struct orl_field *field = s->picture->field;
+    double x = source->x / source->luminance_cd_m2, y = source->y / source->luminance_cd_m2;
+    if (s->rule->at_whole_pixels) { /* the lower left of the pixels around it */
+        x = floor(x);
+        y = ceil(y);
+    }
+    const struct orl_vec3 to = orl_field_towards(field, x + 0.5, y + 0.5);
+    source->luminance_cd_m2 /= source->solid_angle_sr;
+    source->x = x + 0.5;
+    source->y = field->height - (y + 0.5);
+    source->position_index =
+        orl_position_index(s->rule->at_whole_pixels ? by_tilted_up(field, to) : to);
+    source->direction = orl_to_world(&field->eye, to);
+    source->angle_deg = atan2(hypot(to.x, to.y), to.z) / ORL_DEG_TO_RAD;
+}
+
+static double glare_weight(const struct orl_glare_source *s)
+{
+    const double seen = s->luminance_cd_m2 / s->position_index;
+    return seen * seen * s->solid_angle_sr;
+}
+
+static int by_glare_weight(const void *a, const void *b)
+{
+    const struct orl_glare_source *p = a, *q = b;
+    const double first = glare_weight(p), second = glare_weight(q);
+    if (first != second)
+        return first > second ? -1 : 1;
+    return p->x != q->x ? (p->x > q->x) - (p->x < q->x) : (p->y > q->y) - (p->y < q->y);
+}
+
+static int collect_sources(const struct search *s, struct orl_glare_source **ret_sources,
+                           size_t *ret_count)
+{
+    struct orl_glare_source *sources = calloc(s->n_labels + 1, sizeof *sources);
+    size_t n = 0;
+    if (!sources)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < s->count; i++)
+        if (s->label[i] > 0)
+            add_pixel(&sources[s->label[i] - 1], s->picture, i);
+    for (uint32_t i = 0; i < s->n_labels; i++) {
+        if (sources[i].pixels == 0) /* all of it was a peak */
+            continue;
+        sources[n] = sources[i];
+        finish_source(&sources[n++], s);
+    }
+    qsort(sources, n, sizeof *sources, by_glare_weight);
+    *ret_sources = sources;
+    *ret_count = n;
+    return 0;
+}
+
+int orl_find_sources(const struct orl_luminances *picture, const struct orl_source_rule *rule,
+                     struct orl_glare_source **ret_sources, size_t *ret_count,
+                     struct orl_error *err)
+{
+    const size_t count = (size_t)picture->field->width * picture->field->height;
+    struct search s = {.picture = picture, .rule = rule, .count = count};
+    s.label = calloc(count, sizeof *s.label);
+    s.pixels = malloc(count * sizeof *s.pixels);
+    s.group = malloc(count * sizeof *s.group);
+    int code = s.label && s.pixels && s.group ? label_sources(&s) : ORL_ERR_NOMEM;
+    if (code == 0)
+        code = collect_sources(&s, ret_sources, ret_count);
+    free(s.label);
+    free(s.pixels);
+    free(s.group);
+    return code < 0 ? orl_error_set(err, code, "%s searching for glare sources",
+                                    code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory")
+                    : 0;
+}

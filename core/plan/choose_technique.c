@@ -1,0 +1,289 @@
+/* Chooses the technique, the number of reflections, and the number of photons. */
+#include <stdio.h>
+#include <string.h>
+
+#include <oriel/paths.h>
+
+#include "plan/decide.h"
+
+enum { MOST_LAMPS = 4000000, DEEPEST = 1000 };
+enum { PHOTONS_A_WINDOW = 40000, LEAST_WINDOWS = 3 };
+/* Virtual lamps: per sample of a sensor, in total and per window; and for views. */
+enum { LAMPS_A_SAMPLE = 200, LAMPS_A_WINDOW = 8, LEAST_SAMPLES = 64 };
+enum { LAMPS_OF_VIEWS = 200000, LAMPS_OF_A_SAMPLE = 50, LAMPS_A_WINDOW_OF_VIEWS = 10000 };
+
+/* ---- Technique ------------------------------------------------------------------------------- */
+
+/* Returns the number of surfaces of instances, counted in each placement. */
+static uint64_t count_placed(const struct orl_geometry *geometry)
+{
+    uint64_t n = 0;
+    for (size_t i = 0; i < geometry->n_prototypes; i++)
+        n += (uint64_t)geometry->prototypes[i]->n_facets * geometry->prototypes[i]->n_places;
+    return n;
+}
+
+/*
+ * Returns the first of two techniques that finds all classes of paths, not some by chance only. If
+ * neither does, returns the backward technique, whose results report missed light
+ * (run/diagnostics/missed_light.c). Fills ret_why if it is not the first.
+ */
+static enum orl_technique choose_complete(const enum orl_technique preferred[2], uint32_t paths,
+                                          char ret_why[ORL_WHY_MAX])
+{
+    const uint32_t missed = orl_paths_missed(preferred[0], paths);
+    if (missed == 0)
+        return preferred[0];
+    const bool second = orl_paths_missed(preferred[1], paths) == 0;
+    const enum orl_technique technique = second ? preferred[1] : ORL_TECHNIQUE_BACKWARD;
+    if (technique != preferred[0])
+        snprintf(ret_why, ORL_WHY_MAX, "the scene has %s, which technique %s finds %s",
+                 orl_path_class_words(orl_paths_first(missed)), orl_technique_name(preferred[0]),
+                 orl_path_strategies(preferred[0], orl_paths_first(missed), ORL_RECEIVER_AIR)
+                     ? "by chance only"
+                     : "not at all");
+    return technique;
+}
+
+static enum orl_technique choose_for_views(const struct orl_job *job, uint32_t paths,
+                                           char ret_why[ORL_WHY_MAX])
+{
+    static const enum orl_technique usual[] = {ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_BACKWARD},
+                                    rated[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
+    const bool glare = orl_job_asks_for_glare(job);
+    if (glare)
+        snprintf(ret_why, ORL_WHY_MAX,
+                 "views ask for their glare: paths have no bias, and their batches tell its error");
+    else
+        snprintf(ret_why, ORL_WHY_MAX,
+                 "%zu view%s: an image is smooth soonest by a final gather to a photon map",
+                 job->n_views, orl_plural(job->n_views));
+    return choose_complete(glare ? rated : usual, paths, ret_why);
+}
+
+static enum orl_technique choose_for_sensors(size_t n, uint32_t paths, char ret_why[ORL_WHY_MAX])
+{
+    static const enum orl_technique preferred[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
+    snprintf(ret_why, ORL_WHY_MAX,
+             "%zu sensor%s: paths are exact on average; photons become virtual lamps for them, and "
+             "no map is kept",
+             n, orl_plural(n));
+    return choose_complete(preferred, paths, ret_why);
+}
+
+/* Returns the planner's technique for the views, or for the sensors. */
+static enum orl_technique plan_technique(const struct orl_survey *survey, uint32_t paths,
+                                         bool views, char ret_why[ORL_WHY_MAX])
+{
+    const uint64_t leaves = count_placed(survey->world->geometry);
+    if (leaves > ORL_DEFAULT_PHOTONS && !orl_paths_missed(ORL_TECHNIQUE_BACKWARD, paths)) {
+        snprintf(ret_why, ORL_WHY_MAX,
+                 "%llu surfaces by instances: photons would be fewer than leaves are, paths do not "
+                 "ask for them",
+                 (unsigned long long)leaves);
+        return ORL_TECHNIQUE_BACKWARD;
+    }
+    return views ? choose_for_views(survey->request->job, paths, ret_why)
+                 : choose_for_sensors(survey->request->n_sensors, paths, ret_why);
+}
+
+/* Returns the technique for the views, or for the sensors: the job's or the planner's. */
+static enum orl_technique choose_technique(const struct orl_survey *survey, uint32_t paths,
+                                           bool views, char ret_why[ORL_WHY_MAX])
+{
+    const struct orl_job *job = survey->request->job;
+    const enum orl_wish gather = job->wishes[ORL_EFFECT_FINAL_GATHER];
+    enum orl_technique technique = job->technique;
+    if (technique != ORL_TECHNIQUE_AUTO)
+        snprintf(ret_why, ORL_WHY_MAX, "as the job asks");
+    else
+        technique = plan_technique(survey, paths, views, ret_why);
+    if (gather == ORL_WISH_FORCE && job->technique == ORL_TECHNIQUE_AUTO) {
+        snprintf(ret_why, ORL_WHY_MAX, "the job asks for a final gather");
+        return ORL_TECHNIQUE_GATHER;
+    }
+    if (gather == ORL_WISH_SKIP &&
+        (technique == ORL_TECHNIQUE_GATHER || technique == ORL_TECHNIQUE_PRECOMPUTED)) {
+        snprintf(ret_why, ORL_WHY_MAX, "the job leaves out the final gather");
+        return ORL_TECHNIQUE_DIRECT;
+    }
+    return technique;
+}
+
+/* Sensors beside views get a separate technique, unless the job names one for both or has a
+ * deadline. Rounds divide the time of a deadline between sensors and views, and have one
+ * technique. */
+static void decide_techniques(const struct orl_survey *survey, struct orl_plan *plan)
+{
+    const struct orl_job *job = survey->request->job;
+    const bool views = job->n_views > 0 || survey->request->n_sensors == 0;
+    plan->technique = choose_technique(survey, plan->paths, views, plan->technique_why);
+    plan->sensor_technique = plan->technique;
+    memcpy(plan->sensor_why, plan->technique_why, sizeof plan->sensor_why);
+    if (views && survey->request->n_sensors > 0 && !(job->goal.deadline_s > 0))
+        plan->sensor_technique = choose_technique(survey, plan->paths, false, plan->sensor_why);
+}
+
+static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan)
+{
+    struct orl_decision *decision = &plan->effects[ORL_EFFECT_FINAL_GATHER];
+    const bool gathers = plan->technique == ORL_TECHNIQUE_GATHER;
+    const struct orl_finding finding = {.needed = gathers, .unit = ORL_BOUND_NONE};
+    const size_t sensors = survey->request->n_sensors, views = survey->request->job->n_views;
+    orl_settle(decision, &finding, "technique %s, for %zu sensor%s and %zu view%s",
+               orl_technique_name(plan->technique), sensors, orl_plural(sensors), views,
+               orl_plural(views));
+    decision->simulated = gathers;
+}
+
+/* ---- Interreflection ------------------------------------------------------------------------- */
+
+/* Returns the number of reflections after which less than the tolerance is left, of light that
+ * nothing focuses. */
+static uint32_t reflection_depth(const struct orl_survey *survey, const struct orl_lit *lit)
+{
+    const double rho = survey->rho_diffuse;
+    double left = survey->sun_lx * (1 + (double)survey->world->images.n_mirrors) + survey->sky_lx +
+                  survey->lamp_lx;
+    if (lit->classes[ORL_LIT_CURVED].lit || lit->classes[ORL_LIT_LOBE].lit || rho >= 1)
+        return ORL_ALL_REFLECTIONS;
+    left *= rho / (1 - rho);
+    for (uint32_t n = 0; n < DEEPEST; n++) {
+        if (left <= survey->tolerance_lx)
+            return n;
+        left *= rho;
+    }
+    return ORL_ALL_REFLECTIONS;
+}
+
+static void decide_interreflection(struct orl_survey *survey, const struct orl_lit *lit,
+                                   struct orl_plan *plan)
+{
+    struct orl_decision *decision = &plan->effects[ORL_EFFECT_INTERREFLECTION];
+    const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
+    const double rho = fmin(survey->rho_diffuse, 1 - 1e-6);
+    const uint32_t n = reflection_depth(survey, lit);
+    const struct orl_finding finding = {.needed = n > 0,
+                                        .unit = ORL_BOUND_LX,
+                                        .bound = direct * rho / (1 - rho),
+                                        .saved_s = 3 * (double)ORL_DEFAULT_PHOTONS * survey->ray_s};
+    if (n < ORL_ALL_REFLECTIONS)
+        orl_settle(decision, &finding,
+                   "the brightest diffuse surface reflects %.4g %%: after %u reflections there is "
+                   "less than %.2g lx to come",
+                   100 * survey->rho_diffuse, n, survey->tolerance_lx);
+    else
+        orl_settle(decision, &finding, "the brightest diffuse surface reflects %.4g %%",
+                   100 * survey->rho_diffuse);
+    plan->most_reflections = !decision->simulated               ? 0
+                             : decision->wish == ORL_WISH_FORCE ? ORL_ALL_REFLECTIONS
+                                                                : n;
+}
+
+/* Returns true if the technique reads the map by density; shadow rays and caustic photons are added
+ * to it. */
+static bool shows_map(enum orl_technique technique)
+{
+    return technique == ORL_TECHNIQUE_DIRECT || technique == ORL_TECHNIQUE_PRECOMPUTED;
+}
+
+/* Returns the number of reflections of photons. Where the map itself is read, it counts the light
+ * that reaches a surface, not the light that the surface reflects. */
+static uint32_t reflections_of_photons(const struct orl_plan *plan)
+{
+    const bool itself = shows_map(plan->technique);
+    return plan->most_reflections < ORL_ALL_REFLECTIONS ? plan->most_reflections + itself
+                                                        : ORL_ALL_REFLECTIONS;
+}
+
+/*
+ * Returns the number of photons that a technique needs. for_edges is the number for rooms in which
+ * suns and lamps make bright edges. Under the sky alone light is smooth. There sensors have the
+ * same noise (1.3 %, mostly of gather rays) with 100 000 photons and with 2 000 000, and blocks of
+ * 5 x 5 pixels differ by 1.5 %. A tenth of the virtual lamps adds a third to a standard error. Many
+ * windows light many rooms, so the number grows with the windows.
+ */
+static uint64_t enough_photons(const struct orl_survey *survey, uint64_t for_edges,
+                               uint64_t a_window)
+{
+    const struct orl_world *world = survey->world;
+    const uint64_t windows = world->n_ports > LEAST_WINDOWS ? world->n_ports : LEAST_WINDOWS;
+    const bool forced = survey->request->job->wishes[ORL_EFFECT_INTERREFLECTION] == ORL_WISH_FORCE;
+    if (forced || world->n_suns > 0 || world->n_emitters > 0 || world->open ||
+        windows > for_edges / a_window)
+        return for_edges;
+    return a_window * windows;
+}
+
+/*
+ * Returns the number of virtual lamps. A sample connects to eight of them, and all samples share
+ * them. With S samples and L lamps a sensor's relative variance is proportional to 1 / S + b / L. b
+ * is 90 to 105 in the test office, and 8 in rooms under the sky alone. A sample of its sensors
+ * takes as long as about 5 lamps. The time for a given error is least with about 200 lamps per
+ * sample there, and 50 here. Pixels are so many that the largest useful number of lamps costs them
+ * little.
+ */
+static uint64_t virtual_lamps(const struct orl_survey *survey)
+{
+    const struct orl_job *job = survey->request->job;
+    uint64_t samples = job->gather_samples ? job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
+    uint64_t all, a_window = LAMPS_A_WINDOW_OF_VIEWS;
+    if (job->n_views > 0) {
+        all = LAMPS_OF_A_SAMPLE * samples;
+        all = all > LAMPS_OF_VIEWS ? all : LAMPS_OF_VIEWS;
+    } else {
+        samples = samples > LEAST_SAMPLES ? samples : LEAST_SAMPLES;
+        all = LAMPS_A_SAMPLE * samples;
+        a_window = LAMPS_A_WINDOW * samples;
+    }
+    all = all < MOST_LAMPS ? all : MOST_LAMPS;
+    return job->photons_global < all ? job->photons_global : enough_photons(survey, all, a_window);
+}
+
+static uint64_t global_photons(const struct orl_survey *survey, const struct orl_plan *plan)
+{
+    const uint64_t asked = survey->request->job->photons_global;
+    if (survey->world->omit.most_reflections == 0 || survey->world->scene->mist)
+        return 0;
+    if (plan->technique == ORL_TECHNIQUE_BACKWARD)
+        return virtual_lamps(survey);
+    if (asked != ORL_PHOTONS_BY_PLAN)
+        return asked;
+    switch (plan->technique) {
+    case ORL_TECHNIQUE_GATHER:
+        return enough_photons(survey, ORL_DEFAULT_PHOTONS, PHOTONS_A_WINDOW);
+    default:
+        return ORL_DEFAULT_PHOTONS;
+    }
+}
+
+void orl_decide_technique(struct orl_survey *survey, const struct orl_lit *lit,
+                          struct orl_plan *plan)
+{
+    decide_techniques(survey, plan);
+    decide_gather(survey, plan);
+    decide_interreflection(survey, lit, plan);
+    survey->world->omit.most_reflections = reflections_of_photons(plan);
+    survey->world->omit.counted_light = shows_map(plan->technique);
+    plan->photons_global = global_photons(survey, plan);
+}
+
+/* ---- Requests of jobs ------------------------------------------------------------------------ */
+
+void orl_decide_requests(struct orl_survey *survey, struct orl_plan *plan)
+{
+    const struct orl_finding nothing = {.needed = false, .unit = ORL_BOUND_NONE};
+    const struct orl_job *job = survey->request->job;
+    const bool rated = orl_job_asks_for_glare(job);
+    const struct orl_finding asked = {.needed = rated, .unit = ORL_BOUND_NONE};
+    size_t views = 0;
+    for (size_t i = 0; i < job->n_views; i++)
+        views += job->views[i].metrics != 0;
+    struct orl_decision *glare = &plan->effects[ORL_EFFECT_GLARE];
+    struct orl_decision *bins = &plan->effects[ORL_EFFECT_BINS];
+    orl_settle(glare, &asked, "%zu of %zu view%s ask%s for a glare metric", views, job->n_views,
+               orl_plural(job->n_views), views == 1 ? "s" : "");
+    orl_settle(bins, &nothing, "the job is for 1 moment, not for a year: light is not told apart");
+    glare->simulated = rated;
+    bins->simulated = false;
+}

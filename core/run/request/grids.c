@@ -1,0 +1,295 @@
+#include "run/request/grids.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <oriel/limits.h>
+#include <oriel/npy.h>
+
+#include "base/file.h"
+
+enum { NAME_MAX_BYTES = 200, PATH_SIZE = 4096 };
+
+/* ---- Checks ---------------------------------------------------------------------------------- */
+
+/* Returns true for slash-separated parts, none of which is hidden or "..". */
+static bool is_name(const char *name)
+{
+    const size_t length = name ? strlen(name) : 0;
+    if (length == 0 || length > NAME_MAX_BYTES || name[length - 1] == '/')
+        return false;
+    for (size_t i = 0; i < length; i++) {
+        const bool first = i == 0 || name[i - 1] == '/';
+        if (!isalnum((unsigned char)name[i]) && !strchr(first ? "-_" : "-_./", name[i]))
+            return false;
+    }
+    return true;
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static int check_unique(const struct orl_job *job, struct orl_error *err)
+{
+    const char **names = malloc((job->n_grids + 1) * sizeof *names);
+    int code = 0;
+    if (!names)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < job->n_grids; i++)
+        names[i] = job->grids[i].name;
+    qsort(names, job->n_grids, sizeof *names, compare_names);
+    for (size_t i = 1; i < job->n_grids && code == 0; i++)
+        if (strcmp(names[i - 1], names[i]) == 0)
+            code = orl_error_set(err, ORL_ERR_INVALID, "two grids are named '%s'", names[i]);
+    free(names);
+    return code;
+}
+
+int orl_grids_validate(const struct orl_job *job, struct orl_error *err)
+{
+    size_t inlined = 0;
+    if (job->n_grids == 0)
+        return 0;
+    if (job->sensors_file)
+        return orl_error_set(err, ORL_ERR_INVALID, "a job has sensors or grids of them, not both");
+    if (job->n_grids > ORL_LIMIT_GRIDS)
+        return orl_error_set(err, ORL_ERR_LIMIT, "%zu grids; at most %u are allowed", job->n_grids,
+                             ORL_LIMIT_GRIDS);
+    for (size_t i = 0; i < job->n_grids; i++) {
+        const struct orl_grid_request *grid = &job->grids[i];
+        if (!is_name(grid->name))
+            return orl_error_set(err, ORL_ERR_INVALID,
+                                 "grid %zu needs a name of 1 to %d characters: letters, digits, "
+                                 "'-', '_', '.', and '/' between folders",
+                                 i, NAME_MAX_BYTES);
+        if (!grid->file && (grid->count == 0 || grid->first != inlined))
+            return orl_error_set(err, ORL_ERR_INVALID, "the grid '%s' has no sensors", grid->name);
+        inlined += grid->file ? 0 : grid->count;
+    }
+    if (inlined != job->n_sensors)
+        return orl_error_set(err, ORL_ERR_INVALID, "sensors are all to belong to grids");
+    return check_unique(job, err);
+}
+
+/* ---- Sensors --------------------------------------------------------------------------------- */
+
+struct gathering {
+    struct orl_sensor *list; /* owned */
+    size_t count;
+};
+
+static int add_sensors(struct gathering *all, const struct orl_sensor *more, size_t count,
+                       struct orl_error *err)
+{
+    if (all->count + count > ORL_LIMIT_SENSORS)
+        return orl_error_set(err, ORL_ERR_LIMIT, "more than %lu sensors", ORL_LIMIT_SENSORS);
+    memcpy(all->list + all->count, more, count * sizeof *more);
+    all->count += count;
+    return 0;
+}
+
+/* Ensures capacity, doubled each time, so that many small grids cost no more than a large one. */
+static int make_room(struct gathering *all, size_t *room, size_t count, struct orl_error *err)
+{
+    if (all->list && all->count + count <= *room)
+        return 0;
+    *room = 2 * (all->count + count);
+    struct orl_sensor *grown = realloc(all->list, *room * sizeof *grown);
+    if (!grown) {
+        orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", *room);
+        return ORL_ERR_NOMEM;
+    }
+    all->list = grown;
+    return 0;
+}
+
+static int take_grid(const struct orl_job *job, const struct orl_files *files,
+                     const atomic_bool *cancel, struct orl_grid_request *grid,
+                     struct gathering *all, size_t *room, struct orl_error *err)
+{
+    struct orl_sensor *read = NULL;
+    size_t count = grid->count;
+    int code = grid->file ? orl_sensors_load(files, grid->file, cancel, &read, &count, err) : 0;
+    if (code == 0)
+        code = make_room(all, room, count, err);
+    const size_t first = all->count;
+    if (code == 0)
+        code = add_sensors(all, read ? read : job->sensors + grid->first, count, err);
+    free(read);
+    *grid = (struct orl_grid_request){grid->name, NULL, first, count};
+    return code;
+}
+
+int orl_grids_read(const struct orl_job *job, const struct orl_files *files,
+                   const atomic_bool *cancel, struct orl_grid_request **ret_grids,
+                   struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
+{
+    struct orl_grid_request *grids = malloc(job->n_grids * sizeof *grids);
+    struct gathering all = {NULL, 0};
+    size_t room = 0;
+    int code = grids ? 0 : ORL_ERR_NOMEM;
+    if (code < 0)
+        orl_error_set(err, code, "out of memory");
+    for (size_t i = 0; i < job->n_grids && code == 0; i++) {
+        grids[i] = job->grids[i];
+        code = take_grid(job, files, cancel, &grids[i], &all, &room, err);
+    }
+    if (code < 0) {
+        free(grids);
+        free(all.list);
+        return code;
+    }
+    *ret_grids = grids;
+    *ret_sensors = all.list;
+    *ret_count = all.count;
+    return 0;
+}
+
+int orl_run_load_grids(struct orl_run_state *state, struct orl_error *err)
+{
+    const struct orl_job *job = state->job;
+    struct orl_result *result = state->result;
+    struct orl_grid_request *grids = NULL;
+    int code = orl_grids_read(job, state->env->files, state->env->cancel, &grids, &state->sensors,
+                              &state->n_sensors, err);
+    if (code < 0)
+        return code;
+    state->sensors_owned = true;
+    result->grids = calloc(job->n_grids, sizeof *result->grids);
+    for (size_t i = 0; i < job->n_grids && result->grids; i++) {
+        struct orl_grid_result *grid = &result->grids[result->n_grids++];
+        *grid = (struct orl_grid_result){
+            .name = strdup(grids[i].name), .first = grids[i].first, .count = grids[i].count};
+        if (!grid->name)
+            code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    if (!result->grids)
+        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    free(grids);
+    return code;
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+/* Returns the length of the folder name in a prefix: "SKY." before other files is the folder SKY
+ * here. */
+static int folder_length(const char *prefix)
+{
+    const size_t length = prefix ? strlen(prefix) : 0;
+    return (int)(length > 0 && prefix[length - 1] == '.' ? length - 1 : length);
+}
+
+/* Makes the name below the output folder, owned by the caller, and its path. Creates the folders in
+ * between. */
+static int name_file(const struct orl_run_state *state, const char *grid, const char *ending,
+                     char **ret_name, char ret_path[PATH_SIZE], struct orl_error *err)
+{
+    const char *prefix = state->env->file_prefix, *output = state->env->output_folder;
+    const int folder = folder_length(prefix);
+    if (asprintf(ret_name, "%.*s%sresults/%s%s", folder, folder ? prefix : "", folder ? "/" : "",
+                 grid, ending) < 0) {
+        *ret_name = NULL;
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    }
+    const int length = snprintf(ret_path, PATH_SIZE, "%s/%s", output, *ret_name);
+    if (length >= PATH_SIZE)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the path of the output folder is too long");
+    for (char *slash = strchr(ret_path + strlen(output) + 1, '/'); slash;
+         slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        const int made = mkdir(ret_path, 0777);
+        if (made != 0 && errno != EEXIST)
+            return orl_error_set(err, orl_err_of_errno(errno), "cannot make the folder '%s': %s",
+                                 ret_path, strerror(errno));
+        *slash = '/';
+    }
+    return 0;
+}
+
+static int write_res(const struct orl_run_state *state, const struct orl_grid_result *grid,
+                     const char *path, struct orl_error *err)
+{
+    struct orl_out_file file = {.stream = NULL};
+    const int code = orl_out_open(&file, path, err);
+    if (code < 0)
+        return code;
+    file.cancel = state->env->cancel;
+    for (size_t i = 0; i < grid->count && orl_out_goes_on(&file); i++)
+        fprintf(file.stream, "%.6g\n", state->result->illuminance_lx[grid->first + i]);
+    return orl_out_close(&file, 0, err);
+}
+
+static int write_npy(const struct orl_run_state *state, const struct orl_grid_result *grid,
+                     const char *path, struct orl_error *err)
+{
+    float *values = malloc((grid->count + 1) * sizeof *values);
+    if (!values)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < grid->count; i++)
+        values[i] = (float)state->result->illuminance_lx[grid->first + i];
+    const int code = orl_npy_write(path, values, grid->count, 0, state->env->cancel, err);
+    free(values);
+    return code;
+}
+
+/* Writes a grid's entry; names contain no characters that JSON escapes. */
+static void put_info(FILE *stream, const struct orl_grid_result *grid, const char *between)
+{
+    const char *slash = strrchr(grid->name, '/');
+    const char *own = slash ? slash + 1 : grid->name;
+    const int group = slash ? (int)(slash - grid->name) : 0;
+    fprintf(stream,
+            "%s\n  {\"name\": \"%s\", \"identifier\": \"%s\", \"count\": %zu, \"group\": \"%.*s\", "
+            "\"full_id\": \"%s\"}",
+            between, own, own, grid->count, group, grid->name, grid->name);
+}
+
+static int write_info(const struct orl_result *result, const char *path, struct orl_error *err)
+{
+    struct orl_out_file file = {.stream = NULL};
+    const int code = orl_out_open(&file, path, err);
+    if (code < 0)
+        return code;
+    fputs("[", file.stream);
+    for (size_t i = 0; i < result->n_grids; i++)
+        put_info(file.stream, &result->grids[i], i ? "," : "");
+    fputs("\n]\n", file.stream);
+    return orl_out_close(&file, 0, err);
+}
+
+int orl_run_write_grids(struct orl_run_state *state, struct orl_error *err)
+{
+    struct orl_result *result = state->result;
+    char path[PATH_SIZE];
+    int code = 0;
+    for (size_t i = 0; i < result->n_grids && code == 0; i++) {
+        struct orl_grid_result *grid = &result->grids[i];
+        code = name_file(state, grid->name, ".res", &grid->res, path, err);
+        if (code == 0)
+            code = write_res(state, grid, path, err);
+        if (code == 0)
+            code = name_file(state, grid->name, ".npy", &grid->npy, path, err);
+        if (code == 0)
+            code = write_npy(state, grid, path, err);
+    }
+    if (code == 0 && result->n_grids > 0)
+        code = name_file(state, "grids_info", ".json", &result->grids_info, path, err);
+    return code == 0 && result->n_grids > 0 ? write_info(result, path, err) : code;
+}
+
+void orl_grid_results_done(struct orl_result *result)
+{
+    for (size_t i = 0; i < result->n_grids; i++) {
+        free(result->grids[i].name);
+        free(result->grids[i].res);
+        free(result->grids[i].npy);
+    }
+    free(result->grids);
+    free(result->grids_info);
+}

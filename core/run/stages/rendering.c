@@ -1,0 +1,153 @@
+#include "run/stages/rendering.h"
+
+#include <math.h>
+
+#include "run/goals/round_cost.h"
+
+/* ---- Sensors --------------------------------------------------------------------------------- */
+
+static void report_taken(const struct orl_rendering *rendering, double taken)
+{
+    const double share = fmin(taken / fmax((double)rendering->samples, 1), 1);
+    orl_run_progress(rendering->state,
+                     rendering->share * orl_run_sensors_time(rendering->state, share));
+}
+
+void orl_tell_sensors(const struct orl_rendering *rendering)
+{
+    report_taken(rendering, fmax((double)atomic_load(&rendering->taken), rendering->elsewhere));
+}
+
+/* Reports progress when the lead has finished a sensor. Other members have had the same time. They
+ * have therefore done about as much, and are within one sensor of it. */
+static void report_under_way(const struct orl_rendering *rendering, double samples)
+{
+    const double members = orl_crew_size(rendering->state->env->crew);
+    const double booked = (double)atomic_load(&rendering->taken);
+    const double alike = members * rendering->by_lead;
+    report_taken(rendering, fmin(fmax(alike, booked), booked + (members - 1) * samples));
+}
+
+static void compute_sensor(void *arg, size_t index, uint32_t member)
+{
+    struct orl_rendering *rendering = arg;
+    const struct orl_run_state *state = rendering->state;
+    if (atomic_load_explicit(state->env->cancel, memory_order_relaxed))
+        return;
+    const size_t sensor = orl_sensor_at(rendering, rendering->first + index);
+    rendering->renderer->sensor(rendering->renderer->ctx, sensor, member, &rendering->found[index]);
+    const double samples = orl_run_sensor_samples(state, sensor);
+    atomic_fetch_add(&rendering->taken, (uint64_t)samples);
+    if (member == 0) { /* only the lead reports progress */
+        rendering->by_lead += samples;
+        report_under_way(rendering, samples);
+    }
+}
+
+uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index)
+{
+    const uint32_t all = state->job->gather_samples;
+    if (state->sensor_round)
+        return state->sensor_round->samples[index];
+    return all ? all : ORL_DEFAULT_GATHER_SAMPLES;
+}
+
+void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
+                         const struct orl_estimate *estimate)
+{
+    static const double lux = ORL_EFFICACY_LM_PER_W;
+    struct orl_result *result = state->result;
+    const double value = lux * orl_luma(estimate->value);
+    const struct orl_margins margins = orl_estimate_margins(estimate);
+    result->illuminance_lx[index] = value;
+    result->standard_error_lx[index] = lux * estimate->standard_error;
+    result->bias_estimate_lx[index] = lux * estimate->bias;
+    result->interval_95_lx[index][0] = fmax(value - lux * margins.below, 0);
+    result->interval_95_lx[index][1] = value + lux * margins.above;
+    state->rays[index] = orl_rays_mix(estimate->rays, lux, (struct orl_rays){0, 0}, 0);
+}
+
+int orl_compute_stretch(struct orl_rendering *rendering, size_t first, struct orl_error *err)
+{
+    const struct orl_run_env *env = rendering->state->env;
+    rendering->first = first;
+    orl_crew_for(env->crew, orl_stretch_size(rendering, first), compute_sensor, rendering);
+    if (atomic_load(env->cancel))
+        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while computing sensors");
+    orl_tell_sensors(rendering);
+    return 0;
+}
+
+/* ---- Views ----------------------------------------------------------------------------------- */
+
+static void view_progress(void *ctx, double fraction)
+{
+    const struct orl_view_progress *progress = ctx;
+    orl_run_progress(progress->state, progress->before + progress->share * fraction);
+}
+
+static void view_phase(void *ctx, double from, double to)
+{
+    const struct orl_view_progress *progress = ctx;
+    orl_run_phase(progress->state, progress->before + progress->share * from,
+                  progress->before + progress->share * to);
+}
+
+/* Hands a finished picture to take_film, or writes it and reports it. */
+static int keep_film(struct orl_run_state *state, size_t index, const struct orl_film *film,
+                     struct orl_error *err)
+{
+    if (state->take_film)
+        return state->take_film(state->take_ctx, index, film, err);
+    orl_run_note_pixels(state, index, film);
+    if (state->env->view_ready)
+        state->env->view_ready(state->env->ctx, index, film->pixels,
+                               orl_film_knows_errors(film) ? film->errors : NULL,
+                               (size_t)film->width * film->height);
+    const int code = orl_run_write_view(state, index, film, err);
+    if (code == 0 && state->env->view_written)
+        state->env->view_written(state->env->ctx, index, &state->result->views[index]);
+    return code;
+}
+
+int orl_open_view(struct orl_run_state *state, size_t index, struct orl_view *ret_view,
+                  struct orl_film *ret_film, struct orl_error *err)
+{
+    const struct orl_view_request *request = &state->job->views[index];
+    if (state->result->n_views <= index)
+        state->result->n_views = index + 1;
+    int code = orl_view_parse(request->view, ret_view, err);
+    return code == 0 ? orl_film_init(ret_film, request->width, request->height, err) : code;
+}
+
+int orl_paint_view(struct orl_rendering *rendering, size_t index, struct orl_film *ret_film,
+                   struct orl_error *err)
+{
+    struct orl_run_state *state = rendering->state;
+    const struct orl_paint_env env = {.crew = state->env->crew,
+                                      .searches = state->searches,
+                                      .cancel = state->env->cancel,
+                                      .index = index,
+                                      .progress = view_progress,
+                                      .phase = view_phase,
+                                      .ctx = &rendering->views[index]};
+    struct orl_view view;
+    const struct orl_painting painting = {.env = &env,
+                                          .geometry = state->world->geometry,
+                                          .view = &view,
+                                          .film = ret_film,
+                                          .irradiance = state->job->views[index].irradiance,
+                                          .shift = {state->shift[0], state->shift[1]},
+                                          .rays = state->view_rays};
+    const int code = orl_open_view(state, index, &view, ret_film, err);
+    return code == 0 ? rendering->renderer->view(rendering->renderer->ctx, &painting, err) : code;
+}
+
+int orl_finish_view(struct orl_rendering *rendering, size_t index, const struct orl_film *film,
+                    double started_s, struct orl_error *err)
+{
+    struct orl_run_state *state = rendering->state;
+    const int code = keep_film(state, index, film, err);
+    state->result->views[index].seconds = state->env->now_s(state->env->ctx) - started_s;
+    return code;
+}
