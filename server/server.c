@@ -13,7 +13,7 @@
 #include "process/times.h"
 #include "runner/build_id.h"
 #include "store/opening.h"
-#include "store/token_rows.h"
+#include "store/stored_tokens.h"
 #include "upkeep/missing.h"
 #include "upkeep/scrub.h"
 

@@ -12,7 +12,7 @@
 
 #include "bsdf/document.h"
 #include "bsdf/text.h"
-#include "bsdf/tree_blocks.h"
+#include "bsdf/xml_tree_blocks.h"
 
 /* Elements that are read, by their place in the document. */
 enum orl_xml_element {

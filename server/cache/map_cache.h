@@ -28,7 +28,7 @@
 
 #include "process/log.h"
 #include "store/folders.h"
-#include "store/map_rows.h"
+#include "store/stored_maps.h"
 
 struct orl_map_cache;
 

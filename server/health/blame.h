@@ -21,7 +21,7 @@
 
 #include "health/kernel_facts.h"
 #include "health/memory.h"
-#include "store/job_rows.h"
+#include "store/stored_jobs.h"
 
 /* The end of the previous daemon. */
 struct orl_past {

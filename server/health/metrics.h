@@ -15,7 +15,7 @@
 #include <oriel/run.h>
 
 #include "parts/sharing.h"
-#include "store/job_rows.h"
+#include "store/stored_jobs.h"
 
 enum { ORL_METRICS_BUCKETS = 14, ORL_METRICS_ROUTES = 48, ORL_METRICS_CLASSES = 6 };
 

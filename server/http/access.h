@@ -7,7 +7,7 @@
 #define ORL_SERVER_HTTP_ACCESS_H
 
 #include "http/request.h"
-#include "store/session_rows.h"
+#include "store/stored_sessions.h"
 
 /* Checks the origin, before the route is known. Returns false, with a 403 made, for another site's
  * page. Fills request->cross_origin. */

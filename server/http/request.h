@@ -24,9 +24,9 @@
 #include "http/body.h"
 #include "http/clients.h"
 #include "http/target.h"
-#include "store/job_rows.h"
 #include "store/settling.h"
-#include "store/token_rows.h"
+#include "store/stored_jobs.h"
+#include "store/stored_tokens.h"
 
 struct orl_http_context;
 struct orl_server;

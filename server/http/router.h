@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 #include "http/request.h"
-#include "store/token_rows.h"
+#include "store/stored_tokens.h"
 
 struct orl_route {
     const char *method;         /* GET also serves HEAD */

@@ -21,7 +21,7 @@
 #define ORL_SERVER_HTTP_SESSIONS_H
 
 #include "http/request.h"
-#include "store/session_rows.h"
+#include "store/stored_sessions.h"
 
 enum { ORL_SESSION_COOKIE = 320 };
 

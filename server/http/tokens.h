@@ -11,7 +11,7 @@
 #ifndef ORL_SERVER_HTTP_TOKENS_H
 #define ORL_SERVER_HTTP_TOKENS_H
 
-#include "store/token_rows.h"
+#include "store/stored_tokens.h"
 
 enum { ORL_TOKEN_TEXT = 80 };
 

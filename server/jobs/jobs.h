@@ -31,9 +31,9 @@
 #include "process/log.h"
 #include "runner/worker.h"
 #include "store/blobs.h"
-#include "store/job_rows.h"
 #include "store/retention_clock.h"
 #include "store/settling.h"
+#include "store/stored_jobs.h"
 
 struct orl_jobs;
 

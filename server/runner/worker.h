@@ -31,8 +31,8 @@
 #include "health/metrics.h"
 #include "parts/sharing.h"
 #include "runner/shared_place.h"
-#include "store/job_rows.h"
 #include "store/scene_bundle.h"
+#include "store/stored_jobs.h"
 
 struct orl_worker;
 

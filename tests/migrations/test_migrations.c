@@ -12,9 +12,9 @@
 
 #include "process/carried.h"
 #include "store/db.h"
-#include "store/job_rows.h"
-#include "store/map_rows.h"
 #include "store/migrate.h"
+#include "store/stored_jobs.h"
+#include "store/stored_maps.h"
 
 static const struct orl_migration two[] = {
     {"0001_first.sql", "CREATE TABLE a (x INTEGER) STRICT; INSERT INTO a VALUES (1);"},

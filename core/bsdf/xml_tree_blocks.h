@@ -3,8 +3,8 @@
  * a crew. Most of a file is such data. It is plain text up to the block's end tag, so its position
  * is enough to find it again.
  */
-#ifndef ORL_BSDF_TREE_BLOCKS_H
-#define ORL_BSDF_TREE_BLOCKS_H
+#ifndef ORL_BSDF_XML_TREE_BLOCKS_H
+#define ORL_BSDF_XML_TREE_BLOCKS_H
 
 #include <oriel/bsdf.h>
 

@@ -2,10 +2,10 @@
  * Rows of browsers' sessions (http/sessions.h). A session whose token was removed, or whose time is
  * over, is not found. Loop thread only.
  */
-#ifndef ORL_SERVER_STORE_SESSION_ROWS_H
-#define ORL_SERVER_STORE_SESSION_ROWS_H
+#ifndef ORL_SERVER_STORE_STORED_SESSIONS_H
+#define ORL_SERVER_STORE_STORED_SESSIONS_H
 
-#include "store/token_rows.h"
+#include "store/stored_tokens.h"
 
 enum { ORL_SESSION_HASH = 65 };
 

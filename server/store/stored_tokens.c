@@ -1,4 +1,4 @@
-#include "store/token_rows.h"
+#include "store/stored_tokens.h"
 
 #include <stdio.h>
 #include <string.h>

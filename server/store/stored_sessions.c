@@ -1,4 +1,4 @@
-#include "store/session_rows.h"
+#include "store/stored_sessions.h"
 
 #include <stdio.h>
 

@@ -1,4 +1,4 @@
-#include "store/map_rows.h"
+#include "store/stored_maps.h"
 
 #include <stdio.h>
 

@@ -1,4 +1,4 @@
-#include "store/job_rows.h"
+#include "store/stored_jobs.h"
 
 #include <stdio.h>
 #include <string.h>

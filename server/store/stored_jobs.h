@@ -1,8 +1,8 @@
 /*
  * Rows of jobs. Loop thread only. The state machine is in jobs/jobs.h; this file only stores rows.
  */
-#ifndef ORL_SERVER_STORE_JOB_ROWS_H
-#define ORL_SERVER_STORE_JOB_ROWS_H
+#ifndef ORL_SERVER_STORE_STORED_JOBS_H
+#define ORL_SERVER_STORE_STORED_JOBS_H
 
 #include <stdint.h>
 

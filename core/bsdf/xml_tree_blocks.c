@@ -1,4 +1,4 @@
-#include "bsdf/tree_blocks.h"
+#include "bsdf/xml_tree_blocks.h"
 
 #include <oriel/crew.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 /*
  * Rows of photon maps. Loop thread only.
  */
-#ifndef ORL_SERVER_STORE_MAP_ROWS_H
-#define ORL_SERVER_STORE_MAP_ROWS_H
+#ifndef ORL_SERVER_STORE_STORED_MAPS_H
+#define ORL_SERVER_STORE_STORED_MAPS_H
 
 #include <stdbool.h>
 

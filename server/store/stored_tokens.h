@@ -3,8 +3,8 @@
  * runs on the same folder; SQLite's locks allow that.
  * Threads: those of the database.
  */
-#ifndef ORL_SERVER_STORE_TOKEN_ROWS_H
-#define ORL_SERVER_STORE_TOKEN_ROWS_H
+#ifndef ORL_SERVER_STORE_STORED_TOKENS_H
+#define ORL_SERVER_STORE_STORED_TOKENS_H
 
 #include <stdbool.h>
 
