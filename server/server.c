@@ -17,20 +17,14 @@
 #include "upkeep/missing.h"
 #include "upkeep/scrub.h"
 
-enum { SAVING_MS = 1000 };
+enum { SAVING_MS = 1000, ANSWERS_MS = 500 };
+
+static void stop_if_quiet(struct orl_server *server);
 
 /* ---- Stopping ------------------------------------------------------------------------------- */
 
-/* Closes everything once neither jobs nor requests are on the pool. */
-static void stop_if_quiet(struct orl_server *server)
+static void close_all(struct orl_server *server)
 {
-    if (!server->context.stopping || !server->jobs_idle || server->context.working > 0 ||
-        !orl_settling_is_quiet(server->settling))
-        return;
-    if (uv_is_closing((uv_handle_t *)&server->kept_changed))
-        return;
-    orl_events_stop(server->events);
-    orl_hub_stop(server->hub);
     orl_http_stop(server->http);
     orl_storage_stop(&server->storage);
     orl_checks_close(&server->checks);
@@ -40,6 +34,32 @@ static void stop_if_quiet(struct orl_server *server)
     uv_close((uv_handle_t *)&server->saving, NULL);
     uv_close((uv_handle_t *)&server->log_lines, NULL);
     orl_signals_stop();
+}
+
+static void on_answers_late(uv_timer_t *timer)
+{
+    struct orl_server *server = timer->data;
+    server->answers_late = true;
+    stop_if_quiet(server);
+}
+
+/* Closes everything once neither jobs nor requests are on the pool. Answers that are not sent yet
+ * get a little time, for clients that read them. */
+static void stop_if_quiet(struct orl_server *server)
+{
+    if (!server->context.stopping || !server->jobs_idle || server->context.working > 0 ||
+        !orl_settling_is_quiet(server->settling))
+        return;
+    if (!server->answering) {
+        server->answering = true;
+        uv_timer_start(&server->drain, on_answers_late, ANSWERS_MS, 0);
+        orl_events_stop(server->events); /* may send, and so come here again */
+        orl_hub_stop(server->hub);
+    }
+    if (!server->closing && (server->context.unanswered == 0 || server->answers_late)) {
+        server->closing = true;
+        close_all(server);
+    }
 }
 
 static void on_settled(void *ctx)
@@ -240,6 +260,7 @@ static void open_context(struct orl_server *server, const struct orl_routes *rou
         .jobs_of = jobs_of,
         .swept = on_swept,
         .worked = on_worked,
+        .served = stop_if_quiet,
     };
     server->context = (struct orl_http_context){
         .server = server,

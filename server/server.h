@@ -73,6 +73,8 @@ struct orl_server {
     struct orl_past past;
     double started_s;
     bool draining, jobs_idle;
+    bool answering, answers_late; /* only answers are left to send; they have had their time */
+    bool closing;                 /* the loop's handles are being closed */
 };
 
 /*

@@ -35,6 +35,7 @@ struct orl_http_calls {
     uint64_t (*jobs_of)(const struct orl_server *server, const char *owner);
     void (*swept)(struct orl_server *server);  /* called every second */
     void (*worked)(struct orl_server *server); /* after each work of a request on the pool */
+    void (*served)(struct orl_server *server); /* after connections have been read and written */
 };
 
 /* State of the HTTP layer. Borrows its pointers. */
@@ -55,8 +56,9 @@ struct orl_http_context {
     struct orl_request *begun; /* the last one, while its target is parsed; or NULL */
     uint64_t requests;         /* number of requests so far; the last one's id */
     unsigned working;          /* requests whose work is on the pool, or whose answer waits */
-    bool disk_full;            /* no new data is stored (disk_room.h) */
-    bool stopping;             /* new requests are refused */
+    unsigned unanswered; /* requests whose handler was called, but not all of its answer sent */
+    bool disk_full;      /* no new data is stored (disk_room.h) */
+    bool stopping;       /* new requests are refused */
 };
 
 #endif

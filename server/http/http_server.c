@@ -78,6 +78,7 @@ void orl_http_kick(struct orl_http_server *http)
         uv_timer_start(&http->timer, on_timer, timeout_ms > 0 ? timeout_ms : 1, 0);
     else
         uv_timer_stop(&http->timer);
+    http->context->calls->served(http->context->server);
 }
 
 static void on_message(void *ctx, const char *format, va_list args)

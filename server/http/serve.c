@@ -238,6 +238,7 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
 static enum MHD_Result call_handler(struct orl_request *request)
 {
     request->dispatched = true;
+    request->context->unanswered++;
     orl_connection_body(request->connection);
     if (!request->response && request->context->stopping)
         orl_reply_stopping(request);
@@ -304,6 +305,8 @@ void orl_serve_completed(void *ctx, struct MHD_Connection *connection, void **ha
                   request->method, "path", request->path, "status", (int64_t)request->status, "ms",
                   1000 * seconds, "end",
                   why == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "ok" : "broken");
+    if (request->dispatched)
+        context->unanswered--;
     if (request->response)
         MHD_destroy_response(request->response);
     release_state(request);

@@ -42,7 +42,7 @@ static void wait_for_blocks(struct year_room *f, size_t blocks)
     for (double until = patience_until();
          daemon_count_files(&f->daemon, "partial") < 2 * blocks + 2;)
         if (!patience_nap(until))
-            fail_msg("no %zu blocks in two minutes", blocks);
+            fail_msg("no %zu blocks in time", blocks);
 }
 
 static void test_progress_and_cancelling(void **state)
@@ -103,7 +103,7 @@ static double first_percent(struct year_room *f, const char *job)
         if ((runs && percent > 0) || ended)
             return percent;
     } while (patience_nap(until));
-    fail_msg("no row in two minutes");
+    fail_msg("no row in time");
     return 0;
 }
 

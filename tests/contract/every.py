@@ -124,11 +124,13 @@ def stopping(daemon, busy):
     while daemon.ask("GET", "/healthz", connection=spare).status != 503:
         assert time.monotonic() < until, "the daemon does not stop"
         time.sleep(0.005)
-    # All requests are sent before an answer is read: the daemon ends soon after its upload has.
+    # The daemon ends soon after its upload has: it is halted until all requests are sent.
+    daemon.process.send_signal(signal.SIGSTOP)
     for one in begun:
         one.sendall(b"/>")
     for (method, template), connection in asks:
         daemon.send(method, url_of(template), connection=connection)
+    daemon.process.send_signal(signal.SIGCONT)
     for one in begun:
         answer = one.recv(12, socket.MSG_WAITALL)
         assert answer == b"HTTP/1.1 503", answer

@@ -45,11 +45,13 @@ static void run_child(const struct daemon *daemon, const char *const *extra, int
 {
     char program[512], log[96];
     const char *build = getenv("ORIEL_BUILD");
-    const char *args[MAX_ARGS] = {"orield",     "--port",          "0", "--data",
-                                  daemon->root, "--drain-timeout", "0"};
+    /* Under a sanitizer checks take ten times as long and more. */
+    const char *args[MAX_ARGS] = {"orield", "--port",          "0",
+                                  "--data", daemon->root,      "--drain-timeout",
+                                  "0",      "--check-timeout", ORL_SANITIZED ? "1200" : "120"};
     snprintf(program, sizeof program, "%s/orield", build ? build : "build");
-    for (int i = 0; extra && extra[i] && i + 8 < MAX_ARGS; i++)
-        args[7 + i] = extra[i];
+    for (int i = 0; extra && extra[i] && i + 10 < MAX_ARGS; i++)
+        args[9 + i] = extra[i];
     snprintf(log, sizeof log, "%s.log", daemon->root);
     const int err = open(log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     prctl(PR_SET_PDEATHSIG, SIGKILL);

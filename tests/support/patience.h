@@ -11,6 +11,8 @@
 #include <stdbool.h>
 #include <time.h>
 
+#include "process/sanitized.h"
+
 static inline double patience_now_s(void)
 {
     struct timespec now;
@@ -18,10 +20,11 @@ static inline double patience_now_s(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* The second at which a wait that begins now is given up: in two minutes. */
+/* The second at which a wait that begins now is given up: in two minutes, or ten under a sanitizer,
+ * which slows programs by a factor of ten and more. */
 static inline double patience_until(void)
 {
-    return patience_now_s() + 120;
+    return patience_now_s() + (ORL_SANITIZED ? 600 : 120);
 }
 
 /* Naps for 5 ms; returns false, at once, when that second has passed. */
