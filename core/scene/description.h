@@ -287,8 +287,8 @@ void orl_description_warn(struct orl_description *description, const char *text)
  */
 int orl_description_let_go(struct orl_description *description);
 
-/* Returns true if the up vector of a BSDF is parallel to the normal of a flat surface of it, so that
- * its azimuth is undefined; false for other materials and surfaces. */
+/* Returns true if the up vector of a BSDF is parallel to the normal of a flat surface of it, so
+ * that its azimuth is undefined; false for other materials and surfaces. */
 bool orl_bsdf_up_is_undefined(const struct orl_material *material,
                               const struct orl_surface *surface);
 
