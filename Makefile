@@ -366,6 +366,7 @@ ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
 lint: deps-lint $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
 	@clang-format --dry-run --Werror $(ALL_C)
 	tests/check_boundaries
+	tests/check_names
 	@$(MAKE) --no-print-directory -j$(JOBS) all
 	tests/check_circles $(BUILD)
 	@printf '%s\n' $(CORE_SRC) | xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) $(INC_core)
