@@ -274,6 +274,19 @@ static void test_missing_main_file(void **state)
     assert_string_equal(err.file, "a.rad");
 }
 
+/* A file of functions among the scene's files: the hint says to leave it out. */
+static void test_function_file_as_scene(void **state)
+{
+    static const char *const names[] = {"hatch.cal"};
+    static const char text[] = "{ A hatch. }\nstripe(x) = if(frac(x) - .5, 1, .5);\n";
+    const struct orl_file file[] = {{text, sizeof text - 1, NULL}};
+    struct orl_error err = {0};
+    (void)state;
+    assert_int_equal(parse_memory(names, file, 1, &err), ORL_ERR_SYNTAX);
+    assert_string_equal(err.file, "hatch.cal");
+    assert_non_null(strstr(err.hint, "file of functions"));
+}
+
 /* By '\\', of commands and of BSDFs: as files say it that were written on Windows. */
 static void test_windows_paths(void **state)
 {
@@ -502,6 +515,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bad_scenes),
         cmocka_unit_test(test_empty_and_binary_files),
+        cmocka_unit_test(test_function_file_as_scene),
         cmocka_unit_test(test_missing_main_file),
         cmocka_unit_test(test_gain_of_glazing),
         cmocka_unit_test(test_missing_files),

@@ -11,13 +11,25 @@
 #include "scene/parse/objects.h"
 #include "scene/placements.h"
 
+static bool is_function_file(const char *file)
+{
+    const char *const ending = strrchr(file, '.');
+    return ending && strcmp(ending, ".cal") == 0;
+}
+
 static int refuse_type(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err)
 {
     const char *type = parser->primitive.type;
     orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "'%.60s' is no type of primitive", type);
-    orl_error_hint(err, "a primitive is: modifier type identifier, then three counts with their "
-                        "arguments; is the count before this one right?");
+    if (is_function_file(scope->file))
+        orl_error_hint(err,
+                       "this is a file of functions: leave it out of the scene's files; patterns "
+                       "and textures find it by its name");
+    else
+        orl_error_hint(err,
+                       "a primitive is: modifier type identifier, then three counts with their "
+                       "arguments; is the count before this one right?");
     return ORL_ERR_SYNTAX;
 }
 
