@@ -44,6 +44,18 @@ static int write_result(const char *output, json_t *json, struct orl_error *err)
     return rc ? rc : orl_write_json(path, json, err);
 }
 
+/* Prints how far the sums of all sensors are apart, unless the paths are too few to say so. */
+static void print_sums(const struct orl_cross_check *check)
+{
+    static const double most = 0.3; /* half width of a 95 % interval that says something */
+    const double error = 1.96 * check->ratio_error;
+
+    if (error <= most)
+        fprintf(stderr, ", their sum within %.2g %%", 100 * (fabs(check->ratio - 1) + error));
+    else if (isfinite(check->ratio))
+        fprintf(stderr, "; too few paths to compare the sum of all");
+}
+
 static void print_cross_check(const struct orl_cross_check *check)
 {
     if (check->sensors == 0)
@@ -54,9 +66,8 @@ static void print_cross_check(const struct orl_cross_check *check)
                 check->sensors_off, check->sensors, orl_light_class_name(check->differs_in));
     else
         fprintf(stderr, "agrees at %zu sensor%s", check->sensors, check->sensors == 1 ? "" : "s");
-    if (check->sensors_off == 0 && isfinite(check->ratio))
-        fprintf(stderr, ", their sum within %.2g %%",
-                100 * (fabs(check->ratio - 1) + 1.96 * check->ratio_error));
+    if (check->sensors_off == 0)
+        print_sums(check);
     fprintf(stderr, "\n");
 }
 

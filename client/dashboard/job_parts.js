@@ -136,11 +136,13 @@ export function sensorFigures(sensors) {
   ]);
 }
 
-// What plain path tracing says of the sensors' values.
+// Result of the cross-check of sensors by plain path tracing. A sum whose 95 % interval is wider
+// than 30 % to either side is not compared.
 export function crossCheck(check) {
   if (!check?.sensors) return [];
   const { sensors, sensors_off: off, differs_in: kind, ratio, ratio_error: error } = check;
-  const apart = Number.isFinite(ratio) ? `, their sum within ${percent(Math.abs(ratio - 1) + 1.96 * error)}` : '';
+  const apart = !Number.isFinite(ratio) ? '' : 1.96 * error <= 0.3
+    ? `, their sum within ${percent(Math.abs(ratio - 1) + 1.96 * error)}` : '; too few paths to compare the sum of all';
   return h('p', { class: 'after' }, off
     ? `Cross-check by path tracing: ${off} of ${count(sensors)} sensors differ by more than the errors, most likely in the ${kind}. See the warnings.`
     : `Cross-check by path tracing: agrees at ${count(sensors)} sensor${sensors === 1 ? '' : 's'}${apart}.`);
