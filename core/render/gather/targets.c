@@ -19,13 +19,17 @@ struct item {
     bool placed;
 };
 
+/* Which facets of a material are targets: none, round ones, all. */
+enum rule { RULE_NONE, RULE_ROUND, RULE_ALL };
+
 struct finder {
     const struct orl_world *world;
     struct orl_targets *targets;
     struct item *items;
     size_t n;
     struct orl_vec3 (*faces)[2]; /* by material: two normals of its flat facets */
-    bool *solid;                 /* by material: true if a facet has a third normal */
+    enum rule *rules;            /* by material */
+    bool *prototypes;            /* by prototype: its copies are targets */
 };
 
 /* ---- Selection of targets -------------------------------------------------------------------- */
@@ -33,6 +37,16 @@ struct finder {
 static bool is_flat(enum orl_surface_kind kind)
 {
     return kind == ORL_SURFACE_POLYGON || kind == ORL_SURFACE_RING;
+}
+
+static enum rule rule_of(const struct orl_material *m)
+{
+    if (orl_material_bends(m))
+        return RULE_ROUND;
+    return orl_material_is_mirror(m) && (orl_material_mirrored_most(m, true, 1) > least_mirrored ||
+                                         orl_material_mirrored_most(m, false, 1) > least_mirrored)
+               ? RULE_ALL
+               : RULE_NONE;
 }
 
 /* Materials that refract and whose facets face more than two ways enclose a body that may be a
@@ -43,7 +57,7 @@ static void find_solids(struct finder *f, const struct orl_geometry *geometry)
     for (size_t i = 0; i < geometry->n_facets; i++) {
         const struct orl_facet *facet = orl_facet_own(geometry, i, &own);
         struct orl_vec3 *const faces = f->faces[facet->material];
-        if (!is_flat(facet->kind) || !orl_material_bends(&f->world->materials[facet->material]))
+        if (f->rules[facet->material] != RULE_ROUND || !is_flat(facet->kind))
             continue;
         bool known = false;
         for (int side = 0; side < 2 && !known; side++) {
@@ -51,18 +65,15 @@ static void find_solids(struct finder *f, const struct orl_geometry *geometry)
                 faces[side] = facet->normal;
             known = fabs(orl_dot(faces[side], facet->normal)) >= parallel;
         }
-        f->solid[facet->material] = f->solid[facet->material] || !known;
+        if (!known)
+            f->rules[facet->material] = RULE_ALL;
     }
 }
 
 static bool is_target(const struct finder *f, const struct orl_facet *facet)
 {
-    const struct orl_material *const m = &f->world->materials[facet->material];
-    const bool flat = is_flat(facet->kind);
-    if (orl_material_bends(m))
-        return !flat || f->solid[facet->material];
-    return orl_material_is_mirror(m) && (orl_material_mirrored_most(m, true, 1) > least_mirrored ||
-                                         orl_material_mirrored_most(m, false, 1) > least_mirrored);
+    const enum rule rule = f->rules[facet->material];
+    return rule == RULE_ALL || (rule == RULE_ROUND && !is_flat(facet->kind));
 }
 
 /* ---- Bounding spheres ------------------------------------------------------------------------ */
@@ -168,6 +179,14 @@ static void add_groups(struct finder *f, struct item *items, size_t n, uint32_t 
 
 /* ---- Search for targets ---------------------------------------------------------------------- */
 
+/* Adds an item if there is memory for items; else only counts it. */
+static void add_item(struct finder *f, struct orl_target_sphere bound, size_t index, bool placed)
+{
+    if (f->items)
+        f->items[f->n] = (struct item){bound, (uint32_t)index, placed};
+    f->n++;
+}
+
 static void find_facets(struct finder *f)
 {
     const struct orl_geometry *const g = f->world->geometry;
@@ -175,36 +194,40 @@ static void find_facets(struct finder *f)
     for (size_t i = 0; i < g->n_facets; i++) {
         const struct orl_facet *facet = orl_facet_own(g, i, &own);
         if (facet->area > 0 && is_target(f, facet))
-            f->items[f->n++] = (struct item){about_facet(g, facet), (uint32_t)i, false};
+            add_item(f, about_facet(g, facet), i, false);
     }
 }
 
 static void find_places(struct finder *f)
 {
     const struct orl_geometry *const g = f->world->geometry;
-    for (size_t i = 0; i < g->n_placed; i++) {
-        const struct orl_geometry *const prototype = g->placed[i].prototype;
-        struct orl_facet own;
-        bool any = false;
-        for (size_t k = 0; k < prototype->n_facets && !any; k++)
-            any = is_target(f, orl_facet_own(prototype, k, &own));
-        if (any)
-            f->items[f->n++] =
-                (struct item){about_box(g->placed[i].low, g->placed[i].high), (uint32_t)i, true};
-    }
+    for (size_t i = 0; i < g->n_placed; i++)
+        if (f->prototypes[g->placed[i].number])
+            add_item(f, about_box(g->placed[i].low, g->placed[i].high), i, true);
 }
 
-static bool make_room(struct finder *f)
+static void find_items(struct finder *f)
+{
+    f->n = 0;
+    find_facets(f);
+    find_places(f);
+}
+
+/* Finds out what materials and prototypes are targets. */
+static void survey_scene(struct finder *f)
 {
     const struct orl_geometry *const g = f->world->geometry;
-    struct orl_targets *const t = f->targets;
-    const size_t materials = f->world->n_materials + 1;
-    f->items = malloc((g->n_facets + g->n_placed + 1) * sizeof *f->items);
-    f->faces = calloc(materials, sizeof *f->faces);
-    f->solid = calloc(materials, sizeof *f->solid);
-    t->of_facet = malloc(g->n_facets + 1);
-    t->of_place = malloc(g->n_placed + 1);
-    return f->items && f->faces && f->solid && t->of_facet && t->of_place;
+    for (size_t i = 0; i < f->world->n_materials; i++)
+        f->rules[i] = rule_of(&f->world->materials[i]);
+    find_solids(f, g);
+    for (size_t i = 0; i < g->n_prototypes; i++)
+        find_solids(f, g->prototypes[i]);
+    for (size_t i = 0; i < g->n_prototypes; i++) {
+        const struct orl_geometry *const prototype = g->prototypes[i];
+        struct orl_facet own;
+        for (size_t k = 0; k < prototype->n_facets && !f->prototypes[i]; k++)
+            f->prototypes[i] = is_target(f, orl_facet_own(prototype, k, &own));
+    }
 }
 
 static bool has_specular(const struct orl_world *world)
@@ -216,31 +239,52 @@ static bool has_specular(const struct orl_world *world)
     return false;
 }
 
+/* Allocates the items, whose number is known, and the targets' tables. */
+static bool allocate_tables(struct finder *f)
+{
+    const struct orl_geometry *const g = f->world->geometry;
+    struct orl_targets *const t = f->targets;
+    f->items = malloc(f->n * sizeof *f->items);
+    t->of_facet = malloc(g->n_facets + 1);
+    t->of_place = malloc(g->n_placed + 1);
+    if (!f->items || !t->of_facet || !t->of_place)
+        return false;
+    memset(t->of_facet, ORL_NO_TARGET, g->n_facets + 1);
+    memset(t->of_place, ORL_NO_TARGET, g->n_placed + 1);
+    return true;
+}
+
+static int find_targets(struct finder *f)
+{
+    const size_t materials = f->world->n_materials + 1;
+    f->faces = calloc(materials, sizeof *f->faces);
+    f->rules = calloc(materials, sizeof *f->rules);
+    f->prototypes = calloc(f->world->geometry->n_prototypes + 1, sizeof *f->prototypes);
+    if (!f->faces || !f->rules || !f->prototypes)
+        return ORL_ERR_NOMEM;
+    survey_scene(f);
+    find_items(f); /* counts them */
+    if (f->n == 0)
+        return 0;
+    if (!allocate_tables(f))
+        return ORL_ERR_NOMEM;
+    find_items(f);
+    add_groups(f, f->items, f->n, ORL_MOST_TARGETS);
+    return 0;
+}
+
 int orl_targets_init(struct orl_targets *targets, const struct orl_world *world)
 {
     struct finder f = {.world = world, .targets = targets};
-    const struct orl_geometry *const g = world->geometry;
     memset(targets, 0, sizeof *targets);
-    if (!has_specular(world))
-        return 0;
-    const bool made = make_room(&f);
-    if (made) {
-        memset(targets->of_facet, ORL_NO_TARGET, g->n_facets + 1);
-        memset(targets->of_place, ORL_NO_TARGET, g->n_placed + 1);
-        find_solids(&f, g);
-        for (size_t i = 0; i < g->n_prototypes; i++)
-            find_solids(&f, g->prototypes[i]);
-        find_facets(&f);
-        find_places(&f);
-        if (f.n > 0)
-            add_groups(&f, f.items, f.n, ORL_MOST_TARGETS);
-    }
+    const int code = has_specular(world) ? find_targets(&f) : 0;
     free(f.items);
     free(f.faces);
-    free(f.solid);
+    free(f.rules);
+    free(f.prototypes);
     if (targets->n == 0)
         orl_targets_done(targets);
-    return made ? 0 : ORL_ERR_NOMEM;
+    return code;
 }
 
 void orl_targets_done(struct orl_targets *targets)
