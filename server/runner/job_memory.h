@@ -2,9 +2,9 @@
  * Estimate of a job's memory from its document and its scene.
  *
  * The figures are peaks of jobs that varied one number at a time, measured on one room and rounded
- * up (README.md has them). They are the bytes of a surface with its part of the hierarchy, a photon
- * while its map is built, a sensor in the document, a sensor of a file, and a pixel with its error.
- * The figure for a byte of a BSDF file is a bound for files of one-digit numbers, well above
+ * up (health/README.md has them). They are the bytes of a surface with its part of the hierarchy, a
+ * photon while its map is built, a sensor in the document, a sensor of a file, and a pixel with its
+ * error. The figure for a byte of a BSDF file is a bound for files of one-digit numbers, well above
  * ordinary files. Check: in an annual job of 8760 rows the daemon's peak was 89 MB with 57 sensors
  * (estimate 172 MB), and 199 MB with 2000 sensors (estimate 290 MB).
  * Threads: any.
