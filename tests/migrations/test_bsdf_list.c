@@ -1,5 +1,5 @@
-/* The list of BSDFs: what older databases hold is in it, it follows all that comes and goes, and a
- * page of it takes as long however many scenes there are. */
+/* The list of BSDFs: it includes the contents of older databases, follows every insertion and
+ * removal, and a page takes the same time for any number of scenes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -56,7 +56,7 @@ static void run(struct fixture *f, const char *format, ...)
         fail_msg("%s: %s", sql, f->err.message);
 }
 
-/* A scene of that number, with those blobs as files; every third is no XML file by its name. */
+/* Adds scene number `scene` with these blobs as files; the name of every third file is not .xml. */
 static void add_scene(struct fixture *f, int scene, const int *blobs, int count, int now_ms)
 {
     run(f,
@@ -76,7 +76,8 @@ static void add_own(struct fixture *f, int blob, int now_ms)
         now_ms);
 }
 
-/* What is listed, by all there is: rows that differ, either way. */
+/* Returns the number of differences between the list and all tables that it derives from, in
+ * either direction. */
 static int64_t faults(struct fixture *f)
 {
     return number(
@@ -93,7 +94,7 @@ static int64_t faults(struct fixture *f)
         "s.id = f.scene WHERE f.blob = l.id), created_ms))");
 }
 
-/* Scenes and BSDFs of a database of before the list. */
+/* A database from before the list: its scenes and BSDFs are listed. */
 static void test_older_databases(void **state)
 {
     struct fixture *f = *state;
@@ -116,7 +117,7 @@ static void test_older_databases(void **state)
     assert_int_equal(number(f, "SELECT created_ms FROM listed_bsdfs WHERE scenes = 2"), 5);
 }
 
-/* Scenes and BSDFs that come, are used and go, in whatever order. */
+/* The list stays right while scenes and BSDFs are added, used and removed in any order. */
 static void test_comings_and_goings(void **state)
 {
     enum { STEPS = 600, SCENES = 12, BLOBS = 9 };
@@ -168,7 +169,8 @@ struct steps {
     uint64_t page, of_scene, one;
 };
 
-/* SQLite's own steps for a page of fifty, for a scene's BSDFs, and for one of them. */
+/* Counts SQLite's virtual machine steps for a page of fifty, for a scene's BSDFs, and for one
+ * BSDF. */
 static struct steps count_steps(struct fixture *f)
 {
     struct orl_stored_place place = {.created_ms = INT64_MAX};
@@ -192,7 +194,7 @@ static struct steps count_steps(struct fixture *f)
     return steps;
 }
 
-/* Each scene has a BSDF of its own, and one that all have. */
+/* Each scene has a BSDF of its own, and one that all scenes share. */
 static void test_two_thousand_scenes(void **state)
 {
     enum { FEW = 100, MANY = 2000, OWN = 1000000 };

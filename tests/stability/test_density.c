@@ -1,9 +1,8 @@
 /*
  * Hard cases of density estimates, on maps made by hand: empty ones, few photons, photons on one
- * spot, thin walls, a table just above the floor, edges and corners.
- *
- * Photons of flux 1 are strewn uniformly; what an estimate should give is then their number over
- * the area. Estimates are asked both at the place and by leaves.
+ * spot, thin walls, a table just above the floor, edges and corners. Photons of flux 1 are
+ * distributed uniformly, so the expected estimate is their number over the area. Estimates are
+ * taken both at the place and by leaves.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -45,7 +44,7 @@ static struct bed bed_new(const char *scene, size_t most, uint64_t seed)
     return bed;
 }
 
-/* count photons over the parallelogram at corner; places are the scene's. */
+/* Distributes count photons over the parallelogram at corner, in scene coordinates. */
 static void strew(struct bed *bed, size_t count, struct orl_vec3 corner, struct orl_vec3 a,
                   struct orl_vec3 b, struct orl_vec3 normal)
 {
@@ -85,7 +84,7 @@ static void bed_done(struct bed *bed)
     free(bed->search);
 }
 
-/* Irradiance at a place of the scene by k neighbours; k = 0: by leaves. */
+/* Returns the irradiance at a place of the scene by k neighbours; k = 0: by leaves. */
 static double ask(struct bed *bed, struct orl_vec3 place, struct orl_vec3 normal, uint32_t k,
                   double max_radius)
 {
@@ -102,7 +101,7 @@ static double ask(struct bed *bed, struct orl_vec3 place, struct orl_vec3 normal
 
 static const struct orl_vec3 up = {0, 0, 1};
 
-/* ---- Few photons ----------------------------------------------------------------------------- */
+/* ---- Few photons ---------------------------------------------------------------------------- */
 
 static const char plate[] = GREY "w polygon floor 0 0 12 0 0 0 2 0 0 2 2 0 0 2 0\n";
 
@@ -139,7 +138,7 @@ static void case_23_more_neighbours_than_photons(void **state)
         for (size_t i = 0; i < sizeof ks / sizeof *ks; i++) {
             const double e = ask(&bed, orl_v3(1, 1, 0), up, ks[i], 0.5);
             undefined += !isfinite(e) || e < 0;
-            /* All there are, over the whole disc; fluxes are kept to 1/256. */
+            /* All photons, over the whole disc; fluxes are stored to 1/256. */
             if (ks[i] >= 64)
                 off = fmax(off, fabs(e * ORL_PI * 0.25 - (double)n) / fmax((double)n, 1));
         }
@@ -166,9 +165,9 @@ static void case_24_coincident_photons(void **state)
     bed_done(&bed);
 }
 
-/* ---- Walls ----------------------------------------------------------------------------------- */
+/* ---- Walls ---------------------------------------------------------------------------------- */
 
-/* One floor under two rooms, and between them a wall 1 mm thick that starts at `gap`. */
+/* One floor under two rooms, with a wall 1 mm thick between them that starts at `gap`. */
 static void two_rooms(const char *name, double gap)
 {
     static const double away[] = {1e-4, 1e-3, 0.01, 0.05, 0.2};
@@ -197,7 +196,7 @@ static void two_rooms(const char *name, double gap)
     }
     stability_row(28, name, "dark side over lit side, by k neighbours", worst, 1e-3);
     stability_row(28, name, "dark side over lit side, by leaves", worst_leaf, 1e-3);
-    /* 1/sqrt(298) each; the lowest of 200. */
+    /* The standard error of one estimate is 1/sqrt(298); this is the minimum of 200. */
     stability_row(28, name, "lit side: what the dimmest estimate lacks", 1 - dimmest, 0.25);
     bed_done(&bed);
 }
@@ -209,7 +208,7 @@ static void case_28_thin_wall(void **state)
     two_rooms("wall of 1 mm, 1 mm above the floor", 1e-3);
 }
 
-/* ---- A table just above the floor ------------------------------------------------------------ */
+/* ---- A table just above the floor ----------------------------------------------------------- */
 
 static void case_29_table(void **state)
 {
@@ -222,7 +221,7 @@ static void case_29_table(void **state)
         if (lit_table) {
             strew(&bed, 100000, orl_v3(1, 1, .005), orl_v3(2, 0, 0), orl_v3(0, 1, 0), up);
         } else {
-            /* The floor, but for the table's shadow. */
+            /* The floor, without the shadow of the table. */
             strew(&bed, 60000, orl_v3(0, 0, 0), orl_v3(1, 0, 0), orl_v3(0, 3, 0), up);
             strew(&bed, 60000, orl_v3(3, 0, 0), orl_v3(1, 0, 0), orl_v3(0, 3, 0), up);
             strew(&bed, 40000, orl_v3(1, 0, 0), orl_v3(2, 0, 0), orl_v3(0, 1, 0), up);
@@ -252,14 +251,14 @@ static void case_29_table(void **state)
                   beside / 50000, 1e-3);
 }
 
-/* ---- Edges and corners ----------------------------------------------------------------------- */
+/* ---- Edges and corners ---------------------------------------------------------------------- */
 
 struct face {
-    struct orl_vec3 corner, a, b, normal; /* unit a, b */
+    struct orl_vec3 corner, a, b, normal; /* a and b are unit vectors */
     double side[2];
 };
 
-/* A furnace, 4 x 3 x 2.5 m: every wall is lit alike. */
+/* A furnace, 4 x 3 x 2.5 m: every wall has the same irradiance. */
 static const struct face faces[6] = {
     {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {4, 3}},
     {{0, 0, 2.5}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {4, 3}},
@@ -274,8 +273,8 @@ static struct orl_vec3 place_on(const struct face *f, double u, double v)
     return orl_madd(orl_madd(f->corner, f->a, u), f->b, v);
 }
 
-/* The mean along all edges at that distance: 500 neighbours, half a disc of 15 cm, some 250 of
- * them that do not overlap; 0.3 % standard error. */
+/* Returns the mean along all edges at that distance: 500 neighbours, half a disc of 15 cm, some
+ * 250 of them that do not overlap; 0.3 % standard error. */
 static double mean_along_edges(struct bed *bed, double away, uint32_t k)
 {
     enum { STEPS = 60 };
@@ -293,7 +292,7 @@ static double mean_along_edges(struct bed *bed, double away, uint32_t k)
     return sum / (6 * STEPS * 4);
 }
 
-/* The mean of the 24 corners, 2000 neighbours each: 0.5 %. */
+/* Returns the mean of the 24 corners, 2000 neighbours each: 0.5 % standard error. */
 static double mean_in_corners(struct bed *bed, double away)
 {
     double sum = 0;
