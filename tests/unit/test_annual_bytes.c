@@ -1,5 +1,4 @@
-/* The disk space that a year's job is estimated to take holds the files that grow with its seats.
- */
+/* The estimated disk space of an annual job is enough for the files that grow with its seats. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +17,7 @@
 
 enum { SEATS = 2, HOURS = 8784 };
 
-/* Values with as many characters as there are. */
+/* Fills in values with the maximum number of characters. */
 static void fill(struct orl_seat_hours *hours)
 {
     for (int i = 0; i < HOURS; i++) {
@@ -43,7 +42,7 @@ static void test_glare(void **state)
     struct orl_seat seats[SEATS];
     struct orl_seat_hours hours[SEATS];
     (void)state;
-    memset(name, '"', sizeof name - 1); /* doubled in a table */
+    memset(name, '"', sizeof name - 1); /* each quote is doubled in a table */
     for (int i = 0; i < SEATS; i++) {
         seats[i] = (struct orl_seat){.name = name};
         hours[i] = (struct orl_seat_hours){

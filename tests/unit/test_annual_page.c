@@ -1,5 +1,5 @@
-/* The page of a grid, of a year made by hand: nothing covers anything, the verdicts of the whole
- * building are there, warnings are in view, and no large part of it is blank. */
+/* The page of a grid, for a hand-made year. Nothing overlaps; verdicts of the whole building and
+ * warnings are visible; no large part of the page is blank. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@
 #include "support/room.h"
 #include "support/scratch.h"
 
-enum { NORTH, SOUTH }; /* two sensors, without a map; four, with one */
+enum { NORTH, SOUTH }; /* NORTH: two sensors, no map; SOUTH: four sensors, a map */
 
 struct year {
     const char *title;
@@ -72,7 +72,7 @@ static void take_rules(struct orl_annual_wishes *wishes, const char *name)
         wishes->rules[wishes->n_rules++] = first[i];
 }
 
-/* Places of the sensors of a room across by down metres in size. rules ends with NULL. */
+/* Builds the sensors of a room `across` by `down` metres. `rules` ends with NULL. */
 static void make_year(struct year *y, double across, double down, const char *const *rules)
 {
     memset(y, 0, sizeof *y);
@@ -122,7 +122,7 @@ static char *draw(const struct year *y, size_t grid)
 
 enum { MOST_TEXTS = 512 };
 
-/* A level text: its left end, its base line, its size. */
+/* A horizontal text: its left end, base line and size. */
 struct text {
     double x, y, width, height;
     char words[160];
@@ -151,7 +151,8 @@ static size_t list_texts(const char *svg, struct text *ret_texts)
     return n;
 }
 
-/* With four units between lines, and two between words of one line. */
+/* Returns true if texts are closer than four units between lines, or two between words of one
+ * line. */
 static bool touch(const struct text *a, const struct text *b)
 {
     return a->x < b->x + b->width + 2 && b->x < a->x + a->width + 2 &&
@@ -200,7 +201,7 @@ static char *warnings[] = {
 
 static const char *const long_list[] = {"LEED", "EN 17037", NULL};
 
-/* Rooms wide, square and tall, with a full list of targets and without any. */
+/* Wide, square and tall rooms, with a full list of targets and without any: no texts overlap. */
 static void test_nothing_covers_anything(void **state)
 {
     static const double sizes[][2] = {{16, 4}, {6, 4}, {4, 4}, {3, 9}};
@@ -236,7 +237,8 @@ static void test_numbers_of_the_scale_are_apart(void **state)
     }
 }
 
-/* Only verdicts of all grids together have these values: 900 %, 901 % and so on. */
+/* Gives the verdicts of all grids together unique values: 900 %, 901 % and so on. Returns their
+ * number. */
 static size_t mark_verdicts_of_all(struct year *y)
 {
     size_t n = 0;
@@ -270,7 +272,8 @@ static void test_verdicts_of_the_building(void **state)
     free_year(&y);
 }
 
-/* A reason that verdicts share is written once, and below those alone that it is of. */
+/* A reason shared by several verdicts is written once, and below only the verdicts it belongs to.
+ */
 static void test_reasons_are_written_once(void **state)
 {
     static const char *const leed[] = {"LEED", NULL};
@@ -293,7 +296,7 @@ static void test_reasons_are_written_once(void **state)
     free_year(&y);
 }
 
-/* A list that is too long for the page: rules lose their targets, and none is left out. */
+/* A list that is too long for the page: targets of rules are omitted, but no rule is. */
 static void test_many_rules(void **state)
 {
     static const char *const longer[] = {"LEED", "EN 17037", "BREEAM", "WELL", NULL};
@@ -319,7 +322,7 @@ static void test_many_rules(void **state)
     free_year(&y);
 }
 
-/* So many that there is no room even so: the rest is counted, and nothing runs off the page. */
+/* If even the shortened list does not fit, the rest is counted, and nothing leaves the page. */
 static void test_far_too_many_targets(void **state)
 {
     enum { MANY = 300 };
@@ -390,14 +393,15 @@ static void test_warnings_are_in_view(void **state)
     page = draw(&y, NORTH);
     assert_null(strstr(page, "outdoors"));
     assert_true(strstr(page, "2 of 2 sensors: ") < strstr(page, "a texture is missing"));
-    assert_non_null(strstr(page, "away from the surface<")); /* to its end, on another line */
+    assert_non_null(
+        strstr(page, "away from the surface<")); /* the warning's end, on another line */
     assert_texts_are_apart(page);
     free(page);
     y.result.warnings = NULL;
     free_year(&y);
 }
 
-/* Long words are cut to the page's width, and it says where to read them. */
+/* Long words are cut to the page's width, with a note that says where to read them. */
 static void test_long_words_are_cut(void **state)
 {
     enum { LONG = 900 };
@@ -418,7 +422,7 @@ static void test_long_words_are_cut(void **state)
     free_year(&y);
 }
 
-/* Many warnings, and long ones, leave the room to the rest, and are counted. */
+/* Many long warnings leave room for the rest of the page, and the omitted ones are counted. */
 static void test_many_warnings(void **state)
 {
     enum { MANY = 300, LONG = 900 };
@@ -436,7 +440,7 @@ static void test_many_warnings(void **state)
     const char *more = strstr(page, "more warnings, in result.json<");
     assert_non_null(more);
     assert_int_equal(count(page, "more warnings"), 1);
-    assert_non_null(strstr(page, "facing up")); /* the maps */
+    assert_non_null(strstr(page, "facing up")); /* the maps are still there */
     assert_texts_are_apart(page);
     free(page);
     y.result.warnings = NULL;

@@ -35,8 +35,8 @@ static const char slab[] = "void dielectric d 0 0 5 1 1 1 1.5 0\n"
 static const char sheet[] = "void trans s 0 0 7 .5 .5 .5 0 0 .6 0\n"
                             "s polygon p 0 0 12 0 0 0 2 0 0 2 1 0 0 1 0\n";
 
-/* All is straight on or mirrored: to within a cell, of which 32 by 32 are at most 4.5 degrees
- * across at 48 degrees, and so its middle 2.3 from any place in it. */
+/* All light goes straight or is mirrored, to within a cell. The 32 by 32 cells are at most 4.5
+ * degrees across at 48 degrees, so a cell's middle is at most 2.3 degrees from any place in it. */
 static void a_slab_has_two_peaks(void **state)
 {
     struct orl_bsdf *bsdf = make(slab, ORL_BSDF_TENSOR_TREE_4);
@@ -73,7 +73,7 @@ static void an_even_sheet_has_none(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* A cell of a matrix is one peak, however wide. */
+/* A cell of a matrix is one peak, for any width. */
 static void a_plateau_is_one_peak(void **state)
 {
     struct orl_bsdf *bsdf = make(slab, ORL_BSDF_KLEMS_FULL);

@@ -1,4 +1,4 @@
-/* BSDFs kept in files as they lie in memory: they answer as from XML, or are refused. */
+/* Compiled BSDF files (the in-memory layout): they evaluate as the XML does, or are refused. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,8 @@
 
 static const unsigned char content[ORL_COMPILED_DIGEST] = {1, 2, 3};
 
-/* Values of one part in each channel: of a tree of either rank, or a matrix. */
+/* Returns a file with values of one component in each channel: a tree of either rank, or a matrix.
+ */
 static struct text make_colored_file(const char *structure, const char *basis)
 {
     static const char *const of_trees[] = {"Visible", "CIE-u", "CIE-v"};
@@ -69,7 +70,7 @@ static void write_to(const struct orl_bsdf *bsdf, const char *path)
     assert_int_equal(size, bytes);
 }
 
-/* ---- The same answers ------------------------------------------------------------------------ */
+/* ---- Equal values --------------------------------------------------------------------------- */
 
 struct answers {
     struct orl_rgb f, albedo, straight, weight[2];
@@ -135,7 +136,7 @@ static void what_is_kept_answers_as_from_xml(void **state)
         write_to(bsdf, path);
         if (orl_bsdf_open(path, content, &kept, &err) < 0)
             fail_msg("%s", err.message);
-        unlink(path); /* what is open stays */
+        unlink(path); /* an open BSDF outlives its file */
         assert_same_bsdf(bsdf, kept);
         orl_bsdf_unref(bsdf);
         orl_bsdf_unref(orl_bsdf_ref(kept));

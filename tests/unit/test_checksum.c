@@ -1,4 +1,4 @@
-/* The checksum of stored files: what it must tell apart. */
+/* The checksum of stored files: the changes that it must detect. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -42,7 +42,7 @@ static void every_bit_counts(void **state)
     }
 }
 
-/* The same bit twice, in words near each other and apart. */
+/* Flips the same bit in two words, adjacent or far apart. */
 static void two_bits_do_not_cancel(void **state)
 {
     unsigned char data[SIZE], copy[SIZE];
@@ -58,7 +58,7 @@ static void two_bits_do_not_cancel(void **state)
     }
 }
 
-/* Zeros at the end count. */
+/* Zeros at the end change the checksum. */
 static void length_counts(void **state)
 {
     const unsigned char zeros[SIZE] = {0};
@@ -95,7 +95,7 @@ static void pieces_are_the_whole(void **state)
     assert_memory_equal(whole, pieces, sizeof whole);
 }
 
-/* Files outlive the program that wrote them: as xxHash has it, the seed 0. */
+/* Values are those of xxHash with seed 0, because files outlive the program that wrote them. */
 static void it_stays_what_it_is(void **state)
 {
     static const unsigned char wanted[ORL_CHECKSUM_BYTES] = {0x99, 0xaa, 0x06, 0xd3, 0x01, 0x47,

@@ -1,7 +1,7 @@
 /*
- * The cross-check of sensors by plain path tracing (run/diagnostics/cross_check.c): values that are
- * right, too low and too high, in a room with a window and in one with a ball of glass besides.
- * Truths are from the oracle (support/brute.h).
+ * The cross-check of sensors by plain path tracing (run/diagnostics/cross_check.c): right, too low
+ * and too high values, in a room with a window and in one that also has a ball of glass. The true
+ * values are from the oracle (support/brute.h).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,7 +31,7 @@ static double now_s(void *ctx)
 }
 
 struct bench {
-    uint32_t paths; /* classes that the planner has found */
+    uint32_t paths; /* path classes that the planner has found */
     struct orl_crew *crew;
     struct orl_world *world;
     struct brute_value truth[PATH_SENSORS];
@@ -55,7 +55,7 @@ static void tear_down(struct bench *b)
     orl_crew_stop(b->crew);
 }
 
-/* Checks the truths times a factor, with intervals of 2 % to each side. */
+/* Checks the true values times a factor, with intervals of 2 % to each side. */
 static struct orl_result check(struct bench *b, double factor, uint64_t seed)
 {
     struct orl_job job;
@@ -116,8 +116,8 @@ static void test_right_values(void **state)
     tear_down(&b);
 }
 
-/* Where enough paths are known, the interval then holds the truth: of some 80 intervals, 95 % each,
- * fewer than 87 % do so by chance once in a thousand times. */
+/* If enough paths are known, the interval contains the truth. Of some 80 intervals of 95 % each,
+ * fewer than 87 % do so once in a thousand times by chance. */
 static void check_wrong(struct bench *b, double factor)
 {
     size_t off = 0, held = 0;
@@ -154,7 +154,7 @@ static void test_values_too_high(void **state)
     tear_down(&b);
 }
 
-/* Paths miss what a ball of glass focuses: that they find less says nothing. */
+/* Path tracing misses light that a ball of glass focuses: lower values of paths are no evidence. */
 static void test_where_light_is_bent(void **state)
 {
     struct bench b = set_up(BALL);

@@ -1,9 +1,9 @@
 /*
- * Points drawn on surfaces: uniform by area for every kind, and the area itself.
+ * Points sampled on surfaces: uniform by area for every kind, and the area itself.
  *
  * Points are binned along two coordinates in which equal bins have equal area, and compared by
- * chi-square. Seeds are fixed; the threshold is the 99.99 % quantile, by Wilson and Hilferty's cube
- * root (z = 3.72).
+ * chi-square. Seeds are fixed; the threshold is the 99.99 % quantile, by Wilson and Hilferty's
+ * cube root (z = 3.72).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@
 
 enum { SIDE = 16, BINS = SIDE * SIDE, DRAWS = 100 * BINS };
 
-/* Turns a point into two coordinates of [0,1), uniform by area. */
+/* Maps a point to two coordinates of [0,1), uniform by area. */
 typedef void (*flatten)(struct orl_vec3 p, double ret_uv[2]);
 
 struct kind {
@@ -76,13 +76,13 @@ static const struct kind kinds[] = {
     {GREY "m cup s 0 0 8 0 0 0 0 0 1 1 .25", ORL_PI * 1.25 * 1.25, flatten_cone, true},
     {GREY "m ring s 0 0 8 0 0 0 0 0 1 .5 1.5", 2 * ORL_PI, flatten_ring, false},
     {GREY "m polygon s 0 0 12 0 0 0 3 0 0 3 2 0 0 2 0", 6, flatten_rectangle, false},
-    /* The same with needless corners: more triangles, of all sizes. */
+    /* The polygon with redundant corners: more triangles, of all sizes. */
     {GREY "m polygon s 0 0 21 0 0 0 .1 0 0 3 0 0 3 1.9 0 3 2 0 1.5 2 0 0 2 0", 6, flatten_rectangle,
      false},
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-/* Upper bound of chi-square with n degrees of freedom at 99.99 %. */
+/* Returns the 99.99 % quantile of chi-square with n degrees of freedom. */
 static double chi_square_bound(double n)
 {
     const double c = 2 / (9 * n), root = 1 - c + 3.72 * sqrt(c);
@@ -110,7 +110,7 @@ static void test_uniform_by_area(void **state)
             draw(g, &random, &p, &n);
             kinds[k].uv(p, uv);
             const int x = (int)floor(uv[0] * SIDE), y = (int)floor(uv[1] * SIDE);
-            /* Rounding may put a point of the rim just beyond it. */
+            /* Rounding may put a point of the rim slightly outside. */
             assert_true(uv[0] > -1e-9 && uv[0] < 1 + 1e-9 && uv[1] > -1e-9 && uv[1] < 1 + 1e-9);
             count[(x < 0      ? 0
                    : x < SIDE ? x
@@ -137,7 +137,7 @@ static void test_area(void **state)
     }
 }
 
-/* Points lie on the surface, with the normal a ray would find there. */
+/* Points lie on the surface, with the normal of a ray hit there. */
 static void test_on_the_surface(void **state)
 {
     (void)state;
@@ -165,7 +165,7 @@ static void test_on_the_surface(void **state)
     }
 }
 
-/* A sample at the very ends of the unit square is on the surface too. */
+/* A sample at the ends of the unit square is on the surface too. */
 static void test_corners_of_the_square(void **state)
 {
     static const double last = 1 - 0x1p-53;
