@@ -197,8 +197,7 @@ static void test_gendaylit_mode(void **state)
     assert_true(same.sun_radiance == flux.sun_radiance);
 }
 
-/* Longitude is positive east of Greenwich: the sun culminates an hour later than at a site 15
- * degrees further east. */
+/* Longitude is positive east of Greenwich; a wrong sign gives a warning. */
 static void test_longitude_is_east(void **state)
 {
     struct orl_sky_request request = request_by_time();
@@ -386,7 +385,7 @@ static void test_bad_requests(void **state)
     r[n++].input = ORL_SKY_TYPICAL;
     r[n++].input = ORL_SKY_INDICES;
     r[n++].model = ORL_SKY_BY_WEATHER;
-    r[n++].model = ORL_SKY_BY_CIE; /* a model without its parameters */
+    r[n++].model = ORL_SKY_BY_CIE; /* no type given */
     r[n].month = 4;
     r[n++].day = 31;
     for (size_t i = 0; i < n; i++) {

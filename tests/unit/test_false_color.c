@@ -211,7 +211,7 @@ static void test_lines(void **state)
             assert_true(lit > 0);
             right += lit <= 6 && fabs(middle - WIDTH * 0.2 * i) < 1;
         }
-    /* The line covers three rows' worth of pixels, minus some 30 rows covered by its number. */
+    /* All rows of the three lines, minus the rows that their numbers cover: some 30 each. */
     assert_true(right > 3 * (HEIGHT - 50) && right < 3 * (HEIGHT - 15));
     assert_int_equal(lit_about(pixels, 100, WIDTH * 0.3, 20, &middle), 0);
     free(pixels);

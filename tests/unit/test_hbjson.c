@@ -1,4 +1,4 @@
-/* Honeybee models as Radiance files: what stands in them, and what is refused. */
+/* Honeybee models as Radiance files: their contents, and refusals. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -81,7 +81,7 @@ static void test_surfaces_are_in_their_files(void **state)
     json_decref(model);
 }
 
-/* What lies between the name of a polygon and the next. */
+/* Reads the numbers between the polygon's name and the next. */
 static size_t read_corners(const struct orl_text_files *files, const char *name,
                            double ret_corners[][3], size_t room)
 {
@@ -99,7 +99,7 @@ static size_t read_corners(const struct orl_text_files *files, const char *name,
     return numbers / 3;
 }
 
-/* Of the polygon in x and z, by its outline, ways to holes and back included. */
+/* Returns the area of the polygon in x and z by its outline, seams to holes included. */
 static double area_across(double (*c)[3], size_t n)
 {
     double sum = 0;
@@ -117,7 +117,8 @@ static void test_openings_are_cut_out(void **state)
     struct orl_text_files files = translate(model);
     double corners[40][3];
     const size_t n = read_corners(&files, "office_south", corners, 40);
-    /* 4 + 2 windows of 4 + 2 x 2 ways; 4 x 3 m less two of 1.3 x 1.2 m, but for rounding. */
+    /* 4 corners + 2 windows of 4 + 2 x 2 for seams; 4 x 3 m less two of 1.3 x 1.2 m, up to
+     * rounding. */
     assert_int_equal(n, 16);
     assert_true(area_across(corners, n) > 12 - 2 * 1.3 * 1.2 - 1e-9);
     assert_true(area_across(corners, n) < 12 - 2 * 1.3 * 1.2 + 1e-9);
@@ -125,7 +126,7 @@ static void test_openings_are_cut_out(void **state)
     json_decref(model);
 }
 
-/* Twice the tolerance of 1 cm, into its own room. */
+/* The second side is moved back by twice the tolerance of 1 cm, into its own room. */
 static void test_the_second_side_stands_back(void **state)
 {
     (void)state;
@@ -142,7 +143,7 @@ static void test_the_second_side_stands_back(void **state)
     json_decref(model);
 }
 
-/* ---- Which way they look --------------------------------------------------------------------- */
+/* ---- Orientation ---------------------------------------------------------------------------- */
 
 static json_t *find_object(json_t *list, const char *identifier)
 {
@@ -173,8 +174,8 @@ static void reverse(json_t *object)
     json_object_set_new(geometry, "boundary", turned);
 }
 
-/* A face that its room has the wrong way round stands inwards all the same, and what is in it, or
- * in a face that is right, looks as it should. */
+/* A face that its room lists the wrong way round is turned inwards, and its openings, like those
+ * of a right face, have the correct orientation. */
 static void test_faces_look_outwards(void **state)
 {
     (void)state;
@@ -218,7 +219,7 @@ static void test_a_plane_says_which_way(void **state)
     json_decref(model);
 }
 
-/* Two openings without faces that bound each other are one, and stand between rooms. */
+/* Two openings without faces that bound each other are one opening between rooms. */
 static void test_orphaned_pairs_are_one(void **state)
 {
     (void)state;
@@ -263,7 +264,7 @@ static bool has_file(const struct orl_text_files *files, const char *name)
     return false;
 }
 
-/* The last of two views with one name counts. */
+/* If two views have one name, the last counts. */
 static void test_views_of_one_identifier_are_told(void **state)
 {
     (void)state;
@@ -286,7 +287,7 @@ static void test_views_of_one_identifier_are_told(void **state)
     json_decref(model);
 }
 
-/* Two grids of one name are one grid, and a warning says so; a model without faults has none. */
+/* Two grids of one name become one grid, with a warning; a model without faults has none. */
 static void test_grids_of_one_identifier_are_told(void **state)
 {
     (void)state;
@@ -360,9 +361,9 @@ static void test_grids_and_views_have_their_names(void **state)
     json_decref(model);
 }
 
-/* ---- What is wrong --------------------------------------------------------------------------- */
+/* ---- Errors --------------------------------------------------------------------------------- */
 
-/* A value by a path of members and indices, "rooms 0 faces". */
+/* Returns a value by a path of members and indices, such as "rooms 0 faces". */
 static json_t *at_path(json_t *value, const char *path)
 {
     char word[40];
@@ -445,7 +446,7 @@ static const char luminaires_text[] =
     " {\"identifier\": \"spot\", \"ies_content\": \"IES\", \"custom_lamp\": {\"rgb\": [1, 0.5, 0]},"
     "  \"luminaire_zone\": {\"instances\": [{\"point\": [0, 0, 2]}]}}]";
 
-/* As Honeybee has ies2rad and xform place them, and each by its own name. */
+/* Luminaires are placed as by Honeybee with ies2rad and xform, each under its own name. */
 static void test_luminaires_hang_in_their_places(void **state)
 {
     (void)state;
@@ -470,7 +471,7 @@ static void test_luminaires_hang_in_their_places(void **state)
 
 /* ---- Projects -------------------------------------------------------------------------------- */
 
-/* Files of some names, all of one text. */
+/* Opens files of these names, all with one text. */
 static struct orl_files open_names(struct orl_memory_files *memory, const char *const *names,
                                    struct orl_file *contents, size_t n)
 {
@@ -565,13 +566,13 @@ static void test_wishes_that_nothing_meets_are_refused(void **state)
     assert_non_null(strstr(err.message, "no group 'north'"));
     assert_null(find(NULL, "dawn", &err));
     assert_non_null(strstr(err.message, "no sky 'dawn'"));
-    /* Two skies, and none is chosen: neither is taken. */
+    /* With two skies and no choice, neither is used. */
     json_t *project = find(NULL, NULL, &err);
     assert_int_equal(json_array_size(json_object_get(project, "files")), 8);
     json_decref(project);
 }
 
-/* Of a model without faces there is no folder "scene". */
+/* A model without faces has no folder "scene". */
 static void test_openings_alone_are_a_project(void **state)
 {
     (void)state;

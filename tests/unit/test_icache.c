@@ -1,5 +1,5 @@
-/* Irradiance records: whom they serve, how gradients carry them, how neighbours hold them back, and
- * what that takes when all stand in one place. */
+/* Irradiance cache records: validity, gradients, neighbour clamping, and its cost if all records
+ * are in one place. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 #include "render/gather/record.h"
 #include "support/scene_text.h"
 
-/* On the plane z = 0, seen from above. */
+/* Returns a place on the plane z = 0, facing up. */
 static struct orl_place place_at(double x, double y)
 {
     return (struct orl_place){.point = orl_v3(x, y, 0), .normal = orl_v3(0, 0, 1)};
@@ -33,8 +33,8 @@ static void fill(struct orl_icache *cache, const struct orl_record *records, siz
 }
 
 /*
- * A record serves as far as a quarter of its radius and is read half as far again; alone it says
- * what it holds, and its slope.
+ * A record is valid up to a quarter of its radius and is read half as far again. Alone, it gives
+ * its value and gradient.
  */
 static void test_reach_and_gradient(void **state)
 {
@@ -62,9 +62,9 @@ static void test_reach_and_gradient(void **state)
 }
 
 /*
- * Records share their photons, whose errors are averaged by the weights that values are; of rays
- * each has its own, so that two that count alike err by 1/sqrt(2) of what one does. What records of
- * 10 and 20 scatter beyond their rays' noise is the interpolation's error.
+ * Records share their photons: the photon errors are averaged by the same weights as values. Ray
+ * errors are independent: two records of equal weight have 1/sqrt(2) of one's. The scatter of
+ * records of 10 and 20 beyond their rays' noise is the interpolation error.
  */
 static void test_errors(void **state)
 {
@@ -89,12 +89,12 @@ static void test_errors(void **state)
     orl_icache_done(&cache);
 }
 
-/* No radius is larger than a neighbour's within reach and the way to it; what serves by its least
- * does so on. */
+/* Clamping: no radius exceeds a neighbour's within reach plus the distance to it. A record of
+ * minimum radius stays valid. */
 static void test_hold_back(void **state)
 {
     const struct orl_record records[4] = {
-        record_at(0, 0, 4, 1),     /* reaches 1: the next is within */
+        record_at(0, 0, 4, 1),     /* reaches 1: the next record is within */
         record_at(0.5, 0, 0.2, 1), /* something is near here */
         record_at(3, 0, 4, 1),     /* reaches neither */
         record_at(0, 0.9, 0.001, 1),
@@ -110,7 +110,7 @@ static void test_hold_back(void **state)
     const struct orl_place close = place_at(0, 0.902), far = place_at(0, 0.903);
     assert_true(orl_icache_serves(&cache, &close));
     assert_false(orl_icache_serves(&cache, &far));
-    /* What it no longer reaches it no longer serves. */
+    /* Outside its clamped radius the record is no longer valid. */
     const struct orl_place was_served = place_at(0, 0.8);
     struct orl_cached found;
     assert_false(orl_icache_serves(&cache, &was_served));
@@ -118,7 +118,7 @@ static void test_hold_back(void **state)
     orl_icache_done(&cache);
 }
 
-/* The order in which records came changes no radius. */
+/* The order of the records does not change any radius. */
 static void test_order(void **state)
 {
     enum { COUNT = 200 };
@@ -151,7 +151,7 @@ static void test_order(void **state)
 
 enum { MANY = 100000 };
 
-/* In a cube of that side, with radii between two bounds. */
+/* Returns records in a cube of that side, with radii between two bounds. */
 static struct orl_record *crowd(double side, double least, double most)
 {
     struct orl_record *records = malloc(MANY * sizeof *records);
@@ -175,7 +175,7 @@ static size_t visits_about(const struct orl_icache *cache, const struct orl_plac
     return visits;
 }
 
-/* Records that neighbour clamping visits, per record of the first COUNT. */
+/* Returns the number of records that neighbour clamping visits, per record of the first COUNT. */
 static double looks_of(struct orl_record *records, size_t count)
 {
     struct orl_icache cache;
@@ -190,11 +190,11 @@ static double looks_of(struct orl_record *records, size_t count)
 
 /*
  * For four times as many records n log n allows each log 100000 / log 25000 = 1.14 times as many
- * looks; every pair would be 4 times as many.
+ * visits; every pair would be 4 times as many.
  */
 static const double most_growth = 1.5;
 
-/* Every record of radius 0, as an eye in the plane of a wall makes them: they serve no place. */
+/* Records of radius 0, as for a viewpoint in the plane of a wall: they are valid nowhere. */
 static void test_radius_zero(void **state)
 {
     struct orl_record *records = crowd(0, 0, 0);
@@ -205,11 +205,11 @@ static void test_radius_zero(void **state)
     assert_false(orl_icache_serves(&cache, &records[0].place));
     assert_false(orl_icache_reaches(&cache, &records[0].place));
     orl_icache_done(&cache);
-    assert_true(looks_of(records, MANY) == 1); /* at the root of the tree */
+    assert_true(looks_of(records, MANY) == 1); /* only the root of the tree is visited */
     free(records);
 }
 
-/* All within the reach of each other: one radius, which holds none back, and all kinds. */
+/* All records within reach of each other: equal radii, which clamp none, and mixed ones. */
 static void test_crowds(void **state)
 {
     static const double radii[][2] = {{0.01, 0.01}, {0.01, 0.02}, {0.01, 100}};
@@ -226,7 +226,8 @@ static void test_crowds(void **state)
     }
 }
 
-/* Against every pair, for records all over a room with normals of three walls. */
+/* Clamping against a search over every pair, for records all over a room with normals of three
+ * walls. */
 static void test_against_pairs(void **state)
 {
     enum { COUNT = 600 };
@@ -261,7 +262,7 @@ static void test_against_pairs(void **state)
     orl_icache_done(&cache);
 }
 
-/* Far from the origin and as small as numbers get: no cell's number overflows. */
+/* Far from the origin and with tiny radii: cell numbers do not overflow. */
 static void test_tiny_and_far(void **state)
 {
     struct orl_record records[2] = {record_at(1e12, -1e12, 1e-300, 1), record_at(3, 4, 1e-9, 1)};
@@ -276,7 +277,7 @@ static void test_tiny_and_far(void **state)
     orl_icache_done(&cache);
 }
 
-/* Records to be made: of those in one place one is left, of those a pixel apart all. */
+/* Thinning of planned records: of those in one place one remains, of those a pixel apart all do. */
 static void test_thinning(void **state)
 {
     const struct orl_grain grain = {.angle = 1e-3};
@@ -288,7 +289,7 @@ static void test_thinning(void **state)
         records[i].least = least;
     records[MANY / 2].place.normal = orl_v3(0, 0, -1);
     assert_int_equal(orl_records_thin(records, &count), 0);
-    assert_in_range(count, 2, 8 + 1); /* cells have corners */
+    assert_in_range(count, 2, 8 + 1); /* the places lie at corners of cells */
     count = 100 * 100;
     for (size_t i = 0; i < count; i++) {
         records[i] = record_at((double)(i % 100) * pixel, (double)i / 100 * pixel, 1, (double)i);
@@ -301,7 +302,8 @@ static void test_thinning(void **state)
     free(records);
 }
 
-/* An eye on a surface: what lies nearer to it than geometry can tell has a radius, too. */
+/* A viewpoint on a surface: distances below the geometry's resolution still give a positive
+ * radius. */
 static void test_least_radius(void **state)
 {
     const struct orl_grain eye = {.angle = 1e-3, .nearest = 1e-4};
@@ -314,10 +316,10 @@ static void test_least_radius(void **state)
     assert_true(orl_record_least(&clipped, 1) == orl_record_least(&usual, 3));
 }
 
-/* ---- Between a record and a place ------------------------------------------------------------ */
+/* ---- Obstacles between a record and a place ------------------------------------------------- */
 
-/* What a record has seen near it ends its reach: a board between it and a place, on end at x = 0.
- */
+/* A hit that a record has seen nearby limits its reach: an upright board at x = 0 between it and a
+ * place. */
 static void test_board_between(void **state)
 {
     struct orl_record record = record_at(-0.3, 0, 4, 10);
@@ -330,7 +332,7 @@ static void test_board_between(void **state)
     (void)state;
     record.clear = 0.3;
     fill(&cache, &record, 1);
-    assert_true(orl_icache_serves(&cache, &across)); /* nothing is known to stand there */
+    assert_true(orl_icache_serves(&cache, &across)); /* no obstacle is known there */
     cache.geometry = board;
     assert_false(orl_icache_serves(&cache, &across));
     assert_false(orl_icache_reaches(&cache, &across));

@@ -1,4 +1,4 @@
-/* Letters: what there are, where they lie, how they are turned; lines and rectangles. */
+/* The stroke font: available letters, their position and rotation; lines and rectangles. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,14 +22,14 @@ static void clear(void)
     memset(pixels, 0xff, sizeof pixels);
 }
 
-/* 0: white, 1: black. */
+/* Returns the coverage of a pixel, 0: white, 1: black. */
 static double ink_at(int x, int y)
 {
     return 1 - pixels[3 * ((size_t)y * WIDTH + (size_t)x)] / 255.0;
 }
 
 struct extent {
-    int x0, y0, x1, y1; /* of pixels that are more than half covered */
+    int x0, y0, x1, y1; /* bounds of pixels that are more than half covered */
     double ink;         /* pixels */
 };
 
@@ -49,8 +49,8 @@ static struct extent measure(void)
     return e;
 }
 
-/* A line's area is its length by its width, and half a circle at each end; coverage by distance is
- * exact along straight edges, and to a hundredth or so about ends. */
+/* A line's area is its length by its width, and half a circle at each end. Coverage by distance is
+ * exact along straight edges, and to a hundredth or so around the ends. */
 static void test_lines(void **state)
 {
     const struct orl_pen pen = {.weight = 4};
@@ -77,7 +77,7 @@ static void test_rectangles(void **state)
     assert_true(measure().ink == WIDTH * HEIGHT);
 }
 
-/* An H of 40 pixels stands on its line, is as high as it is said to be, and as wide. */
+/* An H of 40 pixels is on its line, and has the stated height and width. */
 static void test_frame(void **state)
 {
     const struct orl_pen pen = {.size = 40, .weight = 2};
@@ -91,7 +91,7 @@ static void test_frame(void **state)
     assert_true(orl_letters_width("", 40) == 0);
 }
 
-/* By a quarter: upwards, its letters to the left of the line. */
+/* Rotated by a quarter turn: upwards, with its letters to the left of the line. */
 static void test_turned(void **state)
 {
     struct orl_pen pen = {.size = 20};
@@ -113,7 +113,7 @@ static double width_of(const char *text)
     return orl_letters_width(text, 20);
 }
 
-/* Every letter of ASCII and Latin-1 is there, and no two look the same. */
+/* Every letter of ASCII and Latin-1 exists, and no two look the same. */
 static void test_alphabet(void **state)
 {
     enum { LAST = 0xff };
@@ -144,7 +144,7 @@ static void test_alphabet(void **state)
         assert_ptr_not_equal(orl_letter_find(code), none);
 }
 
-/* What is no UTF-8, and what there is no letter for, is a box each; a NUL ends it at once. */
+/* Invalid UTF-8 and missing letters give a box each; a NUL ends the text. */
 static void test_strange_texts(void **state)
 {
     const double box = width_of("\xe4\xb8\x80");
@@ -158,7 +158,7 @@ static void test_strange_texts(void **state)
     assert_true(width_of("\xc3\xa4") == width_of("a"));
 }
 
-/* Beyond the edges, and of sizes that no picture has: nothing is written outside. */
+/* Text beyond the edges, and of absurd sizes: nothing is written outside the picture. */
 static void test_outside(void **state)
 {
     static const double places[] = {-1e9, -30, 0, 390, 1e9, INFINITY, -INFINITY, NAN};
