@@ -135,7 +135,7 @@ static void test_documents(void **state)
                         "in/b.rad in/a.rad");
 }
 
-/* A single folder at the top level is chosen; two folders at the same depth are ambiguous. */
+/* The shallowest folder with scene files is chosen; two at the same depth are ambiguous. */
 static void test_folders(void **state)
 {
     (void)state;

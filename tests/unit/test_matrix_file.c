@@ -1,4 +1,4 @@
-/* Radiance's matrices as files, and what a BSDF's transmission is as one. */
+/* Radiance's matrix files, and the transmission of a BSDF as such a matrix. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -38,7 +38,7 @@ static struct file text(const char *header)
     return file;
 }
 
-/* In this order of bytes, or in the other. */
+/* Writes a value in this machine's byte order, or swapped. */
 static void put_value(struct file *file, double value, bool is_double, bool swapped)
 {
     const float single = (float)value;
@@ -158,7 +158,8 @@ static void test_product(void **state)
     orl_crew_stop(crew);
 }
 
-/* Light of a column comes out as the BSDF's transmittance says; a single value is the BSDF's. */
+/* The light of a column is transmitted as by the BSDF's transmittance; a single value is the
+ * BSDF's. */
 static void test_transmission(void **state)
 {
     size_t size, rows, columns;

@@ -1,4 +1,4 @@
-/* Names of files that differ in upper and lower case: candidates in folders, and in errors. */
+/* File names that differ only in case: candidates in folders, and in error messages. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -37,7 +37,7 @@ static void test_candidates(void **state)
                  {"./materials.mat", "./MATERIALS.MAT"},
                  {"model/ROOM.rad", "Model/Room.rad"},
                  {"Model/../materials.Mat", "Model/../MATERIALS.MAT"},
-                 {"MATERIALS.MAT", NULL}, /* that is there */
+                 {"MATERIALS.MAT", NULL}, /* it exists as written */
                  {"material.mat", NULL},
                  {"models/room.rad", NULL},
                  {"", NULL}};
@@ -52,7 +52,8 @@ static void test_candidates(void **state)
         if (is_there)
             assert_string_equal(found, cases[i].other);
     }
-    assert_false(orl_find_other_case(scratch_path(""), "model/ROOM.rad", found, 8)); /* no room */
+    assert_false(orl_find_other_case(scratch_path(""), "model/ROOM.rad", found,
+                                     8)); /* the result does not fit */
 }
 
 static void test_errors(void **state)

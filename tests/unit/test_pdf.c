@@ -1,4 +1,4 @@
-/* Pages of PDF: their structure, what is drawn on them, and letters by the right codes. */
+/* PDF pages: structure, drawn content, and letters with the right codes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,7 +29,7 @@ static void draw(const char *path, const char *text, const struct orl_canvas_let
     assert_int_equal(orl_canvas_close(canvas, 0, &err), 0);
 }
 
-/* The page's content, as drawn; owned. */
+/* Returns the page's content stream; the caller frees it. */
 static char *content_of(const char *path)
 {
     size_t size;
@@ -55,7 +55,7 @@ static void assert_says(const char *text, const char *wanted)
         fail_msg("expected \"%s\" in:\n%s", wanted, text);
 }
 
-/* Every object stands where the table has it, and the table where the end says. */
+/* Every object is at its offset in the table, and the table is at the offset given at the end. */
 static void test_structure(void **state)
 {
     const struct orl_canvas_letters letters = {.size = 10};
@@ -106,7 +106,8 @@ static void test_what_is_drawn(void **state)
     free(text);
 }
 
-/* Latin-1 by its codes, some more letters, signs of Symbol; others are boxes; controls spaces. */
+/* Latin-1 by its codes, some more letters, signs of Symbol; other characters become boxes, control
+ * characters blanks. */
 static void test_letters(void **state)
 {
     static const struct {
@@ -130,8 +131,7 @@ static void test_letters(void **state)
     }
 }
 
-/* No text goes beyond the room that a page was laid out with; to the right it ends where it is to.
- */
+/* No text is wider than the space it was laid out with; right-aligned text ends at its place. */
 static void test_no_text_is_wider_than_laid_out(void **state)
 {
     const struct orl_canvas_letters right = {.size = 7.2, .align = ORL_CANVAS_RIGHT};

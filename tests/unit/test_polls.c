@@ -1,7 +1,7 @@
 /*
- * Work whose length depends on the input is polled for cancellation: the polls between its begin
- * and its end grow with it, and a cancel at any of them ends it early and leaves no file. Counts,
- * so the machine's speed does not matter.
+ * Work whose length depends on the input polls for cancellation. The number of polls between its
+ * begin and its end grows with the input. A cancel at any poll ends the work early and leaves no
+ * file. Counts do not depend on the machine's speed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,10 +27,10 @@
 #include "support/scratch.h"
 
 static int polls;
-static int cancel_at; /* the poll from which on the answer is yes; negative: never */
+static int cancel_at; /* the poll from which on the result is true; negative: never */
 static const atomic_bool flag;
 
-/* The core's polls come here: this stands in the place of core/base/cancel.c. */
+/* Replaces core/base/cancel.c: the core's polls call this. */
 bool orl_is_cancelled(const atomic_bool *cancel)
 {
     return cancel && polls++ >= cancel_at && cancel_at >= 0;
@@ -42,7 +42,7 @@ static void begin(int at)
     cancel_at = at;
 }
 
-/* ---- Files of results ------------------------------------------------------------------------ */
+/* ---- Result files --------------------------------------------------------------------------- */
 
 enum { ROWS = 2000, COLUMNS = 3000, LONG = ROWS * COLUMNS };
 static float *values;
@@ -81,7 +81,7 @@ static int write_sensors(struct orl_error *err)
 static const struct {
     const char *name;
     int (*write)(struct orl_error *err);
-    int least; /* polls */
+    int least; /* minimum number of polls */
 } files[] = {{"NPY", write_npy, 5},
              {"matrix", write_float, 5},
              {"text matrix", write_ascii, ROWS / 10},
@@ -113,7 +113,7 @@ static void test_files(void **state)
     free(values);
 }
 
-/* ---- Reports of a year ----------------------------------------------------------------------- */
+/* ---- Reports of a year ---------------------------------------------------------------------- */
 
 enum { YEAR_GRIDS = 300, YEAR_SENSORS = 2 * YEAR_GRIDS, YEAR_COLUMNS = 12, NOON = 12 };
 static struct orl_annual_grid year_grids[YEAR_GRIDS];
@@ -214,7 +214,7 @@ static void test_reports(void **state)
     orl_annual_wishes_done(&wishes);
 }
 
-/* Sensors of the document itself: a poll at each grid. */
+/* Sensors in the document itself: a poll at each grid. */
 static void test_grids(void **state)
 {
     static char *names[YEAR_GRIDS];
@@ -257,7 +257,7 @@ static void test_trees(void **state)
     assert_true(sizes[1] < sizes[0] * 2 / 3);
 }
 
-/* ---- What is read ---------------------------------------------------------------------------- */
+/* ---- Readers -------------------------------------------------------------------------------- */
 
 static int load_sensors(struct orl_files *provider, size_t *ret_count, struct orl_error *err)
 {
@@ -297,7 +297,7 @@ static int read_none(void *ctx, const char *name, char **ret_text, struct orl_er
     return orl_error_set(err, ORL_ERR_NOT_FOUND, "'%s' is not there", name);
 }
 
-/* A generator's text. */
+/* The text of a generator. */
 static void test_generators(void **state)
 {
     const char *const words[] = {"gensurf", "w", "s", "s*10", "t*10", "s*t", "80", "80"};
@@ -333,7 +333,7 @@ static int compare_keys(const void *a, const void *b)
     return (one > other) - (one < other);
 }
 
-/* In order, equal items in the order they had, for any number of blocks. */
+/* Sorting is stable, for any number of blocks. */
 static void test_sorting(void **state)
 {
     static const size_t counts[] = {0, 1, 1000, 16384, 16385, 40000, 100000, 131072};
@@ -361,11 +361,11 @@ static void test_sorting(void **state)
     }
 }
 
-/* ---- Surfaces in one place ------------------------------------------------------------------- */
+/* ---- Coincident surfaces -------------------------------------------------------------------- */
 
 enum { SIDE = 200, TRIANGLES = SIDE * SIDE };
 
-/* Triangles beside each other in one plane. */
+/* Lays adjacent triangles in one plane. */
 static void lay_triangles(struct orl_description *d)
 {
     static struct orl_vec3 corners[TRIANGLES][3];
@@ -392,7 +392,8 @@ static void lay_triangles(struct orl_description *d)
     }
 }
 
-/* The search for duplicates, for the planes, for what lies under the largest, and for pairs. */
+/* Polls in the search for duplicates, for planes, for what lies under the largest, and for pairs.
+ */
 static void test_places(void **state)
 {
     enum { STEPS = 20 };
@@ -407,7 +408,7 @@ static void test_places(void **state)
         assert_int_equal(orl_coincident_settle(&d, &err), k == 0 ? 0 : ORL_ERR_CANCELLED);
         if (k == 0)
             all = polls;
-        assert_true(k == 0 || polls <= at + 8); /* those on the way out */
+        assert_true(k == 0 || polls <= at + 8); /* polls while it returns */
         free(d.surfaces);
         free(d.opposed);
     }

@@ -1,6 +1,6 @@
 /*
- * Suns in ports: wherever on a pane a shadow ray is spared, it would have met nothing; and it is
- * spared on most of the pane, where little stands in the way.
+ * Suns in ports: wherever on a pane a shadow ray is spared, it would have been unobstructed; and
+ * rays are spared on most of the pane if few obstacles are near.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,7 +12,8 @@
 #include "photon/flight/port_sun.h"
 #include "support/room.h"
 
-/* A frame before the pane, a block and a ball beyond, the ground; suns high, low and aslant. */
+/* A frame in front of the pane, a block and a ball beyond, the ground; suns high, low and oblique.
+ */
 #define SUNS                                                                                       \
     "void light solar 0 0 3 1e6 1e6 1e6\n"                                                         \
     "solar source a 0 0 4 0 -0.6 0.8 0.53\n"                                                       \
@@ -34,7 +35,7 @@ static struct orl_world *open_world(const char *text, struct orl_crew *crew)
     return world;
 }
 
-/* The share of the pane where rays are spared; what is spared is checked. */
+/* Returns the share of the pane where rays are spared; checks each spared ray. */
 static double spared(const struct orl_world *world, const struct orl_stratum *stratum)
 {
     enum { POINTS = 20000 };
