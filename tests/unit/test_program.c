@@ -1,4 +1,5 @@
-/* Which program runs: the same for copies of its file, another with other libraries. */
+/* The digest of the running program: equal for copies of its file, different with other libraries.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,12 +16,12 @@
 #include "runner/build_id.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define PRELOADS 0 /* sanitizers want to come first */
+#define PRELOADS 0 /* sanitizers must be preloaded first */
 #else
 #define PRELOADS 1
 #endif
 
-/* What the file says of itself when it runs, with a library more or NULL. */
+/* Runs the file and returns the digest it prints, with an additional library or NULL. */
 static void ask(const char *path, const char *library, char ret_digest[ORL_SHA_HEX])
 {
     char command[1024];
@@ -56,7 +57,7 @@ static void test_program(void **state)
     snprintf(other, sizeof other, "%s/two", folder);
     copy_self(path);
     ask(path, NULL, here);
-    /* Elsewhere, and of another time. */
+    /* A copy in another place, with another time. */
     copy_self(other);
     assert_int_equal(utimensat(0, other, (const struct timespec[2]){{1, 0}, {1, 0}}, 0), 0);
     ask(other, NULL, there);

@@ -19,7 +19,7 @@
 #include "http/reply.h"
 #include "support/http_wire.h"
 
-/* ---- A server of one route, in a process of its own ------------------------------------------ */
+/* ---- A server with one route, in a child process -------------------------------------------- */
 
 static void work_first(struct orl_request *request)
 {
@@ -99,7 +99,7 @@ static void serve(int out)
     struct sockaddr_storage bound;
     struct orl_error err;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    signal(SIGSEGV, SIG_DFL); /* cmocka's handler would go on with the tests */
+    signal(SIGSEGV, SIG_DFL); /* cmocka's handler would continue with the tests */
     if (orl_http_start(&context, (struct sockaddr *)&address, &http, &err))
         _exit(4);
     orl_http_address(http, &bound);
@@ -167,7 +167,7 @@ static void test_second_operation_aborts(void **state)
     assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT);
 }
 #else
-/* The first operation ends, the second never runs, and the server lives on. */
+/* The first operation ends, the second never runs, and the server stays up. */
 static void test_second_operation_is_a_500(void **state)
 {
     struct reply reply;

@@ -1,7 +1,7 @@
 /*
- * Sensors outdoors, in solids, in other rooms and below floors are warned of with their numbers;
- * sensors on surfaces, in rooms with inner panes, in open models and on terrain are not. The check
- * has a limit of rays, heeds cancellation, and does not depend on the number of threads.
+ * Sensors outdoors, in solids, in other rooms and below floors give warnings with their numbers.
+ * Sensors on surfaces, in rooms with inner panes, in open models and on terrain do not. The check
+ * has a limit of rays, can be cancelled, and does not depend on the number of threads.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,8 +19,8 @@
 #include "run/stages.h"
 #include "support/scene_text.h"
 
-/* A room of 4 x 4 x 3 m, its front wall with a hole of 2 x 1 m, the pane in that, a ground below,
- * and a box of 0.5 x 0.5 x 2 m in a corner. */
+/* A room of 4 x 4 x 3 m, its front wall with a hole of 2 x 1 m, the pane in the hole, a ground
+ * below, and a box of 0.5 x 0.5 x 2 m in a corner. */
 #define LOOK "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid glass p 0 0 3 .9 .9 .9\n"
 #define SHELL                                                                                      \
     "w polygon floor 0 0 12 -2 0 0 -2 4 0 2 4 0 2 0 0\n"                                           \
@@ -67,7 +67,7 @@ static void add(struct told *told, double x, double y, double z, struct orl_vec3
     told->sensors[told->n++] = (struct orl_sensor){orl_v3(x, y, z), direction};
 }
 
-/* Rows of sensors that look up, half a metre apart. */
+/* Returns rows of sensors that face up, half a metre apart. */
 static struct told grid(double x, double y, double z, int columns, int rows)
 {
     struct told told = {.n = 0};
@@ -76,7 +76,7 @@ static struct told grid(double x, double y, double z, int columns, int rows)
     return told;
 }
 
-/* Checks the ranges with one thread and with three, which have to agree. */
+/* Checks the ranges with one thread and with three, which must agree. */
 static void check_ranges(struct told *told, const char *scene, struct orl_sensor_check *check)
 {
     struct told again = {.n = 0};
@@ -162,10 +162,10 @@ static void test_rooms(void **state)
     assert_warns(told, rooms,
                  "1 of 43 sensors lies in another closed space than the others: "
                  "number 43 (from 1), the first at (3, 2, 0.8) behind 'right' (");
-    assert_silent(grid(-1.7, 0.3, 0.8, 15, 7), rooms); /* of both rooms, on purpose */
+    assert_silent(grid(-1.7, 0.3, 0.8, 15, 7), rooms); /* in both rooms, on purpose */
 }
 
-/* Beside panes and without walls nothing tells what is outdoors. */
+/* With panes but no walls, nothing determines the outdoors. */
 static void test_open_models(void **state)
 {
     static const char panes[] = LOOK SHELL FRONT PANE INNER_PANE GROUND;
@@ -177,10 +177,11 @@ static void test_open_models(void **state)
     assert_silent(told, panes); /* between the panes */
     told.n = n;
     add(&told, 0, -3, 0.8, orl_v3(0, 0, 1));
-    assert_warns(told, no_pane, "number 43 (from 1)"); /* before an unglazed window */
+    assert_warns(told, no_pane, "number 43 (from 1)"); /* in front of an unglazed window */
     assert_silent(told, no_front);
     add(&told, 1.6, 3.6, 0.8, orl_v3(0, 0, 1));
-    assert_warns(told, no_front, "number 44 (from 1)"); /* within the box, all the same */
+    assert_warns(told, no_front,
+                 "number 44 (from 1)"); /* the sensor within the box still gives a warning */
 }
 
 /* Hills of 1 m: no straight line over them connects sensors in the valleys. */
@@ -200,7 +201,7 @@ static void test_terrain(void **state)
     assert_silent(told, text);
 }
 
-/* Many numbers are cut short. */
+/* Long lists of numbers are shortened. */
 static void test_numbers(void **state)
 {
     struct told told = {.n = 0};
@@ -214,8 +215,8 @@ static void test_numbers(void **state)
 
 /* ---- Limits ---------------------------------------------------------------------------------- */
 
-/* A room above the sensors, its floor of two triangles: each is explored once, not at each change
- * from one to the other. */
+/* A room above the sensors, with a floor of two triangles: each is explored once, not at each
+ * change between them. */
 static void test_alternating_facets(void **state)
 {
     static const char raised[] = LOOK "w polygon floor1 0 0 9 0 0 1 10 0 1 10 10 1\n"
@@ -239,7 +240,7 @@ static void test_alternating_facets(void **state)
 
 enum { CELLS = 6, GRIDS = 40 };
 
-/* Cells of 1 m, closed by walls and a roof of glass; and a sensor in each. */
+/* Adds cells of 1 m, closed by walls and a roof of glass, each with a sensor. */
 static void add_cells(struct told *told, char *text, size_t size)
 {
     size_t at = (size_t)snprintf(text, size,
@@ -255,7 +256,7 @@ static void add_cells(struct told *told, char *text, size_t size)
         add(told, i % CELLS + 0.5, (double)(i / CELLS) + 0.5, 0.5, orl_v3(0, 0, 1));
 }
 
-/* One limit for all grids; those that reach it are named, and later ones are still checked. */
+/* One limit for all grids; grids that reach it are named, and later ones are still checked. */
 static void test_limit_of_rays(void **state)
 {
     enum { RAYS = 20000, MOST_OF_A_GRID = 4096 + 16 * CELLS * CELLS };

@@ -1,7 +1,7 @@
 /*
- * genbox, genprism, genblinds, genclock, genbranch, genrev, genworm and gensurf, read natively: the
- * words that Radiance 6.1's
- * programs of these names write for the same commands, comments left out; and what is refused.
+ * genbox, genprism, genblinds, genclock, genbranch, genrev, genworm and gensurf, read natively:
+ * the words that Radiance 6.1's programs write for the same commands, without comments; and
+ * refusals.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -22,7 +22,8 @@
 struct expected {
     const char *command;
     size_t n_words;
-    const char *digest; /* the first 16 digits of SHA-256 over the words, a blank behind each */
+    const char
+        *digest; /* the first 16 digits of SHA-256 over the words, each followed by a blank */
 };
 
 static const struct expected expected[] = {
@@ -68,7 +69,7 @@ static const struct expected expected[] = {
     {"genworm m n 'hermite(0,1,2,-1,t)' 'bezier(0,1,2,.5,t)' t .1 7", 171, "c03a31917aa90bbd"},
 };
 
-/* The one file that commands name. */
+/* Reads the one file that commands name. */
 static int read_outline(void *ctx, const char *name, char **ret_text, struct orl_error *err)
 {
     (void)ctx;
@@ -106,8 +107,8 @@ static int run(const char *line, struct orl_text *text, struct orl_error *err)
     return code;
 }
 
-/* Numbers without the zeros around them that mean nothing, for genclock prints its own as .05 and
- * 0.850000; and what rounding leaves of a difference is nothing. */
+/* Writes a number without redundant zeros, because genclock prints its own as .05 and 0.850000.
+ * Rounding errors of a zero difference become 0. */
 static size_t write_word(const char *word, size_t length, char ret_word[64])
 {
     char plain[64], *end;
@@ -151,7 +152,7 @@ static void test_words(void **state)
         check(&expected[i]);
 }
 
-/* Formulas without quotes: no shell finds a file by them, and hands them on as they are. */
+/* Formulas without quotes: they match no file names, so a shell passes them on unchanged. */
 static void test_formulas_need_no_quotes(void **state)
 {
     static const char *const pairs[][2] = {
@@ -176,7 +177,7 @@ static void test_formulas_need_no_quotes(void **state)
 static const struct {
     const char *command;
     int code;
-    const char *message; /* part of it */
+    const char *message; /* part of the message */
 } refused[] = {
     {"genbox m n 1 2", ORL_ERR_SYNTAX, "three sizes"},
     {"genbox m n 1 2 0", ORL_ERR_RANGE, "not positive"},

@@ -1,6 +1,6 @@
 /*
- * Spectra as patterns: the chromaticities that CIE gives for its illuminants, one spectrum told in
- * four ways, places, what is wrong with them, and whose bytes count.
+ * Spectra as patterns: the chromaticities of CIE's illuminants, one spectrum in four forms,
+ * varying places, errors, and cache keys.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -60,7 +60,7 @@ static int parse(const char *text, struct orl_description *ret, struct orl_error
     return orl_scene_parse(names, 1, &files, ret, err);
 }
 
-/* What the floor shines at a place of that x. */
+/* Returns the floor's emission at a place of that x. */
 static struct orl_rgb seen(const char *text, double x)
 {
     struct orl_description description = {0};
@@ -85,7 +85,7 @@ static void check(struct orl_rgb a, struct orl_rgb b, double tolerance)
         fail_msg("%.9g %.9g %.9g, not %.9g %.9g %.9g", a.r, a.g, a.b, b.r, b.g, b.b);
 }
 
-/* Chromaticity by the primaries that README and bsdf/color.h name. */
+/* Checks the chromaticity, by the primaries that README and bsdf/color.h name. */
 static void check_chromaticity(struct orl_rgb c, double x, double y, double tolerance)
 {
     static const double primaries[3][2] = {{.64, .33}, {.29, .6}, {.15, .06}};
@@ -116,7 +116,7 @@ static void test_illuminants(void **state)
                        .40745, 2e-4);
 }
 
-/* Luminance is kept where a colour is beyond the triangle: of this band, green has none of red. */
+/* Luminance is kept if a colour is outside the gamut: this band's green has a red of 0. */
 static void test_triangle(void **state)
 {
     const struct orl_rgb green = seen("void spectrum s 0 0 6 515 485 1 1 1 1\ns" LAMP, 2);
@@ -129,8 +129,8 @@ static void test_triangle(void **state)
                      0.064788359788359784 * green.b - band.y) < 1e-12);
 }
 
-/* A tent: by a function, by uneven and by even samples, rising and falling; and over it a colour.
- */
+/* A tent spectrum: by a function, by uneven and by even samples, rising and falling; and
+ * multiplied by a colour. */
 static void test_ways(void **state)
 {
     char rising[512] = "", falling[512] = "", text[1200];
@@ -173,11 +173,11 @@ static void test_places(void **state)
     snprintf(text, sizeof text, data, "own");
     check(seen(text, 1e-4), seen("void spectrum s 0 0 7 380 780 .76 .96 1.16 1.36 1.56\ns" LAMP, 2),
           1e-4);
-    /* Where a wavelength has no value, colours are left. */
+    /* Where a wavelength has no value, colours are unchanged. */
     check(seen("void specfunc s 2 hole tent.cal 0 2 380 780\ns" LAMP, 2), orl_gray(1), 0);
 }
 
-/* A picture of spectra is data of the same values, its pixels' middles at the ends. */
+/* A spectral picture equals data of the same values, with its pixels' centres at the ends. */
 static void test_picture(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* A year as a carpet: where its days and hours are, what is left out, what its legend says. */
+/* A year as a carpet plot: positions of days and hours, gaps, the legend. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 #include "support/cli.h"
 #include "support/scratch.h"
 
-/* As an SVG; owned. */
+/* Returns the map as an SVG, which the caller frees. */
 static char *draw(const struct orl_temporal_map *map)
 {
     assert_int_equal(orl_temporal_map_write(map, ORL_CANVAS_SVG, scratch_path("a.svg"), NULL), 0);
@@ -40,7 +40,7 @@ static float *make_values(size_t n, float value)
     return values;
 }
 
-/* Of an even year every day is one box; each hour that differs makes two more. */
+/* In a constant year every day is one box; each hour that differs makes two more. */
 static void test_boxes(void **state)
 {
     float *values = make_values(8760, 150);
@@ -90,7 +90,7 @@ static void test_words(void **state)
     free(values);
 }
 
-/* A year without any light, or any measurement, has a scale all the same. */
+/* A year without any light, or any measurement, still has a scale. */
 static void test_nothing_to_show(void **state)
 {
     static const float fills[] = {0, ORL_SUN_DOWN, NAN};

@@ -1,6 +1,4 @@
-/*
- * Polygons into triangles: the area is the polygon's, and rays hit exactly what lies inside.
- */
+/* Polygons into triangles: the area is kept, and rays hit exactly the inside. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +16,7 @@
 
 static void check(const struct outline *o)
 {
-    /* Coordinates of order one in double, some hundred products. */
+    /* Coordinates are of order one, in double, with some hundred products. */
     assert_true(outline_area_error(o) <= 1e-11);
     assert_int_equal(outline_misses(o, OUTLINE_GRID), 0);
 }
@@ -47,8 +45,8 @@ static void test_concave(void **state)
 }
 
 /*
- * A wall with two windows, twenty corners: each hole is joined to the outline by a seam walked
- * there and back, the second seam leaving from a corner of the first hole, which it touches.
+ * A wall with two windows, twenty corners. Each hole is joined to the outline by a seam, traversed
+ * in both directions; the second seam starts at a corner of the first hole, which it touches.
  */
 static void test_keyholed(void **state)
 {
@@ -64,7 +62,7 @@ static void test_keyholed(void **state)
     check(&o);
 }
 
-/* Two holes hung on the same corner of the outline, one after the other. */
+/* Two holes joined to the same corner of the outline, one after the other. */
 static void test_two_seams_at_one_corner(void **state)
 {
     static const double plate[][2] = {{0, 0}, {6, 0}, {6, 6}, {0, 6}, {0, 0}, {1, 2},
@@ -77,7 +75,7 @@ static void test_two_seams_at_one_corner(void **state)
     check(&o);
 }
 
-/* A frame: outline and hole nearly as large, seam between neighbouring corners. */
+/* A frame: the hole is nearly as large as the outline, with a seam between neighbouring corners. */
 static void test_thin_frame(void **state)
 {
     static const double frame[][2] = {{0, 0},       {1, 0},       {1, 1},       {0, 1},
@@ -121,7 +119,7 @@ static void test_random_stars(void **state)
     }
 }
 
-/* A wall of many windows on seams from one corner of the outline to the next hole, in a chain. */
+/* A wall of many windows in a chain of seams, from one corner of the outline to the next hole. */
 static void test_many_holes(void **state)
 {
     enum { HOLES = 24 };
@@ -132,7 +130,7 @@ static void test_many_holes(void **state)
     outline_add(&o, 2 * HOLES + 1, 3);
     outline_add(&o, 0, 3);
     outline_add(&o, 0, 0);
-    /* Out along the sills, around each hole but for its sill; back along the sills. */
+    /* Out along the sills, around each hole except for its sill; back along the sills. */
     for (int i = 0; i < HOLES; i++) {
         outline_add(&o, 2 * i + 1, 1);
         outline_add(&o, 2 * i + 1, 2);
