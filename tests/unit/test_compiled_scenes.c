@@ -204,7 +204,7 @@ static void make_cushion(struct bytes *b)
     put_int(b, POINTS | NORMALS | PLACES, 1);
     put_int(b, SIDE * SIDE, 2);
     for (int i = 0; i < SIDE * SIDE; i++) {
-        const double x = i % SIDE / 8.0, y = i / SIDE / 8.0; /* of 8 steps */
+        const double x = i % SIDE / 8.0, y = i / SIDE / 8.0; /* 8 steps from 0 to 1 */
         put_corner(b, x, y, 1 + x * (1 - x) + y * (1 - y));
     }
     for (int i = 0; i < SIDE * SIDE; i++)

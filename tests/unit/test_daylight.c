@@ -175,7 +175,7 @@ static void test_gendaylit_mode(void **state)
     (void)state;
     request.first = 800;
     request.second = 120;
-    request.sun_method = ORL_SUN_RADIANCE; /* so that only the quadratures differ */
+    request.sun_method = ORL_SUN_RADIANCE; /* then only the quadratures differ */
     const struct orl_daylight flux = find(&request);
     request.normalise = ORL_SKY_GENDAYLIT;
     const struct orl_daylight same = find(&request);
@@ -397,7 +397,7 @@ static void test_bad_requests(void **state)
     }
 }
 
-/* Of overlapping glows the first shines; a light hides them; lights add up. Values as rtrace's. */
+/* If glows overlap, the first shines; a light hides them; lights add up. Values as rtrace's. */
 static void test_sources_over_one_another(void **state)
 {
     struct orl_world *world =

@@ -165,7 +165,7 @@ static void test_date_line(void **state)
                 lit += !sky.black;
             }
         }
-        assert_in_range(lit, 44, 68); /* of two days, by two methods */
+        assert_in_range(lit, 44, 68); /* two days, two methods */
     }
 }
 

@@ -234,7 +234,7 @@ static void test_blocks(void **state)
     }
 }
 
-/* Results are within an ulp of 1, also for the whole circle. */
+/* orl_circle_near is within an ulp of 1, and so is orl_circle_turn over the whole turn. */
 static void test_circle(void **state)
 {
     (void)state;

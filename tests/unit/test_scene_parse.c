@@ -288,7 +288,8 @@ static void test_xform_arrays(void **state)
     orl_description_done(&d);
 }
 
-/* Surfaces without extent are dropped with a warning, as by oconv; the last in each row is kept. */
+/* Surfaces without extent are dropped with a warning, as by oconv; the last three have an extent
+ * and stay. */
 static void test_no_extent(void **state)
 {
     struct orl_description d =

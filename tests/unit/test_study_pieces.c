@@ -69,7 +69,8 @@ static void on_progress(void *ctx, const struct orl_study_step *step)
     f->in_parts += strcmp(orl_study_step_name(step), "parts") == 0;
 }
 
-/* Other processes go through the job once, and the lead gets the finished pieces. */
+/* Claims pieces. A worker gets its share at the first call, and ORL_ERR_CANCELLED after that. The
+ * lead gets none: the call reports progress and counts the requested pieces. */
 static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
                   const struct orl_pieces_watch *watch, struct orl_error *err)
 {

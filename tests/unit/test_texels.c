@@ -112,8 +112,8 @@ static void expect_all_light(const struct orl_geometry *geometry, const struct o
     }
 }
 
-/* Of two coincident squares that face opposite ways, rays hit the one whose front they see, and
- * read its light. */
+/* Rays hit that one of two coincident, opposite squares whose front they see, and read its light.
+ */
 static void expect_light_in_front(const struct orl_geometry *geometry,
                                   const struct orl_texels *texels, uint32_t facet)
 {

@@ -121,7 +121,7 @@ static void test_handshakes(void **state)
     assert_true(gone);
 }
 
-/* Replaces MHD's list of connections: returns the oldest one without a request. */
+/* The oldest connection that may be in its handshake, from counts that MHD would supply. */
 static void test_oldest_handshake(void **state)
 {
     struct orl_connections all = {.most = 10};

@@ -147,8 +147,8 @@ static void test_few_hours(void **state)
     hand_year_free(&result);
 }
 
-/* Returns the verdict on the mean illuminance, and its note. The bound is `sides` longer interval
- * sides below the highest value. */
+/* Returns the verdict on the mean illuminance, and its note. The target's upper bound is the value
+ * plus `sides` times the interval's longer side. */
 static enum orl_verdict judge_mean(const struct orl_annual_result *result, double sides,
                                    char note[sizeof((struct orl_annual_verdict *)0)->note])
 {

@@ -44,7 +44,7 @@ static void assert_site(const struct orl_weather *weather)
     assert_true(weather->time_zone_h == 2);
 }
 
-/* The same hour in both formats: longitude east in one, west in the other; the hour's end and its
+/* One hour in both formats: longitude east in one, west in the other; the hour's end and its
  * middle. */
 static void test_both_formats_agree(void **state)
 {
