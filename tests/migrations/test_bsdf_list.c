@@ -44,8 +44,9 @@ static int64_t number(struct fixture *f, const char *sql)
     return value;
 }
 
-static void run(struct fixture *f, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void run(struct fixture *f, const char *format, ...)
+static void run_sql(struct fixture *f, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+static void run_sql(struct fixture *f, const char *format, ...)
 {
     char sql[512];
     va_list args;
@@ -59,21 +60,22 @@ static void run(struct fixture *f, const char *format, ...)
 /* Adds scene number `scene` with these blobs as files; the name of every third file is not .xml. */
 static void add_scene(struct fixture *f, int scene, const int *blobs, int count, int now_ms)
 {
-    run(f,
+    run_sql(
+        f,
         "INSERT INTO scenes (id, created_ms, bytes, summary) VALUES (printf('%%064x', %d), %d, 9, "
         "'{}')",
         scene, now_ms);
     for (int i = 0; i < count; i++)
-        run(f,
-            "INSERT INTO scene_files VALUES (printf('%%064x', %d), %d, 'f%d%s', 1, "
-            "printf('%%064x', %d), 7)",
-            scene, i, i, i % 3 == 2 ? ".dat" : ".xml", blobs[i]);
+        run_sql(f,
+                "INSERT INTO scene_files VALUES (printf('%%064x', %d), %d, 'f%d%s', 1, "
+                "printf('%%064x', %d), 7)",
+                scene, i, i, i % 3 == 2 ? ".dat" : ".xml", blobs[i]);
 }
 
 static void add_own(struct fixture *f, int blob, int now_ms)
 {
-    run(f, "INSERT OR IGNORE INTO bsdfs VALUES (printf('%%064x', %d), %d, 'own', 7, '{}')", blob,
-        now_ms);
+    run_sql(f, "INSERT OR IGNORE INTO bsdfs VALUES (printf('%%064x', %d), %d, 'own', 7, '{}')",
+            blob, now_ms);
 }
 
 /* Returns the number of differences between the list and all tables that it derives from, in
@@ -135,15 +137,16 @@ static void test_comings_and_goings(void **state)
         if ((random >> 28) < 2)
             add_own(f, blob, step);
         else if ((random >> 28) < 4)
-            run(f,
+            run_sql(
+                f,
                 "DELETE FROM bsdfs WHERE id = printf('%%064x', %d) AND NOT EXISTS (SELECT 1 FROM "
                 "scene_files WHERE blob = bsdfs.id)",
                 blob);
         else if ((random >> 28) < 7 && there)
-            run(f, "UPDATE scenes SET last_used_ms = %d WHERE id = printf('%%064x', %d)", step,
-                scene);
+            run_sql(f, "UPDATE scenes SET last_used_ms = %d WHERE id = printf('%%064x', %d)", step,
+                    scene);
         else if (there)
-            run(f, "DELETE FROM scenes WHERE id = printf('%%064x', %d)", scene);
+            run_sql(f, "DELETE FROM scenes WHERE id = printf('%%064x', %d)", scene);
         else
             add_scene(f, scene, blobs, 1 + (int)(random >> 4) % 4, step);
         if (faults(f) != 0)

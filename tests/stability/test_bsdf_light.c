@@ -156,7 +156,7 @@ static char *pane_of_1_2(void)
     return four_components("TensorTree4", NULL, data).data;
 }
 
-static bool told_of_rescaling(const struct orl_result *result)
+static bool warns_of_rescaling(const struct orl_result *result)
 {
     for (size_t i = 0; i < result->n_warnings; i++)
         if (strstr(result->warnings[i], "rescaled"))
@@ -190,7 +190,7 @@ static void test_13_furnace(void **state)
     for (int i = 0; i < 3; i++)
         worst = fmax(worst, fabs(result.illuminance_lx[i] / (efficacy * ORL_PI) - 1));
     stability_holds(13, "R + T > 1", "the result warns that it was rescaled",
-                    told_of_rescaling(&result));
+                    warns_of_rescaling(&result));
     stability_row(13, "R + T > 1", "furnace of such panes: |E / E outside - 1|", worst, 0.01);
     orl_result_done(&result);
     free(xml);

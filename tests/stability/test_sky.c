@@ -244,8 +244,8 @@ static struct orl_sky_request request_of_row(const struct orl_weather_row *row)
 }
 
 /* Returns true if the row gives light, or is black with a warning, or is refused with its line. */
-static bool is_told(const struct orl_weather *weather, const struct orl_sky_request *request,
-                    int line, enum fate *ret_fate, bool *ret_lit)
+static bool is_reported(const struct orl_weather *weather, const struct orl_sky_request *request,
+                        int line, enum fate *ret_fate, bool *ret_lit)
 {
     struct orl_daylight d = {0};
     struct orl_error err = {0};
@@ -275,7 +275,7 @@ static void test_09_a_year_with_gaps(void **state)
         bool lit;
         if (!stability_full())
             request.normalise = ORL_SKY_GENDAYLIT;
-        silent += !is_told(&weather, &request, row + 1 + HEADER, &fate, &lit);
+        silent += !is_reported(&weather, &request, row + 1 + HEADER, &fate, &lit);
         lit_hours += lit;
         if (plant < PLANTS && plants[plant].row == row)
             wrong += fate != plants[plant++].fate;

@@ -88,7 +88,7 @@ static int unload_all(void **state)
 
 /* Returns a direction from (cos^2, azimuth): equal areas are equal projected solid angles.
  * Independent of the map in the code under test. */
-static struct orl_vec3 place(double u, double v, bool front)
+static struct orl_vec3 square_to_direction(double u, double v, bool front)
 {
     const double cosine = sqrt(1 - u), sine = sqrt(u), azimuth = 2 * ORL_PI * v;
     return orl_v3(sine * cos(azimuth), sine * sin(azimuth), front ? cosine : -cosine);
@@ -112,7 +112,7 @@ static double uniform(struct orl_random *random)
 static struct orl_vec3 any_direction(struct orl_random *random)
 {
     const double u = uniform(random), v = uniform(random);
-    return place(u, v, uniform(random) < 0.5);
+    return square_to_direction(u, v, uniform(random) < 0.5);
 }
 
 /* ---- Chi-square ----------------------------------------------------------------------------- */
@@ -162,8 +162,9 @@ static double pdf_of(const struct orl_bsdf *bsdf, const struct way *way, struct 
                         : orl_bsdf_pdf(bsdf, given, way->sides, other);
 }
 
-static bool draw(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
-                 const double u[3], struct orl_vec3 *other, struct orl_rgb *weight, double *pdf)
+static bool sample_direction(const struct orl_bsdf *bsdf, const struct way *way,
+                             struct orl_vec3 given, const double u[3], struct orl_vec3 *other,
+                             struct orl_rgb *weight, double *pdf)
 {
     if (way->incident) {
         *pdf = 0; /* sampling by tables returns no pdf */
@@ -196,7 +197,7 @@ static double expect(const struct orl_bsdf *bsdf, const struct way *way, struct 
         for (int k = 0; k < FINE * FINE; k++) {
             const double u = cell / SIDE % SIDE + (k / FINE + uniform(random)) / FINE;
             const double v = cell % SIDE + (k % FINE + uniform(random)) / FINE;
-            const struct orl_vec3 d = place(u / SIDE, v / SIDE, cell >= SIDE * SIDE);
+            const struct orl_vec3 d = square_to_direction(u / SIDE, v / SIDE, cell >= SIDE * SIDE);
             sum += pdf_of(bsdf, way, given, d) / fabs(d.z);
         }
         ret_expected[cell] = sum * share;
@@ -215,7 +216,7 @@ static void check_draws(const struct orl_bsdf *bsdf, const struct way *way, stru
     struct orl_vec3 some;
     struct orl_rgb ignored;
     double total, p;
-    if (!draw(bsdf, way, given, centre, &some, &ignored, &p))
+    if (!sample_direction(bsdf, way, given, centre, &some, &ignored, &p))
         return; /* black on these sides */
     total = expect(bsdf, way, given, random, expected);
     assert_true(fabs(total - 1) < 1e-2); /* the error is jitter; sampling is exact below */
@@ -225,7 +226,7 @@ static void check_draws(const struct orl_bsdf *bsdf, const struct way *way, stru
         struct orl_vec3 other;
         struct orl_rgb weight;
         double pdf;
-        assert_true(draw(bsdf, way, given, u, &other, &weight, &pdf));
+        assert_true(sample_direction(bsdf, way, given, u, &other, &weight, &pdf));
         counted[cell_of(other)]++;
     }
     for (int c = 0; c < CELLS; c++)
@@ -321,7 +322,7 @@ static void draws_values_and_pdfs_agree(void **state)
         for (int k = 0; k < 3; k++) /* half of the numbers are at the edges of the unit interval */
             if (uniform(&random) < 0.5)
                 u[k] = edge[(int)(uniform(&random) * 7)];
-        if (!draw(bsdf, &way, given, u, &other, &weight, &pdf))
+        if (!sample_direction(bsdf, &way, given, u, &other, &weight, &pdf))
             continue;
         drawn++;
         value = scattered(bsdf, &way, given, other);
@@ -347,9 +348,11 @@ static void placed_directions_have_the_same_values(void **state)
             const struct orl_bsdf *bsdf = fixture->bsdf[i];
             const bool front = n & 1;
             const double u = uniform(&random), v = uniform(&random);
-            const struct orl_vec3 in = place(u, v, front);
-            const struct orl_vec3 out = place(uniform(&random), uniform(&random), !front);
-            const struct orl_vec3 near = place(fmin(u + 0.01 * uniform(&random), 1), v, front);
+            const struct orl_vec3 in = square_to_direction(u, v, front);
+            const struct orl_vec3 out =
+                square_to_direction(uniform(&random), uniform(&random), !front);
+            const struct orl_vec3 near =
+                square_to_direction(fmin(u + 0.01 * uniform(&random), 1), v, front);
             const struct orl_bsdf_incidence a = orl_bsdf_place_incident(bsdf, in);
             const struct orl_bsdf_incidence b = orl_bsdf_place_incident(bsdf, near);
             const struct orl_bsdf_direction to = orl_bsdf_place(bsdf, out);
@@ -385,7 +388,7 @@ static void albedo_is_the_integral_of_f(void **state)
         for (int k = 0; k < 2 * n * n; k++) {
             const double u = (k / n % n + uniform(&random)) / n;
             const double v = (k % n + uniform(&random)) / n;
-            sum += orl_luma(orl_bsdf_eval(bsdf, in, place(u, v, k >= n * n)));
+            sum += orl_luma(orl_bsdf_eval(bsdf, in, square_to_direction(u, v, k >= n * n)));
         }
         sum *= ORL_PI / ((double)n * n);
         assert_true(fabs(sum / orl_luma(orl_bsdf_albedo(bsdf, in, ORL_BSDF_BOTH)) - 1) < 1e-2);

@@ -53,7 +53,7 @@ static struct orl_vec3 above(struct orl_vec3 axis, int i, int side)
  * midpoints divide the cells. The variance of DRAWS samples is known. The albedo, used for Russian
  * roulette, is the sum over the midpoints of the cells that sampling uses.
  */
-static void check(const char *text)
+static void check_material(const char *text)
 {
     enum { SIDE = 64, COARSE = 16, CELLS = 8, DRAWS = 4000 };
     struct subject s = subject_of(text, "l.cal", functions);
@@ -106,19 +106,19 @@ static void check(const char *text)
 static void test_metfunc(void **state)
 {
     (void)state;
-    check(METFUNC);
+    check_material(METFUNC);
 }
 
 static void test_transfunc(void **state)
 {
     (void)state;
-    check(TRANSFUNC);
+    check_material(TRANSFUNC);
 }
 
 static void test_brtdfunc(void **state)
 {
     (void)state;
-    check(BRTDFUNC);
+    check_material(BRTDFUNC);
 }
 
 /* All parts of BRTDfunc: mirrored, straight, lobes, and diffuse under a pattern. */

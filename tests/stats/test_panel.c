@@ -80,7 +80,7 @@ static double uniform(struct orl_random *random)
     return orl_random_uniform(random);
 }
 
-static struct orl_vec3 place(double u, double v, bool front)
+static struct orl_vec3 square_to_direction(double u, double v, bool front)
 {
     const double cosine = sqrt(1 - u), sine = sqrt(u), azimuth = 2 * ORL_PI * v;
     return orl_v3(sine * cos(azimuth), sine * sin(azimuth), front ? cosine : -cosine);
@@ -89,7 +89,7 @@ static struct orl_vec3 place(double u, double v, bool front)
 static struct orl_vec3 any_direction(struct orl_random *random)
 {
     const double u = uniform(random), v = uniform(random);
-    return place(u, v, uniform(random) < 0.5);
+    return square_to_direction(u, v, uniform(random) < 0.5);
 }
 
 static int cell_of(struct orl_vec3 d)
@@ -131,7 +131,7 @@ static void expect(const struct orl_material *m, enum orl_transport transport,
         for (int k = 0; k < FINE * FINE; k++) {
             const double u = cell / SIDE % SIDE + (k / FINE + uniform(random)) / FINE;
             const double v = cell % SIDE + (k % FINE + uniform(random)) / FINE;
-            const struct orl_vec3 d = place(u / SIDE, v / SIDE, cell >= SIDE * SIDE);
+            const struct orl_vec3 d = square_to_direction(u / SIDE, v / SIDE, cell >= SIDE * SIDE);
             sum += orl_scatter_pdf(m, &hit, given, transport, ORL_LOBE_ALL, d) / fabs(d.z);
             t->f = orl_rgb_add(t->f, orl_rgb_scale(f_of(m, transport, given, d), share));
         }
@@ -140,8 +140,8 @@ static void expect(const struct orl_material *m, enum orl_transport transport,
     }
 }
 
-static void count(const struct orl_material *m, enum orl_transport transport, struct orl_vec3 given,
-                  struct orl_random *random, struct tally *t)
+static void count_samples(const struct orl_material *m, enum orl_transport transport,
+                          struct orl_vec3 given, struct orl_random *random, struct tally *t)
 {
     for (int i = 0; i < DRAWS; i++) {
         const struct orl_scatter s =
@@ -194,8 +194,8 @@ static void assert_near(const char *what, struct orl_rgb a, struct orl_rgb b, do
         fail_msg("%s: (%g %g %g) against (%g %g %g)", what, a.r, a.g, a.b, b.r, b.g, b.b);
 }
 
-static void check(const struct panel *panel, enum orl_transport transport,
-                  struct orl_random *random)
+static void check_panel(const struct panel *panel, enum orl_transport transport,
+                        struct orl_random *random)
 {
     static struct tally t;
     for (int g = 0; g < GIVEN; g++) {
@@ -204,7 +204,7 @@ static void check(const struct panel *panel, enum orl_transport transport,
         const bool light = transport == ORL_TRANSPORT_LIGHT;
         t = (struct tally){.integral = 0};
         expect(m, transport, given, random, &t);
-        count(m, transport, given, random, &t);
+        count_samples(m, transport, given, random, &t);
         const double p = p_value(&t);
         if (p < 1e-3 / COMPARISONS)
             fail_msg("%s, transport %d, direction %d: p = %g", panel->what, transport, g, p);
@@ -226,8 +226,8 @@ static void draws_follow_the_pdf(void **state)
     const struct panel *panels = *state;
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 7);
     for (int i = 0; i < PANELS; i++) {
-        check(&panels[i], ORL_TRANSPORT_LIGHT, &random);
-        check(&panels[i], ORL_TRANSPORT_EYE, &random);
+        check_panel(&panels[i], ORL_TRANSPORT_LIGHT, &random);
+        check_panel(&panels[i], ORL_TRANSPORT_EYE, &random);
     }
 }
 

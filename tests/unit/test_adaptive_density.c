@@ -89,7 +89,8 @@ static struct orl_adaptive_density adapt_to(const struct orl_photon_map *map)
     return adapt;
 }
 
-static double ask(const struct orl_adaptive_density *adapt, double x, double y, size_t count)
+static double estimate_irradiance(const struct orl_adaptive_density *adapt, double x, double y,
+                                  size_t count)
 {
     const struct orl_density_query query = query_at(x, y);
     return orl_adaptive_density_estimate(adapt, &query, search).irradiance.g / ((double)count / 4);
@@ -120,8 +121,8 @@ static void test_even(void **state)
         struct orl_photon_map *map = rain(even, COUNT, seed, 1);
         struct orl_adaptive_density adapt = adapt_to(map);
         for (int i = 0; i < SIDE * SIDE; i++) {
-            const double off = ask(&adapt, 1.7 * ((i % SIDE) / (SIDE - 1.0) - 0.5),
-                                   1.7 * ((i / SIDE) / (SIDE - 1.0) - 0.5), COUNT) -
+            const double off = estimate_irradiance(&adapt, 1.7 * ((i % SIDE) / (SIDE - 1.0) - 0.5),
+                                                   1.7 * ((i / SIDE) / (SIDE - 1.0) - 0.5), COUNT) -
                                1;
             sum += off;
             squares += off * off;
@@ -158,8 +159,8 @@ static void test_edge(void **state)
     (void)state;
     for (int i = 0; i < 20; i++) {
         const double y = -0.8 + 0.08 * i;
-        const double left = ask(&adapt, -1.1 * bright, y, COUNT),
-                     right = ask(&adapt, 1.1 * dark, y, COUNT);
+        const double left = estimate_irradiance(&adapt, -1.1 * bright, y, COUNT),
+                     right = estimate_irradiance(&adapt, 1.1 * dark, y, COUNT);
         if (!(fabs(left - 1) < 5 * 0.088 && fabs(right - 0.1) < 5 * 0.088 * 0.1))
             fail_msg("beside the edge: %.3f and %.3f", left, right);
     }
@@ -191,7 +192,7 @@ static void test_dip(void **state)
         struct orl_photon_map *map = rain(dip, COUNT, seed, 1);
         struct orl_adaptive_density adapt = adapt_to(map);
         const struct orl_density_query query = query_at(0, 0);
-        adaptive += ask(&adapt, 0, 0, COUNT) / 0.1 / MAPS - 1.0 / MAPS;
+        adaptive += estimate_irradiance(&adapt, 0, 0, COUNT) / 0.1 / MAPS - 1.0 / MAPS;
         fixed +=
             orl_density_estimate(map, &query, search).irradiance.g / (COUNT / 4.0) / 0.1 / MAPS -
             1.0 / MAPS;

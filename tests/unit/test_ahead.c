@@ -24,7 +24,8 @@ struct moment {
 };
 
 /* Simulates a run whose stages take those times, at constant speed, sampled `count` times. */
-static void follow(const double real[ORL_STAGE_COUNT], struct moment *ret_moments, size_t count)
+static void simulate_run(const double real[ORL_STAGE_COUNT], struct moment *ret_moments,
+                         size_t count)
 {
     double all = 0, told = 0, before = 0;
     struct orl_eta eta = {0};
@@ -73,7 +74,7 @@ static void test_any_machine(void **state)
             real[i] = foreseen[i] * (i >= ORL_STAGE_PHOTONS ? k : 1);
             all += real[i];
         }
-        follow(real, m, MOMENTS);
+        simulate_run(real, m, MOMENTS);
         for (int i = 0; i < MOMENTS; i++) {
             if (m[i].stage < ORL_STAGE_PHOTONS ||
                 (m[i].stage == ORL_STAGE_PHOTONS && m[i].fraction < 0.2))
@@ -97,7 +98,7 @@ static void test_photons_without_yield(void **state)
     const double real[ORL_STAGE_COUNT] = {0.2, 0.05, 0.1, 54, 1, 10};
     struct moment m[MOMENTS];
     (void)state;
-    follow(real, m, MOMENTS);
+    simulate_run(real, m, MOMENTS);
     for (int i = 0; i < MOMENTS; i++)
         if (m[i].stage > ORL_STAGE_PHOTONS || m[i].fraction > 0.2)
             assert_true(m[i].eta < m[i].left + 8 * 10.5 && m[i].eta > 0.4 * m[i].left - 1);
@@ -206,7 +207,7 @@ static void test_a_silent_stage(void **state)
     const double real[ORL_STAGE_COUNT] = {12, 0.05, 0.1, 4, 1, 10};
     struct moment m[MOMENTS];
     (void)state;
-    follow(real, m, MOMENTS);
+    simulate_run(real, m, MOMENTS);
     for (int i = 1; i < MOMENTS; i++)
         assert_true(m[i].share >= m[i - 1].share && m[i].share < 1);
     for (int i = 1; i < MOMENTS && m[i].elapsed < 4; i++)

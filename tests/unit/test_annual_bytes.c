@@ -18,7 +18,7 @@
 enum { SEATS = 2, HOURS = 8784 };
 
 /* Fills in values with the maximum number of characters. */
-static void fill(struct orl_seat_hours *hours)
+static void fill_hours(struct orl_seat_hours *hours)
 {
     for (int i = 0; i < HOURS; i++) {
         hours->dgp[i] = hours->low[i] = hours->high[i] = 0.9876F;
@@ -47,7 +47,7 @@ static void test_glare(void **state)
         seats[i] = (struct orl_seat){.name = name};
         hours[i] = (struct orl_seat_hours){
             .dgp = values[i][0], .low = values[i][1], .high = values[i][2], .eye_lx = values[i][3]};
-        fill(&hours[i]);
+        fill_hours(&hours[i]);
     }
     for (uint32_t i = 0; i < HOURS; i++) {
         steps[i] = (struct orl_annual_step){.month = 12, .day = 31, .hour = 23.4567};

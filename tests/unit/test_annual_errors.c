@@ -230,7 +230,7 @@ struct room {
     float truth[SENSORS * COLUMNS], seen[SENSORS * COLUMNS], errors[SENSORS * COLUMNS];
 };
 
-static void look(struct room *room, double common, struct orl_random *random)
+static void simulate_measurement(struct room *room, double common, struct orl_random *random)
 {
     for (int s = 0; s < SENSORS; s++) {
         const double factor = draw_normal(random);
@@ -273,7 +273,7 @@ static void test_intervals_of_shares(void **state)
         for (uint64_t repeat = 0; repeat < REPEATS; repeat++) {
             struct orl_random random =
                 orl_random_stream(31 + (uint64_t)c, ORL_PURPOSE_BENCH, repeat);
-            look(room, common[c], &random);
+            simulate_measurement(room, common[c], &random);
             assert_int_equal(orl_annual_figure_of(&figure, periods, &measured, &got, NULL), 0);
             assert_true(got.open > 0 && got.open < SENSORS / 2);
             held += got.value.low <= wanted.value.value && wanted.value.value <= got.value.high;

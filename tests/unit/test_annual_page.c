@@ -101,7 +101,7 @@ static void free_year(struct year *y)
 }
 
 /* Draws the page of a grid; returns its SVG, which the caller frees. */
-static char *draw(const struct year *y, size_t grid)
+static char *draw_page(const struct year *y, size_t grid)
 {
     const struct orl_annual_page page = {.title = y->title,
                                          .request = &y->request,
@@ -174,7 +174,7 @@ static void assert_texts_are_apart(const char *svg)
     }
 }
 
-static size_t count(const char *text, const char *part)
+static size_t count_substrings(const char *text, const char *part)
 {
     size_t n = 0;
     for (const char *at = strstr(text, part); at; at = strstr(at + 1, part))
@@ -211,7 +211,7 @@ static void test_nothing_covers_anything(void **state)
         for (int list = 0; list < 2; list++) {
             struct year y;
             make_year(&y, sizes[i][0], sizes[i][1], list ? long_list : none);
-            char *page = draw(&y, SOUTH);
+            char *page = draw_page(&y, SOUTH);
             assert_non_null(strstr(page, "facing up"));
             assert_texts_are_apart(page);
             free(page);
@@ -230,7 +230,7 @@ static void test_numbers_of_the_scale_are_apart(void **state)
         make_year(&y, 6, 4, none);
         for (size_t k = 0; k < HAND_YEAR_SENSORS * y.result.n_columns; k++)
             y.result.total[k] = 9999 * factors[i];
-        char *page = draw(&y, NORTH);
+        char *page = draw_page(&y, NORTH);
         assert_texts_are_apart(page);
         free(page);
         free_year(&y);
@@ -258,12 +258,12 @@ static void test_verdicts_of_the_building(void **state)
     const size_t n = mark_verdicts_of_all(&y);
     assert_true(n > 8);
     for (size_t grid = 0; grid < 2; grid++) {
-        char *page = draw(&y, grid), wanted[32];
+        char *page = draw_page(&y, grid), wanted[32];
         for (size_t i = 0; i < n; i++) {
             snprintf(wanted, sizeof wanted, ">%zu.0 %%<", 900 + i);
             assert_non_null(strstr(page, wanted));
         }
-        assert_int_equal(count(page, "sDA300/50 &gt;= 75 %"), 2);
+        assert_int_equal(count_substrings(page, "sDA300/50 &gt;= 75 %"), 2);
         assert_null(strstr(page, "in result.json"));
         assert_non_null(strstr(page, ">Targets, all grids together<"));
         assert_texts_are_apart(page);
@@ -286,10 +286,10 @@ static void test_reasons_are_written_once(void **state)
             snprintf(y.report.verdicts[i].note, ORL_VERDICT_NOTE, "%s", notes[n++ % 4]);
         else
             snprintf(y.report.verdicts[i].note, ORL_VERDICT_NOTE, "number %zu", i);
-    char *page = draw(&y, NORTH);
-    assert_int_equal(count(page, ">these 3: one<"), 1);
-    assert_int_equal(count(page, ">one<"), 0);
-    assert_int_equal(count(page, ">number "), 4);
+    char *page = draw_page(&y, NORTH);
+    assert_int_equal(count_substrings(page, ">these 3: one<"), 1);
+    assert_int_equal(count_substrings(page, ">one<"), 0);
+    assert_int_equal(count_substrings(page, ">number "), 4);
     assert_non_null(strstr(page, ">LEED v4.1, 1 point: sDA300/50 &gt;= 40 %: "));
     assert_texts_are_apart(page);
     free(page);
@@ -307,11 +307,11 @@ static void test_many_rules(void **state)
     y.result.warnings = warnings;
     y.result.n_warnings = sizeof warnings / sizeof *warnings;
     for (size_t grid = 0; grid < 2; grid++) {
-        char *page = draw(&y, grid), wanted[96];
+        char *page = draw_page(&y, grid), wanted[96];
         for (size_t i = 0; i < y.wishes.n_rules; i++) {
             snprintf(wanted, sizeof wanted, ">%s: ", y.wishes.rules[i].name);
-            if (count(page, wanted) != 2)
-                fail_msg("%zu times '%s'", count(page, wanted), wanted);
+            if (count_substrings(page, wanted) != 2)
+                fail_msg("%zu times '%s'", count_substrings(page, wanted), wanted);
         }
         assert_null(strstr(page, " more, in result.json"));
         assert_non_null(strstr(page, ">values of the targets are in result.json<"));
@@ -339,9 +339,9 @@ static void test_far_too_many_targets(void **state)
     free(y.report.verdicts);
     y.report.verdicts = verdicts;
     y.report.n_verdicts = 2 * MANY;
-    char *page = draw(&y, SOUTH), wanted[64];
+    char *page = draw_page(&y, SOUTH), wanted[64];
     snprintf(wanted, sizeof wanted, ">and %zu more, in result.json<",
-             2 * MANY - count(page, "sDA &gt;= 50 %"));
+             2 * MANY - count_substrings(page, "sDA &gt;= 50 %"));
     assert_non_null(strstr(page, wanted));
     assert_non_null(strstr(page, "facing up"));
     assert_texts_are_apart(page);
@@ -357,7 +357,7 @@ static void test_no_part_is_blank(void **state)
     struct year y;
     (void)state;
     make_year(&y, 6, 4, leed);
-    char *page = draw(&y, NORTH);
+    char *page = draw_page(&y, NORTH);
     const size_t n = list_texts(page, texts);
     qsort(texts, n, sizeof *texts, by_height);
     for (size_t i = 1; i < n; i++)
@@ -376,12 +376,12 @@ static void test_warnings_are_in_view(void **state)
     struct year y;
     (void)state;
     make_year(&y, 6, 4, long_list);
-    char *page = draw(&y, SOUTH);
+    char *page = draw_page(&y, SOUTH);
     assert_null(strstr(page, ">Warnings<"));
     free(page);
     y.result.warnings = warnings;
     y.result.n_warnings = sizeof warnings / sizeof *warnings;
-    page = draw(&y, SOUTH);
+    page = draw_page(&y, SOUTH);
     assert_non_null(strstr(page, ">Warnings<"));
     assert_non_null(strstr(page, "1 of 4 sensors lies outdoors"));
     assert_non_null(strstr(page, "a texture is missing"));
@@ -390,7 +390,7 @@ static void test_warnings_are_in_view(void **state)
     assert_null(strstr(page, "more warnings"));
     assert_texts_are_apart(page);
     free(page);
-    page = draw(&y, NORTH);
+    page = draw_page(&y, NORTH);
     assert_null(strstr(page, "outdoors"));
     assert_true(strstr(page, "2 of 2 sensors: ") < strstr(page, "a texture is missing"));
     assert_non_null(
@@ -414,7 +414,7 @@ static void test_long_words_are_cut(void **state)
     y.title = words;
     y.result.warnings = one;
     y.result.n_warnings = 1;
-    char *page = draw(&y, SOUTH);
+    char *page = draw_page(&y, SOUTH);
     assert_non_null(strstr(page, ">result.json has the full warnings<"));
     assert_texts_are_apart(page);
     free(page);
@@ -436,10 +436,10 @@ static void test_many_warnings(void **state)
     make_year(&y, 6, 4, long_list);
     y.result.warnings = many;
     y.result.n_warnings = MANY;
-    char *page = draw(&y, SOUTH);
+    char *page = draw_page(&y, SOUTH);
     const char *more = strstr(page, "more warnings, in result.json<");
     assert_non_null(more);
-    assert_int_equal(count(page, "more warnings"), 1);
+    assert_int_equal(count_substrings(page, "more warnings"), 1);
     assert_non_null(strstr(page, "facing up")); /* the maps are still there */
     assert_texts_are_apart(page);
     free(page);

@@ -26,7 +26,7 @@ static struct orl_vec3 any_direction(struct orl_random *random)
 
 /* ---- Suns ------------------------------------------------------------------------------------ */
 
-static void mark(void *ctx, uint32_t index)
+static void mark_sun(void *ctx, uint32_t index)
 {
     ((unsigned char *)ctx)[index]++;
 }
@@ -56,7 +56,7 @@ static void test_cones_hold_what_a_loop_finds(void **state)
         const double half = ORL_PI * pow(orl_random_uniform(&random), 2);
         const struct orl_cone cone = {any_direction(&random), cos(half)};
         unsigned char found[500] = {0};
-        orl_direction_tree_find(&tree, &cone, mark, found);
+        orl_direction_tree_find(&tree, &cone, mark_sun, found);
         for (size_t k = 0; k < 500; k++) {
             const double angle = acos(fmin(fmax(orl_dot(suns[k], cone.axis), -1), 1));
             if (fabs(angle - half) > 1e-6)
@@ -65,8 +65,8 @@ static void test_cones_hold_what_a_loop_finds(void **state)
     }
     orl_direction_tree_done(&tree);
     assert_int_equal(orl_direction_tree_init(&tree, direction_at, suns, NULL, 0), 0);
-    assert_int_equal(orl_direction_tree_find(&tree, &(struct orl_cone){{0, 0, 1}, -1}, mark, NULL),
-                     0);
+    assert_int_equal(
+        orl_direction_tree_find(&tree, &(struct orl_cone){{0, 0, 1}, -1}, mark_sun, NULL), 0);
     orl_direction_tree_done(&tree);
 }
 
@@ -80,7 +80,7 @@ static double work_of_cones(size_t n)
     size_t tested = 0;
     for (int i = 0; i < 200; i++) {
         const struct orl_cone cone = {any_direction(&random), 1 - 16.0 / (double)n};
-        tested += orl_direction_tree_find(&tree, &cone, mark, found);
+        tested += orl_direction_tree_find(&tree, &cone, mark_sun, found);
     }
     orl_direction_tree_done(&tree);
     return (double)tested / 200;

@@ -78,8 +78,8 @@ struct answers {
     double pdf[2], part;
 };
 
-static struct answers ask(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out,
-                          const double u[3])
+static struct answers evaluate_all(const struct orl_bsdf *bsdf, struct orl_vec3 in,
+                                   struct orl_vec3 out, const double u[3])
 {
     struct answers a;
     memset(&a, 0, sizeof a);
@@ -102,7 +102,7 @@ static void assert_same_bsdf(const struct orl_bsdf *a, const struct orl_bsdf *b)
         const struct orl_vec3 in = direction(ax, ay, i % 2 ? 1 : -1);
         const struct orl_vec3 out = direction(bx, by, i / 2 % 2 ? 1 : -1);
         const double u[3] = {i % 97 / 97.0, i % 89 / 89.0, i % 83 / 83.0};
-        const struct answers x = ask(a, in, out, u), y = ask(b, in, out, u);
+        const struct answers x = evaluate_all(a, in, out, u), y = evaluate_all(b, in, out, u);
         assert_memory_equal(&x, &y, sizeof x);
     }
     memset(check, 0, sizeof check);

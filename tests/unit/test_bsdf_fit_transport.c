@@ -72,7 +72,7 @@ static void equal_masses_go_by_the_best_permutation(void **state)
     }
 }
 
-static void fill(double *masses, double *places, size_t n, struct orl_random *random)
+static void fill_masses(double *masses, double *places, size_t n, struct orl_random *random)
 {
     double sum = 0, place = 0;
     for (size_t i = 0; i < n; i++) {
@@ -114,8 +114,8 @@ static void nothing_overtakes_on_a_line(void **state)
         double supply[MOST], demand[MOST], x[MOST], y[MOST];
         struct orl_fit_flow *flows;
         size_t n;
-        fill(supply, x, n_from, &random);
-        fill(demand, y, n_to, &random);
+        fill_masses(supply, x, n_from, &random);
+        fill_masses(demand, y, n_to, &random);
         float *cost = malloc(n_from * n_to * sizeof *cost);
         assert_non_null(cost);
         /* Sinks are in another order, so that the first plan is not already optimal. */

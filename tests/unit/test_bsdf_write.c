@@ -16,7 +16,7 @@
 static const char *const bases[] = {"LBNL/Klems Full", "LBNL/Klems Half", "LBNL/Klems Quarter"};
 
 /* Fills in values over twelve decades, with some zeros. */
-static void fill(struct orl_matrix *matrix, const char *name, uint64_t seed)
+static void fill_matrix(struct orl_matrix *matrix, const char *name, uint64_t seed)
 {
     struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, 0);
     struct orl_basis basis;
@@ -52,7 +52,7 @@ static void matrices_come_back_bit_for_bit(void **state)
         struct orl_document d = {.structure = ORL_STRUCTURE_MATRIX, .thickness_m = 0.012};
         strcpy(d.name, "a <panel> of \"mine\"");
         for (int part = 0; part < ORL_PART_COUNT; part++) {
-            fill(&d.parts[part].matrix, bases[b], 10 * b + (uint64_t)part);
+            fill_matrix(&d.parts[part].matrix, bases[b], 10 * b + (uint64_t)part);
             d.parts[part].present = true;
         }
         struct orl_bsdf *bsdf = write_and_read(&d, "x -- y --> z <--\n---\nend");
@@ -126,7 +126,7 @@ static void texts_are_characters(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct orl_document d = {.structure = ORL_STRUCTURE_MATRIX};
         snprintf(d.name, sizeof d.name, "%s", cases[i].text);
-        fill(&d.parts[0].matrix, bases[2], 7);
+        fill_matrix(&d.parts[0].matrix, bases[2], 7);
         d.parts[0].present = true;
         struct orl_bsdf *bsdf = write_and_read(&d, cases[i].text);
         assert_string_equal(bsdf->info.name, cases[i].read);

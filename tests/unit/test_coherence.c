@@ -31,7 +31,7 @@ static struct orl_error_sums *band_of(size_t tile)
     return &sums[tile * ORL_ERROR_BANDS + (size_t)orl_error_band(200)];
 }
 
-static void begin(void)
+static void reset_sums(void)
 {
     memset(sums, 0, sizeof sums);
     for (uint32_t i = 0; i < HOURS; i++) {
@@ -53,13 +53,13 @@ static double found(void)
 static void test_common_errors(void **state)
 {
     (void)state;
-    begin();
+    reset_sums();
     for (size_t tile = 0; tile < TILES; tile++)
         for (int b = 0; b < ORL_ANNUAL_BATCHES; b++)
             band_of(tile)->batches[b] =
                 (float)(0.01 * sqrt(ORL_ANNUAL_BATCHES - 1.0) * (b % 2 ? 1 : -1) * HOURS / TILES);
     assert_near(found(), 1, 1e-6);
-    begin();
+    reset_sums();
     for (size_t tile = 0; tile < TILES; tile++)
         for (int lot = 0; lot < ORL_SUN_MAP_LOTS; lot++)
             band_of(tile)->lots[lot] =
@@ -71,7 +71,7 @@ static void test_common_errors(void **state)
 static void test_errors_that_cancel(void **state)
 {
     (void)state;
-    begin();
+    reset_sums();
     for (int b = 0; b < ORL_ANNUAL_BATCHES; b++) {
         band_of(0)->batches[b] = b % 2 ? 1 : -1;
         band_of(1)->batches[b] = b % 2 ? -1 : 1;
@@ -85,11 +85,11 @@ static void test_errors_that_cancel(void **state)
 static void test_independent_errors(void **state)
 {
     (void)state;
-    begin();
+    reset_sums();
     for (size_t tile = 0; tile < TILES; tile++)
         band_of(tile)->squares = 0.01 * 0.01 * HOURS / TILES;
     assert_near(found(), 1 / sqrt(HOURS), 1e-6);
-    begin();
+    reset_sums();
     for (int i = 0; i < HOURS; i++)
         between[i] = 0.01F;
     assert_near(found(), 1 / sqrt(4), 1e-6);

@@ -26,7 +26,7 @@ struct bytes {
     size_t size;
 };
 
-static void put(struct bytes *b, const void *data, size_t size)
+static void put_bytes(struct bytes *b, const void *data, size_t size)
 {
     assert_true(b->size + size <= sizeof b->data);
     memcpy(b->data + b->size, data, size);
@@ -37,7 +37,7 @@ static void put_int(struct bytes *b, int64_t value, unsigned bytes)
 {
     for (unsigned i = bytes; i-- > 0;) {
         const unsigned char byte = (unsigned char)((uint64_t)value >> 8 * i);
-        put(b, &byte, 1);
+        put_bytes(b, &byte, 1);
     }
 }
 
@@ -51,14 +51,14 @@ static void put_number(struct bytes *b, double value)
 
 static void put_string(struct bytes *b, const char *text)
 {
-    put(b, text, strlen(text) + 1);
+    put_bytes(b, text, strlen(text) + 1);
 }
 
 static void put_header(struct bytes *b, const char *format, int magic)
 {
     char text[100];
     const int n = snprintf(text, sizeof text, "#?RADIANCE\nsome program\nFORMAT=%s\n\n", format);
-    put(b, text, (size_t)n);
+    put_bytes(b, text, (size_t)n);
     put_int(b, magic + 4, 2); /* numbers of primitives take four bytes */
     put_string(b, "-1");
     put_string(b, "-1");

@@ -26,7 +26,7 @@ struct loop {
     atomic_uint bad_member;
 };
 
-static void count(void *arg, size_t index, uint32_t member)
+static void count_index(void *arg, size_t index, uint32_t member)
 {
     struct loop *loop = arg;
     loop->done[index]++;
@@ -43,7 +43,7 @@ static void check_loop(struct orl_crew *crew, size_t n)
     uint64_t sum = 0;
     assert_non_null(loop.done);
     atomic_init(&loop.bad_member, 0);
-    orl_crew_for(crew, n, count, &loop);
+    orl_crew_for(crew, n, count_index, &loop);
     for (size_t i = 0; i < n; i++)
         assert_int_equal(loop.done[i], 1);
     assert_int_equal(loop.done[n], 0);

@@ -56,7 +56,7 @@ static void tear_down(struct bench *b)
 }
 
 /* Checks the true values times a factor, with intervals of 2 % to each side. */
-static struct orl_result check(struct bench *b, double factor, uint64_t seed)
+static struct orl_result check_values(struct bench *b, double factor, uint64_t seed)
 {
     struct orl_job job;
     struct orl_error err = {0};
@@ -104,7 +104,7 @@ static void test_right_values(void **state)
     struct bench b = set_up("");
     (void)state;
     for (uint64_t seed = 1; seed <= 20; seed++) {
-        struct orl_result r = check(&b, 1, seed);
+        struct orl_result r = check_values(&b, 1, seed);
         assert_int_equal(r.cross_check.sensors_off, 0);
         assert_int_equal(r.n_warnings, 0);
         assert_null(r.doubts);
@@ -122,7 +122,7 @@ static void check_wrong(struct bench *b, double factor)
 {
     size_t off = 0, held = 0;
     for (uint64_t seed = 1; seed <= 20; seed++) {
-        struct orl_result r = check(b, factor, seed);
+        struct orl_result r = check_values(b, factor, seed);
         for (int i = 0; i < PATH_SENSORS; i++)
             held += r.doubts && r.doubts[i] && r.interval_95_lx[i][0] <= b->truth[i].mean &&
                     b->truth[i].mean <= r.interval_95_lx[i][1];
@@ -160,11 +160,11 @@ static void test_where_light_is_bent(void **state)
     struct bench b = set_up(BALL);
     b.paths = 1U << ORL_PATHS_SKY_CURVED;
     (void)state;
-    struct orl_result r = check(&b, 2, 1);
+    struct orl_result r = check_values(&b, 2, 1);
     assert_int_equal(r.cross_check.sensors_off, 0);
     assert_int_equal(r.n_warnings, 0);
     orl_result_done(&r);
-    r = check(&b, 0.5, 1);
+    r = check_values(&b, 0.5, 1);
     assert_true(r.cross_check.sensors_off >= 3);
     orl_result_done(&r);
     tear_down(&b);

@@ -44,7 +44,7 @@ static struct orl_sky_request request_by_time(void)
     return request;
 }
 
-static struct orl_daylight find(const struct orl_sky_request *request)
+static struct orl_daylight find_daylight(const struct orl_sky_request *request)
 {
     struct orl_daylight daylight = {0};
     struct orl_error err = {0};
@@ -86,7 +86,7 @@ static void assert_near(double value, double wanted, double relative, const char
 static double check_flux(const struct orl_sky_request *request, double diffuse_lx,
                          double direct_normal_lx, const char *what)
 {
-    const struct orl_daylight d = find(request);
+    const struct orl_daylight d = find_daylight(request);
     const int ground_at = d.pattern.kind == ORL_SKY_PEREZ ? 1 : 2;
     const double got = sky_lx(&d);
     const double total = diffuse_lx + direct_normal_lx * fmax(d.sun.z, 0);
@@ -117,7 +117,7 @@ static void test_perez_delivers_its_flux(void **state)
             request.first = directs[k];
             request.second = 12000;
             snprintf(what, sizeof what, "altitude %g, direct %g", altitudes[i], directs[k]);
-            const struct orl_daylight d = find(&request);
+            const struct orl_daylight d = find_daylight(&request);
             if (strstr(d.warnings, "no answer here")) {
                 assert_true(altitudes[i] == 3 && directs[k] >= 30000);
                 beyond++;
@@ -161,7 +161,7 @@ static void test_zenith_stays(void **state)
     request.cie_type = ORL_SKY_OVERCAST;
     request.input = ORL_SKY_ZENITH_CD_M2;
     request.first = 5000;
-    const struct orl_daylight d = find(&request);
+    const struct orl_daylight d = find_daylight(&request);
     assert_near(efficacy * orl_sky_brightness(&d.pattern, orl_v3(0, 0, 1)), 5000, 1e-5, "zenith");
     /* 7 pi / 9 of it, minus the loss by the blend with the ground. */
     assert_near(sky_lx(&d), 5000 * 7 * ORL_PI / 9, 5e-3, "flux");
@@ -176,9 +176,9 @@ static void test_gendaylit_mode(void **state)
     request.first = 800;
     request.second = 120;
     request.sun_method = ORL_SUN_RADIANCE; /* then only the quadratures differ */
-    const struct orl_daylight flux = find(&request);
+    const struct orl_daylight flux = find_daylight(&request);
     request.normalise = ORL_SKY_GENDAYLIT;
-    const struct orl_daylight same = find(&request);
+    const struct orl_daylight same = find_daylight(&request);
     struct orl_description text =
         scene_parse_text("!gendaylit 3 22 11.5 -a 38.42 -o -27.14 -m -30 -W 800 120\n"
                          "skyfunc glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n",
@@ -207,13 +207,13 @@ static void test_longitude_is_east(void **state)
     /* At 27.14 E and 38.42 N, GMT + 2, solar noon is at 12 h 18 min that day; before it, the sun
      * is in the east. */
     request.hour = 12.2;
-    assert_true(find(&request).sun.x > 0);
+    assert_true(find_daylight(&request).sun.x > 0);
     request.hour = 12.4;
-    const struct orl_daylight after = find(&request);
+    const struct orl_daylight after = find_daylight(&request);
     assert_true(after.sun.x < 0);
     assert_true(after.warnings[0] == '\0');
     request.longitude_deg = -27.14;
-    assert_non_null(strstr(find(&request).warnings, "counted east"));
+    assert_non_null(strstr(find_daylight(&request).warnings, "counted east"));
 }
 
 static void test_black_skies_say_so(void **state)
@@ -224,18 +224,18 @@ static void test_black_skies_say_so(void **state)
     request.first = 800;
     request.second = 120;
     request.hour = 1.5;
-    d = find(&request);
+    d = find_daylight(&request);
     assert_true(d.black && strstr(d.warnings, "horizon"));
     request.hour = 11.5;
     request.first = request.second = 0;
-    d = find(&request);
+    d = find_daylight(&request);
     assert_true(d.black && strstr(d.warnings, "black"));
     request = request_at(-10, 0);
     request.model = ORL_SKY_BY_CIE;
     request.cie_type = ORL_SKY_CLEAR;
     request.input = ORL_SKY_DIFFUSE_LX;
     request.first = 1000;
-    d = find(&request);
+    d = find_daylight(&request);
     assert_true(d.black && strstr(d.warnings, "horizon"));
 }
 
@@ -254,7 +254,7 @@ static void test_sunset(void **state)
     request.second = 0;
     for (int i = 0; i < 300; i++) {
         request.hour = 18.32 + i / 1800.0; /* noon is at 12.3 h, half the day 6.1 h long */
-        const struct orl_daylight d = find(&request);
+        const struct orl_daylight d = find_daylight(&request);
         const double lx = d.black ? 0 : sun_normal_lx(&d);
         assert_true(lx <= before * (1 + 1e-9));
         assert_true(d.black == (lx == 0) && d.black == (d.warnings[0] != '\0'));
@@ -286,7 +286,7 @@ static void test_weather_row_is_a_perez_sky(void **state)
     assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), 0);
     perez.first = 800;
     perez.second = 120;
-    const struct orl_daylight b = find(&perez);
+    const struct orl_daylight b = find_daylight(&perez);
     assert_memory_equal(a.pattern.a, b.pattern.a, sizeof a.pattern.a);
     assert_true(a.sun_radiance == b.sun_radiance && a.warnings[0] == '\0');
     asked.hour = 11.3; /* the same row, with a warning */
@@ -344,7 +344,7 @@ static void test_scene_with_a_sky_is_refused(void **state)
     (void)state;
     request.first = 500;
     request.second = 100;
-    const struct orl_daylight d = find(&request);
+    const struct orl_daylight d = find_daylight(&request);
     struct orl_world *taken = scene_world(
         "void glow g 0 0 4 1 1 1 0\ng source heaven 0 0 4 0 0 1 180\n", NULL, NULL, NULL);
     struct orl_world *free_one = scene_world("# nothing\n", NULL, NULL, NULL);

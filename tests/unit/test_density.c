@@ -77,7 +77,7 @@ static void rain(struct shower *s, size_t count, struct orl_vec3 corner, struct 
 }
 
 /* Writes the photons to a file, opens it as a map and frees the list. */
-static struct orl_photon_map *settle(struct shower *s)
+static struct orl_photon_map *open_shower_map(struct shower *s)
 {
     const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
     struct orl_photon_map *map = NULL;
@@ -92,8 +92,8 @@ static struct orl_photon_map *settle(struct shower *s)
     return map;
 }
 
-static struct orl_density ask(const struct orl_photon_map *map, struct orl_vec3 point,
-                              struct orl_vec3 normal, uint32_t k, double max_radius)
+static struct orl_density estimate_density(const struct orl_photon_map *map, struct orl_vec3 point,
+                                           struct orl_vec3 normal, uint32_t k, double max_radius)
 {
     const struct orl_density_query query = {
         .point = point, .normal = normal, .k = k, .max_radius = max_radius};
@@ -160,7 +160,7 @@ static void test_brute_force(void **state)
             s.photons[i].flux[c] *= (float)(1 + orl_random_uniform(&s.random));
     struct orl_random random = s.random;
     struct neighbour *list = malloc(s.count * sizeof *list);
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     assert_non_null(list);
     for (int i = 0; i < 300; i++) {
         const double u = 2 * orl_random_uniform(&random), v = 2 * orl_random_uniform(&random);
@@ -191,13 +191,14 @@ static void test_few_photons(void **state)
         struct shower s = shower_new(n, 2);
         for (size_t i = 0; i < n; i++)
             land(&s, orl_v3(0.1 * (double)i, 0, 0), z_axis, 1);
-        struct orl_photon_map *map = settle(&s);
-        const struct orl_density many = ask(map, zero, z_axis, 64, reach);
+        struct orl_photon_map *map = open_shower_map(&s);
+        const struct orl_density many = estimate_density(map, zero, z_axis, 64, reach);
         assert_int_equal(many.found, n);
         /* Fluxes are rounded to at most 1/256, places to a cell. */
         assert_true(fabs(many.irradiance.g - (double)n / area) <= (double)n / area / 256);
         for (uint32_t k = 1; k <= 4; k++) {
-            const struct orl_density d = ask(map, orl_v3(0.01, 0.02, 0), z_axis, k, reach);
+            const struct orl_density d =
+                estimate_density(map, orl_v3(0.01, 0.02, 0), z_axis, k, reach);
             assert_true(orl_rgb_is_finite(d.irradiance));
             assert_true(d.irradiance.r >= 0 && (n == 0) == (d.irradiance.r == 0));
         }
@@ -218,11 +219,11 @@ static void test_coincident_photons(void **state)
     (void)state;
     for (int i = 0; i < 1000; i++)
         land(&s, orl_v3(0.25, 0.5, 1), z_axis, 1);
-    struct orl_photon_map *map = settle(&s);
-    const struct orl_density d = ask(map, orl_v3(0.25, 0.5, 1), z_axis, 64, 0.1);
+    struct orl_photon_map *map = open_shower_map(&s);
+    const struct orl_density d = estimate_density(map, orl_v3(0.25, 0.5, 1), z_axis, 64, 0.1);
     assert_int_equal(d.found, 63);
     assert_true(orl_rgb_is_finite(d.irradiance) && d.irradiance.r > 0);
-    assert_int_equal(ask(map, orl_v3(0.25, 0.5, 1), down, 64, 0.1).found, 0);
+    assert_int_equal(estimate_density(map, orl_v3(0.25, 0.5, 1), down, 64, 0.1).found, 0);
     orl_photon_map_free(map);
 }
 
@@ -241,11 +242,11 @@ static void test_uniform_plane(void **state)
     double sum = 0, sum2 = 0;
     (void)state;
     rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     for (int i = 0; i < QUERIES; i++) {
         const struct orl_vec3 at =
             orl_v3((i % SIDE + 0.5) / SIDE, (double)(i / SIDE) / SIDE + 0.025, 0);
-        const double e = ask(map, at, z_axis, K, 0.02).irradiance.r / COUNT;
+        const double e = estimate_density(map, at, z_axis, K, 0.02).irradiance.r / COUNT;
         sum += e;
         sum2 += (e - 1) * (e - 1);
     }
@@ -272,12 +273,12 @@ static void test_sphere(void **state)
         land(&s, orl_scale(n, 2), orl_neg(n), 1);
     }
     struct orl_random random = s.random;
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     for (int i = 0; i < QUERIES; i++) {
         const double z = 2 * orl_random_uniform(&random) - 1, r = sqrt(1 - z * z);
         const double phi = 2 * ORL_PI * orl_random_uniform(&random);
         const struct orl_vec3 n = orl_v3(r * cos(phi), r * sin(phi), z);
-        sum += ask(map, orl_scale(n, 2), orl_neg(n), K, 0.5).irradiance.r;
+        sum += estimate_density(map, orl_scale(n, 2), orl_neg(n), K, 0.5).irradiance.r;
     }
     const double expected = COUNT / (16 * ORL_PI);
     assert_true(fabs(sum / QUERIES / expected - 1) < 0.01);
@@ -293,8 +294,8 @@ static void check_no_leak(struct orl_vec3 corner, struct orl_vec3 a, struct orl_
 {
     struct shower s = shower_new(100000, 6);
     rain(&s, 100000, corner, a, b, lit);
-    struct orl_photon_map *map = settle(&s);
-    const struct orl_density d = ask(map, point, normal, 64, 0.14);
+    struct orl_photon_map *map = open_shower_map(&s);
+    const struct orl_density d = estimate_density(map, point, normal, 64, 0.14);
     assert_int_equal(d.found, 0);
     assert_true(d.irradiance.r == 0);
     struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.14, NULL);
@@ -349,7 +350,7 @@ static void test_leaves_agree(void **state)
     (void)state;
     rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
     struct orl_random random = s.random;
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.1, NULL);
     assert_non_null(leaves);
     for (int i = 0; i < QUERIES; i++) {
@@ -357,7 +358,7 @@ static void test_leaves_agree(void **state)
         const struct orl_vec3 at = orl_v3(u, 0.05 + 0.9 * orl_random_uniform(&random), 0);
         sum +=
             orl_leaves_irradiance(leaves, at, z_axis, NULL, search, NULL, NULL).r / COUNT / QUERIES;
-        plain += ask(map, at, z_axis, 64, 0.1).irradiance.r / COUNT / QUERIES;
+        plain += estimate_density(map, at, z_axis, 64, 0.1).irradiance.r / COUNT / QUERIES;
     }
     print_message("leaves %.4f, plain estimates %.4f\n", sum, plain);
     assert_true(fabs(plain - 1) < 0.0068);
@@ -408,7 +409,7 @@ static void test_leaves_on_small_facets(void **state)
         land(&s, point, normal, 1);
     }
     struct orl_random random = s.random;
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     struct orl_leaves *leaves = orl_leaves_new(map, world, 64, 1, NULL);
     assert_non_null(leaves);
     for (uint32_t i = 0; i < FACETS * POINTS; i++) {
@@ -427,7 +428,7 @@ static void test_leaves_on_small_facets(void **state)
     orl_world_free(world);
 }
 
-static void look(void *arg, size_t index, uint32_t member)
+static void look_up_leaf(void *arg, size_t index, uint32_t member)
 {
     struct looking *l = arg;
     const size_t i = index * l->step % l->count;
@@ -449,14 +450,14 @@ static void test_leaves_in_any_order(void **state)
     struct orl_rgb *first = NULL;
     (void)state;
     rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     for (int w = 0; w < 3; w++) {
         struct orl_crew *crew = orl_crew_start(ways[w].threads);
         struct looking l = {orl_leaves_new(map, NULL, 64, 0.1, NULL),
                             calloc(ways[w].threads, sizeof *l.searches),
                             malloc(QUERIES * sizeof *l.values), QUERIES, ways[w].step};
         assert_true(l.leaves && l.searches && l.values && crew);
-        orl_crew_for(crew, QUERIES, look, &l);
+        orl_crew_for(crew, QUERIES, look_up_leaf, &l);
         orl_crew_stop(crew);
         orl_leaves_free(l.leaves);
         free(l.searches);

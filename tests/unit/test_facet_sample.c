@@ -30,7 +30,7 @@ struct kind {
     bool inwards;
 };
 
-static double turn(double y, double x)
+static double angle_in_turns(double y, double x)
 {
     const double t = atan2(y, x) / (2 * ORL_PI);
     return t < 0 ? t + 1 : t;
@@ -39,26 +39,26 @@ static double turn(double y, double x)
 static void flatten_sphere(struct orl_vec3 p, double ret_uv[2])
 {
     ret_uv[0] = 0.5 * (p.z / 2 + 1); /* Archimedes */
-    ret_uv[1] = turn(p.y, p.x);
+    ret_uv[1] = angle_in_turns(p.y, p.x);
 }
 
 static void flatten_cylinder(struct orl_vec3 p, double ret_uv[2])
 {
     ret_uv[0] = p.z / 3;
-    ret_uv[1] = turn(p.y, p.x);
+    ret_uv[1] = angle_in_turns(p.y, p.x);
 }
 
 /* Radius from 1 down to 0.25: area below radius r is 1 - r^2 of 1 - 1/16. */
 static void flatten_cone(struct orl_vec3 p, double ret_uv[2])
 {
     ret_uv[0] = (1 - p.x * p.x - p.y * p.y) / (1 - 0.0625);
-    ret_uv[1] = turn(p.y, p.x);
+    ret_uv[1] = angle_in_turns(p.y, p.x);
 }
 
 static void flatten_ring(struct orl_vec3 p, double ret_uv[2])
 {
     ret_uv[0] = (p.x * p.x + p.y * p.y - 0.25) / 2;
-    ret_uv[1] = turn(p.y, p.x);
+    ret_uv[1] = angle_in_turns(p.y, p.x);
 }
 
 static void flatten_rectangle(struct orl_vec3 p, double ret_uv[2])
@@ -89,8 +89,8 @@ static double chi_square_bound(double n)
     return n * root * root * root;
 }
 
-static void draw(const struct orl_geometry *g, struct orl_random *random,
-                 struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
+static void sample_points(const struct orl_geometry *g, struct orl_random *random,
+                          struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
     const double u0 = orl_random_uniform(random), u[2] = {u0, orl_random_uniform(random)};
     orl_facet_sample(g, 0, u, ret_point, ret_normal);
@@ -107,7 +107,7 @@ static void test_uniform_by_area(void **state)
         for (int i = 0; i < DRAWS; i++) {
             struct orl_vec3 p, n;
             double uv[2];
-            draw(g, &random, &p, &n);
+            sample_points(g, &random, &p, &n);
             kinds[k].uv(p, uv);
             const int x = (int)floor(uv[0] * SIDE), y = (int)floor(uv[1] * SIDE);
             /* Rounding may put a point of the rim slightly outside. */
@@ -148,7 +148,7 @@ static void test_on_the_surface(void **state)
         for (int i = 0; i < 2000; i++) {
             struct orl_vec3 p, n;
             struct orl_hit hit;
-            draw(g, &random, &p, &n);
+            sample_points(g, &random, &p, &n);
             assert_true(fabs(orl_length(n) - 1) < 1e-12);
             const struct orl_vec3 from = orl_sub(orl_madd(p, n, 0.01), g->center);
             if (!orl_geometry_intersect(g, from, orl_neg(n), 0.02, &hit)) {

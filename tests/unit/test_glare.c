@@ -342,8 +342,8 @@ static void test_band(void **state)
 /* ---- Connected pixels ----------------------------------------------------------------------- */
 
 /* Groups pixels by a search over every pair: each gets the lowest group that it is connected to. */
-static void unite_slowly(const struct orl_field *field, const uint32_t *pixels, size_t n,
-                         double angle, uint32_t *group)
+static void group_by_all_pairs(const struct orl_field *field, const uint32_t *pixels, size_t n,
+                               double angle, uint32_t *group)
 {
     bool changed = true;
     for (uint32_t i = 0; i < n; i++)
@@ -377,7 +377,7 @@ static void test_united_as_by_all_pairs(void **state)
             if (scene.field.solid_angle[i] > 0 && orl_random_uniform(&random) < density)
                 pixels[n++] = i;
         assert_int_equal(orl_unite(&scene.field, pixels, n, angle, fast, &groups), 0);
-        unite_slowly(&scene.field, pixels, n, angle, slow);
+        group_by_all_pairs(&scene.field, pixels, n, angle, slow);
         for (uint32_t i = 0; i < n; i++) {
             assert_true(fast[i] < groups);
             /* The slow search names a group by its first pixel. */

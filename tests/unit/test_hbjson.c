@@ -46,7 +46,7 @@ static void assert_has(const struct orl_text_files *files, const char *name, con
         fail_msg("%s has no \"%s\"", name, part);
 }
 
-static size_t count(const char *text, const char *part)
+static size_t count_substrings(const char *text, const char *part)
 {
     size_t n = 0;
     for (; (text = strstr(text, part)); text += strlen(part))
@@ -63,8 +63,8 @@ static void test_surfaces_are_in_their_files(void **state)
     struct orl_text_files files = translate(model);
     const char *envelope = text_of(&files, "model/scene/envelope.rad");
     /* Six faces of each room, and the door between them once. */
-    assert_int_equal(count(envelope, " polygon "), 13);
-    assert_int_equal(count(envelope, "polygon glass_door\n"), 1);
+    assert_int_equal(count_substrings(envelope, " polygon "), 13);
+    assert_int_equal(count_substrings(envelope, "polygon glass_door\n"), 1);
     assert_null(strstr(envelope, "glass_door_back"));
     assert_has(&files, "model/scene/envelope.rad", "carpet polygon office_floor\n");
     assert_has(&files, "model/scene/envelope.rad", "white_wall polygon office_north\n");
@@ -76,7 +76,8 @@ static void test_surfaces_are_in_their_files(void **state)
     assert_has(&files, "model/scene/shades.rad", "generic_exterior_shade_0.35 polygon overhang\n");
     assert_has(&files, "model/scene/shade_meshes.rad", "leaves polygon hedge_1\n");
     assert_has(&files, "model/scene/envelope.mat", "void plastic carpet\n0\n0\n5 0.25 ");
-    assert_int_equal(count(text_of(&files, "model/scene/envelope.mat"), "white_wall"), 1);
+    assert_int_equal(count_substrings(text_of(&files, "model/scene/envelope.mat"), "white_wall"),
+                     1);
     orl_text_files_done(&files);
     json_decref(model);
 }
@@ -232,7 +233,7 @@ static void test_orphaned_pairs_are_one(void **state)
     json_array_clear(back);
     struct orl_text_files files = translate(model);
     const char *envelope = text_of(&files, "model/scene/envelope.rad");
-    assert_int_equal(count(envelope, " polygon glass_door"), 1);
+    assert_int_equal(count_substrings(envelope, " polygon glass_door"), 1);
     assert_non_null(strstr(envelope, "generic_interior_window_vis_0.88 polygon glass_door\n"));
     orl_text_files_done(&files);
     json_decref(model);
@@ -304,7 +305,7 @@ static void test_grids_of_one_identifier_are_told(void **state)
             break;
         }
     files = translate(model);
-    assert_int_equal(count(text_of(&files, "model/grid/desks.pts"), "\n"), 8);
+    assert_int_equal(count_substrings(text_of(&files, "model/grid/desks.pts"), "\n"), 8);
     assert_string_equal(text_of(&files, "model/warnings.txt"),
                         "grid 'desks': 2 sensor grids of the model have this identifier: their "
                         "sensors are one grid, in the order of the model\n");
@@ -346,7 +347,7 @@ static void test_grids_and_views_have_their_names(void **state)
     (void)state;
     json_t *model = load_model();
     struct orl_text_files files = translate(model);
-    assert_int_equal(count(text_of(&files, "model/grid/desks.pts"), "\n"), 4);
+    assert_int_equal(count_substrings(text_of(&files, "model/grid/desks.pts"), "\n"), 4);
     double v[6];
     assert_int_equal(sscanf(text_of(&files, "model/grid/store/floor.pts"),
                             "%lf %lf %lf %lf %lf %lf", &v[0], &v[1], &v[2], &v[3], &v[4], &v[5]),
@@ -483,7 +484,7 @@ static const char states_text[] =
     "{\"south\": [{\"identifier\": \"0_south\", \"default\": \"./south..default..0.rad\"},"
     " {\"identifier\": \"1_south\", \"default\": \"./south..default..1.rad\"}]}";
 
-static json_t *find(const char *states, const char *sky, struct orl_error *err)
+static json_t *find_project(const char *states, const char *sky, struct orl_error *err)
 {
     static const char *const names[] = {"p/model/scene/b.rad",
                                         "p/model/scene/b.mat",
@@ -530,7 +531,7 @@ static void test_a_folder_is_found_by_its_names(void **state)
 {
     (void)state;
     struct orl_error err = {0};
-    json_t *project = find("{\"south\": \"1_south\"}", "noon", &err);
+    json_t *project = find_project("{\"south\": \"1_south\"}", "noon", &err);
     assert_non_null(project);
     assert_list(json_object_get(project, "files"),
                 "[\"p/model/scene/b.mat\",\"p/model/aperture/z.mat\",\"p/model/scene/a.rad\","
@@ -560,14 +561,14 @@ static void test_wishes_that_nothing_meets_are_refused(void **state)
 {
     (void)state;
     struct orl_error err = {0};
-    assert_null(find("{\"south\": \"open\"}", NULL, &err));
+    assert_null(find_project("{\"south\": \"open\"}", NULL, &err));
     assert_non_null(strstr(err.message, "no state 'open'"));
-    assert_null(find("{\"north\": \"open\"}", NULL, &err));
+    assert_null(find_project("{\"north\": \"open\"}", NULL, &err));
     assert_non_null(strstr(err.message, "no group 'north'"));
-    assert_null(find(NULL, "dawn", &err));
+    assert_null(find_project(NULL, "dawn", &err));
     assert_non_null(strstr(err.message, "no sky 'dawn'"));
     /* With two skies and no choice, neither is used. */
-    json_t *project = find(NULL, NULL, &err);
+    json_t *project = find_project(NULL, NULL, &err);
     assert_int_equal(json_array_size(json_object_get(project, "files")), 8);
     json_decref(project);
 }

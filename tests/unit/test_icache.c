@@ -25,7 +25,7 @@ static struct orl_record record_at(double x, double y, double radius, double val
         .place = place_at(x, y), .irradiance = orl_gray(value), .radius = radius, .least = 0.01};
 }
 
-static void fill(struct orl_icache *cache, const struct orl_record *records, size_t count)
+static void fill_cache(struct orl_icache *cache, const struct orl_record *records, size_t count)
 {
     orl_icache_init(cache, 3);
     assert_int_equal(orl_icache_add(cache, records, count), 0);
@@ -44,7 +44,7 @@ static void test_reach_and_gradient(void **state)
     (void)state;
     for (int c = 0; c < 3; c++)
         record.by_translation[c] = orl_v3(2, 0, 0);
-    fill(&cache, &record, 1);
+    fill_cache(&cache, &record, 1);
     const struct orl_place near = place_at(0.5, 0.5), beyond = place_at(1.01, 0);
     const struct orl_place far = place_at(1.51, 0);
     assert_true(orl_icache_serves(&cache, &near));
@@ -74,7 +74,7 @@ static void test_errors(void **state)
     (void)state;
     records[0].error_by_photons = 1;
     records[1].error_by_photons = 3;
-    fill(&cache, records, 2);
+    fill_cache(&cache, records, 2);
     const struct orl_place between = place_at(0.2, 0);
     assert_true(orl_icache_lookup(&cache, &between, &found));
     assert_true(found.irradiance.r > 10 && found.irradiance.r < 15);
@@ -101,7 +101,7 @@ static void test_hold_back(void **state)
     };
     struct orl_icache cache;
     (void)state;
-    fill(&cache, records, 4);
+    fill_cache(&cache, records, 4);
     assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
     assert_true(fabs(cache.records[0].radius - 0.7) < 1e-12);
     assert_true(fabs(cache.records[1].radius - 0.2) < 1e-12);
@@ -131,8 +131,8 @@ static void test_order(void **state)
         records[i] = record_at(x, y, 0.05 + orl_random_uniform(&random), x + y);
         reversed[COUNT - 1 - i] = records[i];
     }
-    fill(&one, records, COUNT);
-    fill(&other, reversed, COUNT);
+    fill_cache(&one, records, COUNT);
+    fill_cache(&other, reversed, COUNT);
     for (int round = 0; round < 2; round++) {
         assert_int_equal(orl_icache_hold_back(&one, NULL), 0);
         assert_int_equal(orl_icache_hold_back(&other, NULL), 0);
@@ -176,10 +176,10 @@ static size_t visits_about(const struct orl_icache *cache, const struct orl_plac
 }
 
 /* Returns the number of records that neighbour clamping visits, per record of the first COUNT. */
-static double looks_of(struct orl_record *records, size_t count)
+static double count_visits(struct orl_record *records, size_t count)
 {
     struct orl_icache cache;
-    fill(&cache, records, count);
+    fill_cache(&cache, records, count);
     assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
     const double looks = (double)cache.looked / (double)count;
     if (count == MANY)
@@ -200,12 +200,12 @@ static void test_radius_zero(void **state)
     struct orl_record *records = crowd(0, 0, 0);
     struct orl_icache cache;
     (void)state;
-    fill(&cache, records, MANY);
+    fill_cache(&cache, records, MANY);
     assert_int_equal(visits_about(&cache, &records[0].place), 0);
     assert_false(orl_icache_serves(&cache, &records[0].place));
     assert_false(orl_icache_reaches(&cache, &records[0].place));
     orl_icache_done(&cache);
-    assert_true(looks_of(records, MANY) == 1); /* only the root of the tree is visited */
+    assert_true(count_visits(records, MANY) == 1); /* only the root of the tree is visited */
     free(records);
 }
 
@@ -216,7 +216,7 @@ static void test_crowds(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof radii / sizeof *radii; i++) {
         struct orl_record *records = crowd(1e-3, radii[i][0], radii[i][1]);
-        const double fewer = looks_of(records, MANY / 4), looks = looks_of(records, MANY);
+        const double fewer = count_visits(records, MANY / 4), looks = count_visits(records, MANY);
         print_message("# radii of %g to %g: %.1f looks a record, of a quarter of them %.1f\n",
                       radii[i][0], radii[i][1], looks, fewer);
         assert_true(looks <= most_growth * fewer && looks < 0.01 * MANY);
@@ -245,7 +245,7 @@ static void test_against_pairs(void **state)
         records[i].place.point = points[i % 3];
         records[i].place.normal = normals[i % 3];
     }
-    fill(&cache, records, COUNT);
+    fill_cache(&cache, records, COUNT);
     assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
     for (int i = 0; i < COUNT; i++) {
         double radius = records[i].radius;
@@ -270,7 +270,7 @@ static void test_tiny_and_far(void **state)
     (void)state;
     for (int i = 0; i < 2; i++)
         records[i].least = 0;
-    fill(&cache, records, 2);
+    fill_cache(&cache, records, 2);
     for (int i = 0; i < 2; i++)
         assert_true(orl_icache_serves(&cache, &records[i].place));
     assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
@@ -331,7 +331,7 @@ static void test_board_between(void **state)
     struct orl_cached found;
     (void)state;
     record.clear = 0.3;
-    fill(&cache, &record, 1);
+    fill_cache(&cache, &record, 1);
     assert_true(orl_icache_serves(&cache, &across)); /* no obstacle is known there */
     cache.geometry = board;
     assert_false(orl_icache_serves(&cache, &across));

@@ -52,7 +52,7 @@ static double scatter(struct orl_random *random)
     return sum;
 }
 
-static void make(light_at *light, double noise, uint64_t seed, struct orl_icache *ret_cache)
+static void make_records(light_at *light, double noise, uint64_t seed, struct orl_icache *ret_cache)
 {
     static struct orl_record records[COUNT];
     struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, 0);
@@ -80,7 +80,7 @@ static void fit(const char *scene, light_at *light, double noise, uint64_t seed,
 {
     struct orl_geometry *geometry = scene_geometry(scene);
     struct orl_crew *crew = orl_crew_start(threads);
-    make(light, noise, seed, ret_cache);
+    make_records(light, noise, seed, ret_cache);
     for (size_t i = 0; i < COUNT; i++)
         ret_cache->records[i].place.point.z -= geometry->center.z;
     assert_int_equal(orl_icache_fit(ret_cache, geometry, crew), 0);

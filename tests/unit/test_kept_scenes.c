@@ -36,7 +36,7 @@ struct text_files {
     struct orl_files files;
 };
 
-static void add(struct text_files *t, const char *name, const void *data, size_t size)
+static void add_file(struct text_files *t, const char *name, const void *data, size_t size)
 {
     const size_t n = t->memory.count++;
     assert_true(n < FILES);
@@ -49,7 +49,7 @@ static void add(struct text_files *t, const char *name, const void *data, size_t
 
 static void add_text(struct text_files *t, const char *name, const char *text)
 {
-    add(t, name, text, strlen(text));
+    add_file(t, name, text, strlen(text));
 }
 
 /* Parses a.rad and resolves it. Returns false if it is refused. */
@@ -73,7 +73,8 @@ static int open_kept(const char *path, const unsigned char *of, const struct tex
     return orl_description_open(path, of, &sources, ret, err);
 }
 
-static unsigned char *keep(const struct orl_description *d, const char *path, size_t *ret_size)
+static unsigned char *write_cached_scene(const struct orl_description *d, const char *path,
+                                         size_t *ret_size)
 {
     struct orl_error err = {0};
     uint64_t bytes;
@@ -97,7 +98,7 @@ static bool returns(const struct text_files *t)
         return false;
     }
     path = scratch_path("scene");
-    unsigned char *const first = keep(&d, path, &size);
+    unsigned char *const first = write_cached_scene(&d, path, &size);
     if (open_kept(path, content, t, &kept, &err) < 0)
         fail_msg("%s", err.message);
     assert_true(kept.settled);
@@ -107,7 +108,7 @@ static bool returns(const struct text_files *t)
     assert_int_equal(kept.n_warnings, d.n_warnings);
     orl_description_done(&d);
     path = scratch_path("again");
-    unsigned char *const again = keep(&kept, path, &size_again);
+    unsigned char *const again = write_cached_scene(&kept, path, &size_again);
     assert_int_equal(size, size_again);
     assert_memory_equal(first, again, size);
     free(first);
@@ -202,7 +203,7 @@ static void what_stands_in_many_places_comes_back(void **state)
     add_text(&t, "a.rad", grove.shared);
     add_text(&t, "tree.rad", grove.tree);
     add_text(&t, "once.rad", "void instance tree 1 tree.oct 0 0\n");
-    add(&t, "tree.oct", grove.octree.data, grove.octree.size);
+    add_file(&t, "tree.oct", grove.octree.data, grove.octree.size);
     assert_true(returns(&t));
     grove_done(&grove);
 }
@@ -227,9 +228,9 @@ static void scenes_of_the_corpus_come_back(void **state)
         char *const text = (char *)scene_read_bytes(path, &size);
         const char *const split = memchr(text, SEPARATOR, size);
         const size_t main_size = split ? (size_t)(split - text) : size;
-        add(&t, "a.rad", text, main_size);
+        add_file(&t, "a.rad", text, main_size);
         if (split)
-            add(&t, "part.rad", split + 1, size - main_size - 1);
+            add_file(&t, "part.rad", split + 1, size - main_size - 1);
         add_text(&t, "panel.xml", xml);
         taken += returns(&t);
         free(text);
@@ -270,7 +271,7 @@ static void files_that_changed_are_read_again(void **state)
     add_text(&t, "c.rad", other_text);
     assert_true(read_text(&t, &d));
     path = scratch_path("changed");
-    free(keep(&d, path, &size));
+    free(write_cached_scene(&d, path, &size));
     orl_description_done(&d);
     assert_int_equal(open_as(path, &t), 0);
     changed = (struct text_files){.memory = {.count = 0}};
@@ -309,7 +310,7 @@ static void damaged_files_are_refused(void **state)
     add_text(&t, "a.rad", scenes[0]);
     assert_true(read_text(&t, &d));
     path = scratch_path("damaged");
-    unsigned char *const data = keep(&d, path, &size);
+    unsigned char *const data = write_cached_scene(&d, path, &size);
     orl_description_done(&d);
     assert_int_equal(open_kept(path, other, &t, &kept, NULL), ORL_ERR_CORRUPT);
     for (size_t at = 0; at < size; at += 1 + size / 97) {

@@ -33,7 +33,7 @@ struct extent {
     double ink;         /* pixels */
 };
 
-static struct extent measure(void)
+static struct extent measure_ink(void)
 {
     struct extent e = {WIDTH, HEIGHT, -1, -1, 0};
     for (int y = 0; y < HEIGHT; y++)
@@ -57,12 +57,12 @@ static void test_lines(void **state)
     (void)state;
     clear();
     orl_raster_line(&raster, &pen, 20, 50, 120, 50);
-    const struct extent flat = measure();
+    const struct extent flat = measure_ink();
     assert_true(fabs(flat.ink - (400 + 4 * 3.14159265)) < 1);
     assert_true(flat.y0 == 48 && flat.y1 == 51);
     clear();
     orl_raster_line(&raster, &pen, 20, 10, 80, 90); /* 100 long */
-    assert_true(fabs(measure().ink - flat.ink) < 2);
+    assert_true(fabs(measure_ink().ink - flat.ink) < 2);
 }
 
 static void test_rectangles(void **state)
@@ -71,10 +71,10 @@ static void test_rectangles(void **state)
     (void)state;
     clear();
     orl_raster_fill(&raster, 10.4, 20.6, 30, 40, black);
-    const struct extent e = measure();
+    const struct extent e = measure_ink();
     assert_true(e.x0 == 10 && e.x1 == 29 && e.y0 == 21 && e.y1 == 39);
     orl_raster_fill(&raster, -50, -50, 1e9, 1e9, black);
-    assert_true(measure().ink == WIDTH * HEIGHT);
+    assert_true(measure_ink().ink == WIDTH * HEIGHT);
 }
 
 /* An H of 40 pixels is on its line, and has the stated height and width. */
@@ -84,7 +84,7 @@ static void test_frame(void **state)
     (void)state;
     clear();
     orl_letters_draw(&raster, &pen, 100, 80, "H");
-    const struct extent e = measure();
+    const struct extent e = measure_ink();
     assert_true(abs(e.y1 - 80) <= 1 && abs(e.y0 - 39) <= 1);
     assert_true(e.x0 > 100 && e.x1 < 100 + orl_letters_width("H", 40));
     assert_true(orl_letters_width("HH", 40) == 2 * orl_letters_width("H", 40));
@@ -98,11 +98,11 @@ static void test_turned(void **state)
     (void)state;
     clear();
     orl_letters_draw(&raster, &pen, 50, 90, "Lx");
-    const struct extent flat = measure();
+    const struct extent flat = measure_ink();
     clear();
     pen.turn = acos(0);
     orl_letters_draw(&raster, &pen, 50, 90, "Lx");
-    const struct extent up = measure();
+    const struct extent up = measure_ink();
     assert_true(fabs(up.ink - flat.ink) < 0.02 * flat.ink);
     assert_true(abs((up.y1 - up.y0) - (flat.x1 - flat.x0)) <= 1);
     assert_true(up.y1 < 90 && abs(up.x1 - 50) <= 2 && abs(up.x0 - 30) <= 2);
@@ -134,7 +134,7 @@ static void test_alphabet(void **state)
             continue;
         clear();
         orl_letters_draw(&small, &pen, 10, 70, text);
-        assert_true(measure().ink > 10);
+        assert_true(measure_ink().ink > 10);
         memcpy(seen[code], pixels, sizeof seen[code]);
         for (unsigned other = '!'; other < code; other++)
             if (memcmp(seen[other], seen[code], sizeof seen[code]) == 0)

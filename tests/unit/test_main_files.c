@@ -19,7 +19,7 @@ struct entry {
 };
 
 /* Returns the chosen names, in order, separated by blanks. Entries are sorted by name. */
-static const char *choose(const struct entry *entries, size_t count)
+static const char *choose_files(const struct entry *entries, size_t count)
 {
     static char chosen[256];
     const char *names[MOST];
@@ -42,8 +42,8 @@ static const char *choose(const struct entry *entries, size_t count)
 }
 
 #define CHOOSE(...)                                                                                \
-    choose((const struct entry[]){__VA_ARGS__},                                                    \
-           sizeof((const struct entry[]){__VA_ARGS__}) / sizeof(struct entry))
+    choose_files((const struct entry[]){__VA_ARGS__},                                              \
+                 sizeof((const struct entry[]){__VA_ARGS__}) / sizeof(struct entry))
 
 #define GREY "void plastic grey 0 0 5 .5 .5 .5 0 0\n"
 #define BALL "grey sphere ball 0 0 4 0 0 0 1\n"

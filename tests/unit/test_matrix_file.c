@@ -24,7 +24,7 @@ struct file {
     size_t size;
 };
 
-static void put(struct file *file, const void *bytes, size_t size)
+static void put_bytes(struct file *file, const void *bytes, size_t size)
 {
     assert_true(file->size + size <= sizeof file->bytes);
     memcpy(file->bytes + file->size, bytes, size);
@@ -34,7 +34,7 @@ static void put(struct file *file, const void *bytes, size_t size)
 static struct file text(const char *header)
 {
     struct file file = {.size = 0};
-    put(&file, header, strlen(header));
+    put_bytes(&file, header, strlen(header));
     return file;
 }
 
@@ -47,7 +47,7 @@ static void put_value(struct file *file, double value, bool is_double, bool swap
     memcpy(bytes, is_double ? (const void *)&value : (const void *)&single, size);
     for (size_t i = 0; i < size; i++)
         turned[i] = bytes[swapped ? size - 1 - i : i];
-    put(file, turned, size);
+    put_bytes(file, turned, size);
 }
 
 static void expect(const struct file *file, size_t rows, size_t columns, const float *values)

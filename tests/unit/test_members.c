@@ -25,7 +25,7 @@ extern void *__libc_malloc(size_t size);
 extern void *__libc_calloc(size_t count, size_t size);
 extern void __libc_free(void *memory);
 
-static bool refuse(void)
+static bool fail_allocation(void)
 {
     if (calls++ != failing) {
         live++;
@@ -37,12 +37,12 @@ static bool refuse(void)
 
 void *malloc(size_t size)
 {
-    return refuse() ? NULL : __libc_malloc(size);
+    return fail_allocation() ? NULL : __libc_malloc(size);
 }
 
 void *calloc(size_t count, size_t size)
 {
-    return refuse() ? NULL : __libc_calloc(count, size);
+    return fail_allocation() ? NULL : __libc_calloc(count, size);
 }
 
 void free(void *memory)

@@ -37,7 +37,7 @@
 
 enum { SENSORS = 3 };
 
-static void run(const char *scene, enum orl_technique technique, double ret_lx[SENSORS])
+static void run_scene(const char *scene, enum orl_technique technique, double ret_lx[SENSORS])
 {
     static const struct orl_sensor sensors[SENSORS] = {
         {{1, 2.5, .8}, {0, 0, 1}}, {{3, 1.5, .8}, {0, 0, 1}}, {{2, 4, 1.5}, {0, -1, 0}}};
@@ -54,11 +54,12 @@ static void run(const char *scene, enum orl_technique technique, double ret_lx[S
 }
 
 /* Compares the first n sensors. Both runs have 1 024 rays: 2 % each if they were independent. */
-static void check(const char *mixed, const char *split, enum orl_technique technique, int n)
+static void compare_sensors(const char *mixed, const char *split, enum orl_technique technique,
+                            int n)
 {
     double a[SENSORS], b[SENSORS];
-    run(mixed, technique, a);
-    run(split, technique, b);
+    run_scene(mixed, technique, a);
+    run_scene(split, technique, b);
     for (int i = 0; i < n; i++)
         if (!(b[i] > 10 && fabs(a[i] / b[i] - 1) < .05))
             fail_msg("sensor %d: %g lx, not %g", i, a[i], b[i]);
@@ -71,8 +72,8 @@ static void test_facade(void **state)
     static const char mixed[] =
         ROOM "wall " FLOOR "void mixfunc half 4 pane wall if(Px-2,1,0) . 0 0\nhalf " SOUTH;
     (void)state;
-    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
 }
 
 /* A screen with a hole: void also lets the sun through. */
@@ -83,8 +84,8 @@ static void test_screen(void **state)
     static const char mixed[] =
         ROOM "wall " FLOOR "void mixfunc half 4 void wall if(Px-2,1,0) . 0 0\nhalf " SOUTH;
     (void)state;
-    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
 }
 
 /* The screen with a texture on its wall part, not on the hole. */
@@ -98,8 +99,8 @@ static void test_rough_screen(void **state)
     static const char mixed[] =
         ROOM BUMPS "wall " FLOOR "void mixfunc half 4 void bumpy if(Px-2,1,0) . 0 0\nhalf " SOUTH;
     (void)state;
-    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
 }
 
 /* A floor that is half steel and half paint: glossy reflections of the sun. With a gather the
@@ -112,8 +113,8 @@ static void test_floor(void **state)
     static const char mixed[] =
         ROOM WINDOW "void mixfunc half 4 steel wall if(Px-2,1,0) . 0 0\nhalf " FLOOR;
     (void)state;
-    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_GATHER, 2);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_GATHER, 2);
 }
 
 /* A wall, half of which glows: found by random rays and by photons. */
@@ -130,9 +131,9 @@ static void test_glow(void **state)
     static const char mixed[] =
         DARK "void mixfunc half 4 lit wall if(Px-2,1,0) . 0 0\nhalf " SOUTH_IN;
     (void)state;
-    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_DIRECT, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_DIRECT, SENSORS);
 }
 
 /* Shares that depend on the eye in form only give the light of those that do not. */
@@ -142,8 +143,8 @@ static void test_directed(void **state)
     static const char directed[] =
         ROOM WINDOW "void mixfunc half 4 steel wall if(-Rdot,.4,.9) . 0 0\nhalf " FLOOR;
     (void)state;
-    check(directed, same, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(directed, same, ORL_TECHNIQUE_GATHER, 2);
+    compare_sensors(directed, same, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(directed, same, ORL_TECHNIQUE_GATHER, 2);
 }
 
 /* ---- Files ------------------------------------------------------------------------------------

@@ -191,7 +191,8 @@ static void test_commands(void **state)
 
 /* ---- Light at night ------------------------------------------------------------------------- */
 
-static struct orl_night_light find(const struct orl_weather *weather, char *text, size_t size)
+static struct orl_night_light find_night_light(const struct orl_weather *weather, char *text,
+                                               size_t size)
 {
     const struct orl_night_light night = orl_night_light_find(weather);
     text[0] = '\0';
@@ -209,7 +210,7 @@ static void test_count(void **state)
     double lost = 0, total = 0;
     size_t n = 0;
     (void)state;
-    assert_int_equal(find(&weather, text, sizeof text).n_rows, 0);
+    assert_int_equal(find_night_light(&weather, text, sizeof text).n_rows, 0);
     assert_string_equal(text, "");
     weather.longitude_deg = elsewhere.longitude_deg;
     for (size_t i = 0; i < weather.n_rows; i++) {
@@ -221,7 +222,7 @@ static void test_count(void **state)
         lost += light;
         n++;
     }
-    const struct orl_night_light night = find(&weather, text, sizeof text);
+    const struct orl_night_light night = find_night_light(&weather, text, sizeof text);
     assert_int_equal(night.n_rows, n);
     assert_true(fabs(night.hours - (double)n) < 1e-9);
     assert_true(fabs(night.lost - lost) < 1e-6 * lost && fabs(night.total - total) < 1e-6 * total);
@@ -235,13 +236,13 @@ static void test_causes(void **state)
     char text[640];
     (void)state;
     weather.time_zone_h = -2;
-    assert_int_equal(find(&weather, text, sizeof text).cause, ORL_NIGHT_TIME_ZONE);
+    assert_int_equal(find_night_light(&weather, text, sizeof text).cause, ORL_NIGHT_TIME_ZONE);
     assert_non_null(strstr(text, "sign of the time zone"));
     weather.time_zone_h = 2;
     for (int shift = -1; shift <= 1; shift += 2) {
         for (size_t i = 0; i < weather.n_rows; i++)
             weather.rows[i].hour += shift;
-        const struct orl_night_light night = find(&weather, text, sizeof text);
+        const struct orl_night_light night = find_night_light(&weather, text, sizeof text);
         for (size_t i = 0; i < weather.n_rows; i++)
             weather.rows[i].hour -= shift;
         assert_int_equal(night.cause, ORL_NIGHT_SHIFT);
@@ -264,7 +265,7 @@ static void test_half_an_hour(void **state)
             weather.rows[i].direct = 300;
         weather.rows[i].hour += 0.5;
     }
-    assert_true(fabs(find(&weather, text, sizeof text).shift_h + 0.5) < 1e-9);
+    assert_true(fabs(find_night_light(&weather, text, sizeof text).shift_h + 0.5) < 1e-9);
     assert_non_null(strstr(text, "0.5 h too late"));
 }
 

@@ -206,7 +206,7 @@ static void mesh_done(struct mesh *mesh)
     free(mesh->xy);
 }
 
-static double turn(const double *a, const double *b, double x, double y)
+static double cross_product(const double *a, const double *b, double x, double y)
 {
     return (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]);
 }
@@ -218,7 +218,8 @@ static int holding(const struct mesh *mesh, double x, double y)
     for (size_t i = 0; i < mesh->cut.n_triples; i++) {
         const uint32_t *t = mesh->cut.triples[i];
         const double *a = mesh->xy[t[0]], *b = mesh->xy[t[1]], *c = mesh->xy[t[2]];
-        n += turn(a, b, x, y) > 0 && turn(b, c, x, y) > 0 && turn(c, a, x, y) > 0;
+        n += cross_product(a, b, x, y) > 0 && cross_product(b, c, x, y) > 0 &&
+             cross_product(c, a, x, y) > 0;
     }
     return n;
 }
@@ -229,7 +230,7 @@ static double mesh_area(const struct mesh *mesh)
     for (size_t i = 0; i < mesh->cut.n_triples; i++) {
         const uint32_t *t = mesh->cut.triples[i];
         const double *c = mesh->xy[t[2]];
-        sum += 0.5 * turn(mesh->xy[t[0]], mesh->xy[t[1]], c[0], c[1]);
+        sum += 0.5 * cross_product(mesh->xy[t[0]], mesh->xy[t[1]], c[0], c[1]);
     }
     return sum;
 }

@@ -55,7 +55,7 @@ static struct orl_rgb seen(const struct orl_scene *scene, double x, double y, do
     return orl_material_diffuse(orl_scene_material(scene, hit.facet), &hit);
 }
 
-static void check(struct orl_rgb value, double r, double g, double b)
+static void check_color(struct orl_rgb value, double r, double g, double b)
 {
     const double most = fmax(fabs(value.r - r), fmax(fabs(value.g - g), fabs(value.b - b)));
     if (!(most < 1e-5)) /* hits are computed from floats */
@@ -79,21 +79,21 @@ static void test_values(void **state)
     struct orl_scene *scene = load(plain, function);
     for (double x = .5; x < 4; x++) {
         const double factor = .9 * (.5 + .25 * (x - 1) / 2);
-        check(seen(scene, x, 1, 0, -1), .8 * factor, .4 * factor, .2 * factor);
-        check(seen(scene, x, 1, 0, 1), .8 * factor, .4 * factor, .2 * factor);
+        check_color(seen(scene, x, 1, 0, -1), .8 * factor, .4 * factor, .2 * factor);
+        check_color(seen(scene, x, 1, 0, 1), .8 * factor, .4 * factor, .2 * factor);
     }
     orl_scene_release(scene);
     scene = load("void brightfunc f 2 .5+.25*Nz . 0 0\n" /* the front's normal, also from behind */
                  "f plastic tiled 0 0 5 .8 .4 .2 0 0\n!xform part.rad\n",
                  "");
-    check(seen(scene, 1, 1, 0, -1), .6, .3, .15);
-    check(seen(scene, 1, 1, 0, 1), .6, .3, .15);
+    check_color(seen(scene, 1, 1, 0, -1), .6, .3, .15);
+    check_color(seen(scene, 1, 1, 0, 1), .6, .3, .15);
     orl_scene_release(scene);
     scene = load(moved, function); /* only the surfaces are moved: the pattern stays */
-    check(seen(scene, 2, 1, 7, -1), .72, .36, .18);
+    check_color(seen(scene, 2, 1, 7, -1), .72, .36, .18);
     orl_scene_release(scene);
     scene = load(turned, function);
-    check(seen(scene, 1, .5, 0, -1), .4, .5, 0);
+    check_color(seen(scene, 1, .5, 0, -1), .4, .5, 0);
     orl_scene_release(scene);
 }
 
@@ -106,10 +106,10 @@ static void test_cut(void **state)
     struct orl_scene *const scene =
         load(text, "value = if(Px-3, 4, if(Px-2, -1, if(Px-1, 1/0, .5)));");
     (void)state;
-    check(seen(scene, 3.5, 1, 0, -1), 1, 1, .8);
-    check(seen(scene, 2.5, 1, 0, -1), 0, 0, 0);
-    check(seen(scene, 1.5, 1, 0, -1), .8, .4, .2);
-    check(seen(scene, .5, 1, 0, -1), .4, .2, .1);
+    check_color(seen(scene, 3.5, 1, 0, -1), 1, 1, .8);
+    check_color(seen(scene, 2.5, 1, 0, -1), 0, 0, 0);
+    check_color(seen(scene, 1.5, 1, 0, -1), .8, .4, .2);
+    check_color(seen(scene, .5, 1, 0, -1), .4, .2, .1);
     assert_int_equal(scene->description.n_warnings, 1);
     int without = 0;
     assert_int_equal(sscanf(scene->description.warnings[0],
@@ -211,8 +211,8 @@ static void test_keys(void **state)
 
 enum { SENSORS = 4 };
 
-static void run(const char *scene, enum orl_technique technique, uint32_t threads,
-                double ret_lx[SENSORS])
+static void run_scene(const char *scene, enum orl_technique technique, uint32_t threads,
+                      double ret_lx[SENSORS])
 {
     static const struct orl_sensor sensors[SENSORS] = {{{1, 2, .3}, {0, 0, -1}},
                                                        {{3, 2, .3}, {0, 0, -1}},
@@ -250,9 +250,9 @@ static void test_jobs(void **state)
     (void)state;
     for (size_t t = 0; t < sizeof techniques / sizeof *techniques; t++) {
         double split[SENSORS], one[SENSORS], two[SENSORS];
-        run(ROOM SPLIT, techniques[t], 1, split);
-        run(patterned, techniques[t], 1, one);
-        run(patterned, techniques[t], 2, two);
+        run_scene(ROOM SPLIT, techniques[t], 1, split);
+        run_scene(patterned, techniques[t], 1, one);
+        run_scene(patterned, techniques[t], 2, two);
         assert_memory_equal(one, two, sizeof one);
         for (int i = 0; i < SENSORS; i++)
             if (!(fabs(one[i] / split[i] - 1) < .06))

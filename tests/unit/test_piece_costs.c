@@ -46,8 +46,8 @@ static double cpu_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                  const struct orl_pieces_watch *watch, struct orl_error *err)
+static int divide_pieces(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                         const struct orl_pieces_watch *watch, struct orl_error *err)
 {
     struct fixture *f = ctx;
     (void)watch, (void)err;
@@ -110,7 +110,7 @@ static void run_skies(struct fixture *f, enum orl_technique technique, double re
     struct orl_map_store store;
     struct orl_error err = {0};
     struct orl_job job;
-    const struct orl_pieces pieces = {f, "a job", divide, NULL};
+    const struct orl_pieces pieces = {f, "a job", divide_pieces, NULL};
     atomic_bool cancel = false;
     orl_job_init(&job);
     fill_skies(skies);
@@ -162,7 +162,7 @@ static void test_skies_by_paths_with_an_accuracy(void **state)
 static void run_year(struct fixture *f, enum orl_annual_technique technique)
 {
     static const struct orl_sensor sensors[] = {{{2, 2, 0.8}, {0, 0, 1}}};
-    const struct orl_pieces pieces = {f, "a job", divide, NULL};
+    const struct orl_pieces pieces = {f, "a job", divide_pieces, NULL};
     const struct year_run run = {.scene = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE,
                                  .site = {50, 10, 1},
                                  .sensors = sensors,

@@ -83,7 +83,7 @@ enum { VALUES = 4000 };
 
 /* Fills in rounds of normal errors with variance 1 / effort; the reported variance is `factor`
  * times that. */
-static void fill(struct orl_pooled *pool, const double *efforts, int rounds, double factor)
+static void fill_pool(struct orl_pooled *pool, const double *efforts, int rounds, double factor)
 {
     double *value = malloc(VALUES * sizeof *value), *error = malloc(VALUES * sizeof *error);
     assert_true(value && error && orl_pooled_init(pool, VALUES, 0, NULL) == 0);
@@ -123,7 +123,7 @@ static void test_errors_from_the_spread(void **state)
     struct orl_pooled pool;
     double errors[VALUES];
     (void)state;
-    fill(&pool, efforts, 2, 0);
+    fill_pool(&pool, efforts, 2, 0);
     assert_near(ratio(&pool), 1, 0.067);
     assert_near(orl_pooled_degrees(&pool), 5, 1e-15);
     orl_pooled_errors(&pool, 1e-3, errors);
@@ -139,10 +139,10 @@ static void test_rounds_that_tell_too_little(void **state)
     static const double efforts[4] = {1, 2, 4, 2};
     struct orl_pooled honest, boastful;
     (void)state;
-    fill(&honest, efforts, 4, 1);
+    fill_pool(&honest, efforts, 4, 1);
     assert_near(orl_pooled_dispersion(&honest), 1, 0.04);
     assert_near(ratio(&honest), 1, 1e-12);
-    fill(&boastful, efforts, 4, 0.5);
+    fill_pool(&boastful, efforts, 4, 0.5);
     assert_near(orl_pooled_dispersion(&boastful), 4, 0.04);
     assert_near(ratio(&boastful), 1, 0.04);
     orl_pooled_done(&honest);

@@ -58,7 +58,7 @@ static double spared(const struct orl_world *world, const struct orl_stratum *st
     return (double)n / POINTS;
 }
 
-static void check(const char *text, double least_spared)
+static void check_spared(const char *text, double least_spared)
 {
     struct orl_crew *crew = orl_crew_start(1);
     struct orl_world *world = open_world(text, crew);
@@ -77,7 +77,7 @@ static void check(const char *text, double least_spared)
 static void test_spared_rays_meet_nothing(void **state)
 {
     (void)state;
-    check(SUNS ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE OUTSIDE, 0.3);
+    check_spared(SUNS ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE OUTSIDE, 0.3);
 }
 
 int main(void)

@@ -22,7 +22,7 @@
 #endif
 
 /* Runs the file and returns the digest it prints, with an additional library or NULL. */
-static void ask(const char *path, const char *library, char ret_digest[ORL_SHA_HEX])
+static void read_digest(const char *path, const char *library, char ret_digest[ORL_SHA_HEX])
 {
     char command[1024];
     snprintf(command, sizeof command, "LD_PRELOAD='%s' '%s' digest", library ? library : "", path);
@@ -56,14 +56,14 @@ static void test_program(void **state)
     snprintf(path, sizeof path, "%s/one", folder);
     snprintf(other, sizeof other, "%s/two", folder);
     copy_self(path);
-    ask(path, NULL, here);
+    read_digest(path, NULL, here);
     /* A copy in another place, with another time. */
     copy_self(other);
     assert_int_equal(utimensat(0, other, (const struct timespec[2]){{1, 0}, {1, 0}}, 0), 0);
-    ask(other, NULL, there);
+    read_digest(other, NULL, there);
     assert_string_equal(here, there);
     if (PRELOADS) {
-        ask(path, "libutil.so.1", with);
+        read_digest(path, "libutil.so.1", with);
         assert_string_not_equal(here, with);
     }
     unlink(path);

@@ -191,7 +191,7 @@ static int read_bsdf(const void *what, const atomic_bool *cancel, struct orl_err
 }
 
 /* Inserts blanks in the data and a long comment, so that the text is read in many slices. */
-static struct text spread(struct text t)
+static struct text pad_with_blanks(struct text t)
 {
     const int blanks = extent_is_long() ? 3 << 20 : 3 << 19; /* a slice is at most a mebibyte */
     struct text long_one;
@@ -215,8 +215,8 @@ static void test_bsdfs(void **state)
 {
     static const char *const fixtures[] = {"tests/fixtures/bsdf_klems41.xml",
                                            "tests/fixtures/bsdf_lcp8.xml"};
-    struct text made[] = {spread(make_tree_file(3)), spread(make_iso_file(3)),
-                          spread(make_clear_file(2, .5, .1))};
+    struct text made[] = {pad_with_blanks(make_tree_file(3)), pad_with_blanks(make_iso_file(3)),
+                          pad_with_blanks(make_clear_file(2, .5, .1))};
     (void)state;
     for (int i = 0; i < 2; i++) {
         size_t size;
@@ -234,7 +234,7 @@ static void test_bsdfs(void **state)
  * is left. */
 static void test_blocks_side_by_side(void **state)
 {
-    struct text tree = spread(make_tree_file(3));
+    struct text tree = pad_with_blanks(make_tree_file(3));
     struct orl_error err;
     struct bsdf file = {tree.data, tree.size, orl_crew_start(3)};
     int code = ORL_ERR_CANCELLED, at = 0;

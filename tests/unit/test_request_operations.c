@@ -137,7 +137,7 @@ static int stop_server(void **state)
     return 0;
 }
 
-static void ask(const struct daemon *server, const char *line, struct reply *ret_reply)
+static void send_request(const struct daemon *server, const char *line, struct reply *ret_reply)
 {
     char host[64];
     snprintf(host, sizeof host, "Host: localhost:%s\r\n", strrchr(server->url, ':') + 1);
@@ -149,7 +149,7 @@ static void ask(const struct daemon *server, const char *line, struct reply *ret
 static void test_one_operation_replies(void **state)
 {
     struct reply reply;
-    ask(*state, "GET /once", &reply);
+    send_request(*state, "GET /once", &reply);
     assert_int_equal(reply.status, 200);
     assert_string_equal(reply.body, "first");
     reply_done(&reply);
@@ -171,10 +171,10 @@ static void test_second_operation_aborts(void **state)
 static void test_second_operation_is_a_500(void **state)
 {
     struct reply reply;
-    ask(*state, "GET /twice", &reply);
+    send_request(*state, "GET /twice", &reply);
     assert_int_equal(reply.status, 500);
     reply_done(&reply);
-    ask(*state, "GET /once", &reply);
+    send_request(*state, "GET /once", &reply);
     assert_int_equal(reply.status, 200);
     reply_done(&reply);
 }

@@ -117,7 +117,7 @@ static int start(struct fixture *f)
     return f->runner.start(f->runner.ctx, "wave1", orders, 3, 3, &f->err);
 }
 
-static int look(struct fixture *f, struct orl_part_seen seen[3])
+static int look_at_parts(struct fixture *f, struct orl_part_seen seen[3])
 {
     return f->runner.look(f->runner.ctx, "wave1", seen, 3, &f->err);
 }
@@ -128,7 +128,7 @@ static void assert_states(struct fixture *f, enum orl_part_state a, enum orl_par
 {
     struct orl_part_seen seen[3];
     clock_s += 1.1;
-    if (look(f, seen))
+    if (look_at_parts(f, seen))
         fail_msg("%s", f->err.message);
     assert_int_equal(seen[0].state, a);
     assert_int_equal(seen[1].state, b);
@@ -191,7 +191,7 @@ static void test_limits_have_bounds(void **state)
     assert_int_equal(start(f), 0);
     assert_holds(f, "sinfo.args", "--partition=short");
     assert_holds(f, "sbatch.args", "--array=0-1%4 --time=10 --mem=512M ");
-    assert_int_equal(look(f, seen), 0);
+    assert_int_equal(look_at_parts(f, seen), 0);
     assert_int_equal(seen[2].limits.minutes, 10);
     assert_int_equal(seen[2].task, 77);
     forget(f, "sbatch.args");
@@ -199,7 +199,7 @@ static void test_limits_have_bounds(void **state)
     cli_write_file(f->folder, "partitions", "long|infinite|1\n");
     assert_int_equal(start(f), 0);
     assert_holds(f, "sbatch.args", "--array=0-1%4 --time=5 -plong ");
-    assert_int_equal(look(f, seen), 0);
+    assert_int_equal(look_at_parts(f, seen), 0);
     assert_int_equal(seen[2].limits.minutes, 0);
 }
 
@@ -265,7 +265,7 @@ static void test_sbatch_hangs(void **state)
     cli_write_file(f->folder, "queue", "0|R\n1|PD\n");
     clock_s += 1.1;
     struct orl_part_seen seen[3];
-    assert_int_equal(look(f, seen), 0);
+    assert_int_equal(look_at_parts(f, seen), 0);
     assert_int_equal(seen[0].state, ORL_PART_RUNNING);
     assert_int_equal(seen[1].state, ORL_PART_WAITING);
     assert_int_equal(count_lines(f, "sbatch.args"), 2);
@@ -280,7 +280,7 @@ static void test_patience_ends(void **state)
     cli_write_file(f->folder, "squeue.says", away);
     assert_states(f, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN);
     clock_s += 101;
-    assert_int_equal(look(f, seen), ORL_ERR_IO);
+    assert_int_equal(look_at_parts(f, seen), ORL_ERR_IO);
     assert_non_null(strstr(f->err.message, "has not answered for 100 s: slurm_load_jobs error"));
     assert_non_null(strstr(f->err.hint, "scontrol ping"));
 }
@@ -293,7 +293,7 @@ static void test_slurm_is_not_asked_all_the_time(void **state)
     assert_int_equal(start(f), 0);
     for (int i = 0; i < 10000; i++) {
         clock_s += 0.1;
-        assert_int_equal(look(f, seen), 0);
+        assert_int_equal(look_at_parts(f, seen), 0);
     }
     const int asked = count_lines(f, "squeue.args");
     if (asked < 20 || asked > 210)

@@ -126,7 +126,7 @@ static void on_share(void *ctx, double share)
     f->share = share;
 }
 
-static int divide(struct fixture *f)
+static int divide_job(struct fixture *f)
 {
     const struct orl_pieces_watch watch = {on_share, f};
     f->share = 0;
@@ -147,7 +147,7 @@ static int count_runs(const struct fixture *f)
 static void test_each_part_runs_once(void **state)
 {
     struct fixture *f = *state;
-    assert_int_equal(divide(f), 0);
+    assert_int_equal(divide_job(f), 0);
     assert_int_equal(count_runs(f), 3);
     assert_int_equal(f->told.done, 3);
     assert_int_equal(f->told.waiting + f->told.running + f->told.again, 0);
@@ -163,7 +163,7 @@ static void test_parts_are_tried_again(void **state)
     struct fixture *f = *state;
     cli_write_file(f->folder, "fails", "x\n");
     cli_write_file(f->folder, "dies", "x\n");
-    assert_int_equal(divide(f), 0);
+    assert_int_equal(divide_job(f), 0);
     assert_int_equal(count_runs(f), 5);
     assert_int_equal(f->told.again, 2);
     assert_int_equal(f->told.done, 3);
@@ -175,7 +175,7 @@ static void test_a_part_fails_for_good(void **state)
 {
     struct fixture *f = *state;
     cli_write_file(f->folder, "fails", "x\nx\nx\nx\nx\nx\nx\nx\nx\n");
-    assert_int_equal(divide(f), ORL_ERR_RANGE);
+    assert_int_equal(divide_job(f), ORL_ERR_RANGE);
     assert_non_null(strstr(f->err.message, "the glass is cracked"));
 }
 
@@ -184,7 +184,7 @@ static void test_the_disk_is_full(void **state)
 {
     struct fixture *f = *state;
     cli_write_file(f->folder, "full", "x\nx\nx\nx\nx\nx\nx\nx\nx\nx\n");
-    assert_int_equal(divide(f), 0);
+    assert_int_equal(divide_job(f), 0);
     assert_int_equal(count_runs(f), 13);
     assert_int_equal(f->told.done, 3);
     assert_int_equal(f->told.held, 0);
@@ -194,7 +194,7 @@ static void test_a_part_dies_for_good(void **state)
 {
     struct fixture *f = *state;
     cli_write_file(f->folder, "dies", "x\nx\nx\nx\nx\nx\nx\nx\nx\n");
-    assert_int_equal(divide(f), ORL_ERR_INTERNAL);
+    assert_int_equal(divide_job(f), ORL_ERR_INTERNAL);
     assert_non_null(strstr(f->err.message, "3 times without a word"));
 }
 
@@ -205,7 +205,7 @@ static void test_a_wave_is_taken_up(void **state)
     cli_write_file(f->folder, "slow", "");
     atomic_store(&f->cancel, true);
     atomic_store(&f->leaves, true);
-    assert_int_equal(divide(f), ORL_ERR_CANCELLED);
+    assert_int_equal(divide_job(f), ORL_ERR_CANCELLED);
     orl_sharing_done(&f->sharing, false); /* also ends the processes, as a kill would */
     char path[128];
     snprintf(path, sizeof path, "%s/slow", f->folder);
@@ -213,7 +213,7 @@ static void test_a_wave_is_taken_up(void **state)
     atomic_store(&f->cancel, false);
     assert_int_equal(open_sharing(f), 0);
     const int before = count_runs(f);
-    assert_int_equal(divide(f), 0);
+    assert_int_equal(divide_job(f), 0);
     assert_int_equal(count_runs(f), before + 3);
     assert_int_equal(f->told.waves, 1);
     assert_int_equal(f->told.done, 3);
@@ -225,7 +225,7 @@ static void test_a_cancelled_wave_is_forgotten(void **state)
     struct fixture *f = *state;
     cli_write_file(f->folder, "slow", "");
     atomic_store(&f->cancel, true);
-    assert_int_equal(divide(f), ORL_ERR_CANCELLED);
+    assert_int_equal(divide_job(f), ORL_ERR_CANCELLED);
     char command[160];
     snprintf(command, sizeof command, "ls %s/*.wave >/dev/null 2>&1", f->job);
     assert_int_not_equal(system(command), 0); /* NOLINT(cert-env33-c) */
@@ -287,7 +287,7 @@ static void test_limits_are_raised(void **state)
     f->sharing.spec.memory_bytes = 1;
     hold_to_limits(f, ORL_PART_OUT_OF_MEMORY);
     cli_write_file(f->folder, "dies", "1\n");
-    assert_int_equal(divide(f), 0);
+    assert_int_equal(divide_job(f), 0);
     assert_int_equal(n_last, 1);
     assert_int_equal(last_orders[0].limits.mib, 512);
     assert_true(f->sharing.count.again == 1);
@@ -300,7 +300,7 @@ static void test_limits_that_cannot_be_raised(void **state)
     f->sharing.spec.memory_bytes = 1;
     hold_to_limits(f, ORL_PART_OUT_OF_MEMORY);
     cli_write_file(f->folder, "dies", "1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n");
-    assert_int_equal(divide(f), ORL_ERR_LIMIT);
+    assert_int_equal(divide_job(f), ORL_ERR_LIMIT);
     assert_non_null(strstr(f->err.message, "ran out of its memory, 900 MiB"));
 }
 

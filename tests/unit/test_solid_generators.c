@@ -79,7 +79,7 @@ static int read_outline(void *ctx, const char *name, char **ret_text, struct orl
     return *ret_text ? 0 : ORL_ERR_NOMEM;
 }
 
-static int run(const char *line, struct orl_text *text, struct orl_error *err)
+static int run_command(const char *line, struct orl_text *text, struct orl_error *err)
 {
     const struct orl_generator_files files = {NULL, read_outline};
     struct orl_command command;
@@ -120,7 +120,7 @@ static size_t write_word(const char *word, size_t length, char ret_word[64])
                          : snprintf(ret_word, 64, "%.12g ", fabs(number) < 1e-15 ? 0 : number));
 }
 
-static void check(const struct expected *e)
+static void check_digest(const struct expected *e)
 {
     struct orl_text text = {0};
     struct orl_error err = {0};
@@ -128,7 +128,7 @@ static void check(const struct expected *e)
     unsigned char digest[ORL_SHA256_BYTES];
     char word[64], digits[17];
     size_t n = 0;
-    if (run(e->command, &text, &err) < 0)
+    if (run_command(e->command, &text, &err) < 0)
         fail_msg("%s: %s", e->command, err.message);
     assert_false(text.failed);
     orl_sha256_init(&hash);
@@ -149,7 +149,7 @@ static void test_words(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
-        check(&expected[i]);
+        check_digest(&expected[i]);
 }
 
 /* Formulas without quotes: they match no file names, so a shell passes them on unchanged. */
@@ -164,8 +164,8 @@ static void test_formulas_need_no_quotes(void **state)
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
         struct orl_text bare = {0}, quoted = {0};
         struct orl_error err = {0};
-        assert_int_equal(run(pairs[i][0], &bare, &err), 0);
-        assert_int_equal(run(pairs[i][1], &quoted, &err), 0);
+        assert_int_equal(run_command(pairs[i][0], &bare, &err), 0);
+        assert_int_equal(run_command(pairs[i][1], &quoted, &err), 0);
         assert_string_equal(strchr(bare.data, '\n'), strchr(quoted.data, '\n'));
         orl_text_done(&bare);
         orl_text_done(&quoted);
@@ -235,7 +235,7 @@ static void test_refused(void **state)
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         struct orl_text text = {0};
         struct orl_error err = {0};
-        const int code = run(refused[i].command, &text, &err);
+        const int code = run_command(refused[i].command, &text, &err);
         if (code != refused[i].code || !strstr(err.message, refused[i].message))
             fail_msg("%s: %d, %s", refused[i].command, code, err.message);
         assert_null(text.data);

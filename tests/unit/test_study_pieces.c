@@ -71,8 +71,8 @@ static void on_progress(void *ctx, const struct orl_study_step *step)
 
 /* Claims pieces. A worker gets its share at the first call, and ORL_ERR_CANCELLED after that. The
  * lead gets none: the call reports progress and counts the requested pieces. */
-static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                  const struct orl_pieces_watch *watch, struct orl_error *err)
+static int claim_pieces(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                        const struct orl_pieces_watch *watch, struct orl_error *err)
 {
     struct fixture *f = ctx;
     double work = 0;
@@ -120,7 +120,8 @@ static struct orl_study_request make_request(void)
 }
 
 /* pieces is NULL for a study in one piece. */
-static int run(struct fixture *f, const struct orl_pieces *pieces, struct orl_study *ret_study)
+static int run_study(struct fixture *f, const struct orl_pieces *pieces,
+                     struct orl_study *ret_study)
 {
     const struct orl_study_request request = make_request();
     const char *const names[] = {scene_file};
@@ -152,10 +153,10 @@ static int run(struct fixture *f, const struct orl_pieces *pieces, struct orl_st
 
 static int run_as(struct fixture *f, int who, double haste, struct orl_study *ret_study)
 {
-    const struct orl_pieces pieces = {f, "a job", divide, NULL};
+    const struct orl_pieces pieces = {f, "a job", claim_pieces, NULL};
     f->mine = who;
     f->haste = haste;
-    return run(f, &pieces, ret_study);
+    return run_study(f, &pieces, ret_study);
 }
 
 /* Runs all other processes in sequence; the last one finds all pieces made. */
@@ -209,7 +210,7 @@ static void test_runs_are_made_by_others(void **state)
     struct fixture *f = *state;
     struct orl_study whole = {0}, merged = {0};
     f->haste = 1;
-    assert_int_equal(run(f, NULL, &whole), 0);
+    assert_int_equal(run_study(f, NULL, &whole), 0);
     run_others(f, 100000);
     assert_int_equal(run_as(f, OTHERS, 1, &merged), 0);
     assert_int_equal(f->asked, 0);
@@ -233,8 +234,8 @@ static void test_a_damaged_run_is_made_again(void **state)
     assert_int_equal(run_as(f, OTHERS, 1, &merged), ORL_ERR_CANCELLED);
     assert_int_equal(f->asked, 1);
     assert_true(f->in_parts > 0);
-    const struct orl_pieces pieces = {f, "another job", divide, NULL};
-    assert_int_equal(run(f, &pieces, &merged), ORL_ERR_CANCELLED);
+    const struct orl_pieces pieces = {f, "another job", claim_pieces, NULL};
+    assert_int_equal(run_study(f, &pieces, &merged), ORL_ERR_CANCELLED);
     assert_int_equal(f->asked, RUNS + 1);
 }
 

@@ -150,7 +150,7 @@ static struct orl_vec3 second_opinion(double latitude, double longitude_east, in
 }
 
 /* Returns a low-discrepancy number, by powers of the plastic number. */
-static double spread(int i, int axis)
+static double spread_number(int i, int axis)
 {
     static const double steps[] = {0.8191725134, 0.6710436067, 0.5497004779, 0.4503012030};
     const double x = 0.5 + (i + 1) * steps[axis];
@@ -164,10 +164,11 @@ static void test_against_second(void **state)
     enum { CASES = 5000 };
     (void)state;
     for (int i = 0; i < CASES; i++) {
-        const double latitude = 180 * spread(i, 0) - 90, longitude = 360 * spread(i, 1) - 180;
-        const double zone = round(longitude / 15), date = 150 * spread(i, 2);
+        const double latitude = 180 * spread_number(i, 0) - 90,
+                     longitude = 360 * spread_number(i, 1) - 180;
+        const double zone = round(longitude / 15), date = 150 * spread_number(i, 2);
         const int year = 1950 + (int)date, month = 1 + i % 12, day = 1 + i / 12 % 28;
-        const double hour = 24 * spread(i, 3);
+        const double hour = 24 * spread_number(i, 3);
         const struct orl_location site = site_at(latitude, longitude, zone);
         const struct orl_moment moment = {.year = year, .month = month, .day = day, .hour = hour};
         const struct orl_sun_position sun = orl_sun_accurate(&site, &moment);

@@ -36,8 +36,8 @@ static struct orl_scene *load(const char *text, const char *name, const char *re
 
 /* Finds the material where a ray hits that place of the floor, from above or below; `from` is set
  * to the direction the ray comes from. */
-static const struct orl_material *meet(const struct orl_scene *scene, double x, double y,
-                                       struct orl_vec3 from, struct orl_hit *ret_hit)
+static const struct orl_material *intersect_floor(const struct orl_scene *scene, double x, double y,
+                                                  struct orl_vec3 from, struct orl_hit *ret_hit)
 {
     const struct orl_vec3 there = orl_sub(orl_v3(x, y, 0), scene->geometry->center);
     assert_true(orl_geometry_intersect(scene->geometry, orl_madd(there, from, 5), orl_neg(from),
@@ -50,7 +50,7 @@ static void expect_normal(const struct orl_scene *scene, double x, double y, str
 {
     struct orl_hit hit;
     const struct orl_vec3 eye = orl_normalize(from);
-    const struct orl_material *const m = meet(scene, x, y, eye, &hit);
+    const struct orl_material *const m = intersect_floor(scene, x, y, eye, &hit);
     const struct orl_vec3 up = orl_normalize(orl_add(orl_v3(0, 0, 1), turn));
     const struct orl_vec3 wanted = eye.z > 0 ? up : orl_neg(up);
     const struct orl_vec3 normal = orl_normal_at(m, &hit, eye);
@@ -78,8 +78,9 @@ static void test_normals(void **state)
     /* The function's x is the world's y, its y the negative x. */
     expect_normal(scene, 1, 2, above, orl_v3(0, .1 + .3, .2));
     struct orl_hit hit;
-    assert_true(fabs(orl_material_diffuse(meet(scene, 1, 1, orl_v3(0, 0, 1), &hit), &hit).r -
-                     .5 * .5 * .1) < 1e-9);
+    assert_true(
+        fabs(orl_material_diffuse(intersect_floor(scene, 1, 1, orl_v3(0, 0, 1), &hit), &hit).r -
+             .5 * .5 * .1) < 1e-9);
     orl_scene_release(scene);
 }
 
@@ -140,7 +141,7 @@ static void test_over_material(void **state)
     assert_int_equal(scene->description.n_materials, 3);
     expect_normal(scene, 2, 1, orl_v3(0, .1, 1), orl_v3(.1 + .4, 0, 0));
     const struct orl_rgb seen =
-        orl_material_diffuse(meet(scene, 1, 1, orl_v3(0, 0, 1), &hit), &hit);
+        orl_material_diffuse(intersect_floor(scene, 1, 1, orl_v3(0, 0, 1), &hit), &hit);
     assert_true(fabs(seen.r - .4) < 1e-9 && fabs(seen.b - .1) < 1e-9);
     orl_scene_release(scene);
 }
@@ -165,8 +166,9 @@ static void test_sides(void **state)
             const double phi = 6.2831853 * orl_random_uniform(&random);
             const struct orl_vec3 from = orl_v3(s * cos(phi), s * sin(phi), u);
             struct orl_hit hit;
-            const struct orl_material *const m = meet(scene, 4 * orl_random_uniform(&random),
-                                                      4 * orl_random_uniform(&random), from, &hit);
+            const struct orl_material *const m =
+                intersect_floor(scene, 4 * orl_random_uniform(&random),
+                                4 * orl_random_uniform(&random), from, &hit);
             const struct orl_vec3 normal = orl_normal_at(m, &hit, from);
             assert_true(orl_dot(normal, from) >= 0 && fabs(orl_length(normal) - 1) < 1e-9);
             const struct orl_scatter sent =
@@ -237,7 +239,7 @@ static void test_generated(void **state)
         "void plastic m 0 0 5 .5 .5 .5 0 0\n" FLOOR
         "!gensurf m ball 'sin(PI*s)*cos(2*PI*t)' 'sin(PI*s)*sin(2*PI*t)' 'cos(PI*s)' 30 60 -s\n",
         NULL, NULL);
-    const struct orl_material *m = meet(scene, x, y, orl_v3(0, 0, 1), &hit);
+    const struct orl_material *m = intersect_floor(scene, x, y, orl_v3(0, 0, 1), &hit);
     const struct orl_vec3 round = orl_v3(x, y, sqrt(1 - x * x - y * y));
     assert_true(orl_length(orl_sub(orl_normal_at(m, &hit, orl_v3(0, 0, 1)), round)) < 2e-3);
     assert_true(orl_length(orl_sub(hit.normal, round)) > 1e-2);

@@ -14,7 +14,7 @@
 #include "base/random.h"
 #include "support/outline.h"
 
-static void check(const struct outline *o)
+static void check_outline(const struct outline *o)
 {
     /* Coordinates are of order one, in double, with some hundred products. */
     assert_true(outline_area_error(o) <= 1e-11);
@@ -27,7 +27,7 @@ static void test_convex(void **state)
     (void)state;
     for (int i = 0; i < 17; i++)
         outline_add(&o, cos(2 * ORL_PI * i / 17), sin(2 * ORL_PI * i / 17));
-    check(&o);
+    check_outline(&o);
 }
 
 static void test_concave(void **state)
@@ -39,9 +39,9 @@ static void test_concave(void **state)
     struct outline o;
     (void)state;
     o = outline_of(comb, 16);
-    check(&o);
+    check_outline(&o);
     o = outline_of(arrow, 4);
-    check(&o);
+    check_outline(&o);
 }
 
 /*
@@ -59,7 +59,7 @@ static void test_keyholed(void **state)
     (void)state;
     o = outline_of(wall, 20);
     assert_true(fabs(outline_area(&o) - 28) < 1e-12);
-    check(&o);
+    check_outline(&o);
 }
 
 /* Two holes joined to the same corner of the outline, one after the other. */
@@ -72,7 +72,7 @@ static void test_two_seams_at_one_corner(void **state)
     (void)state;
     o = outline_of(plate, 16);
     assert_true(fabs(outline_area(&o) - 34) < 1e-12);
-    check(&o);
+    check_outline(&o);
 }
 
 /* A frame: the hole is nearly as large as the outline, with a seam between neighbouring corners. */
@@ -84,7 +84,7 @@ static void test_thin_frame(void **state)
     struct outline o;
     (void)state;
     o = outline_of(frame, 10);
-    check(&o);
+    check_outline(&o);
 }
 
 static void test_collinear_and_duplicates(void **state)
@@ -95,9 +95,9 @@ static void test_collinear_and_duplicates(void **state)
     struct outline o;
     (void)state;
     o = outline_of(square, 12);
-    check(&o);
+    check_outline(&o);
     o = outline_of(spike, 7);
-    check(&o);
+    check_outline(&o);
 }
 
 /* Stars: random radii about a centre make a simple polygon, sharp and concave. */
@@ -113,7 +113,7 @@ static void test_random_stars(void **state)
             outline_add(&o, r * cos(phi), r * sin(phi));
         }
         if (seed % 10 == 0)
-            check(&o);
+            check_outline(&o);
         else
             assert_true(outline_area_error(&o) <= 1e-11);
     }
@@ -143,7 +143,7 @@ static void test_many_holes(void **state)
         outline_add(&o, 2 * i + 1, 1);
     }
     assert_true(fabs(outline_area(&o) - (3.0 * (2 * HOLES + 1) - HOLES)) < 1e-9);
-    check(&o);
+    check_outline(&o);
 }
 
 int main(void)
