@@ -52,7 +52,7 @@ bool fuzz_route(const uint8_t *data, size_t size);
 bool fuzz_guard(const uint8_t *data, size_t size);
 bool fuzz_token(const uint8_t *data, size_t size);
 
-/* ---- Helpers for the targets (promise.c) ---------------------------------------------------- */
+/* ---- Helpers for the targets (promise.c) ----------------------------------------------------- */
 
 /* Aborts with the text of the condition if the condition is false. */
 #define FUZZ_PROMISE(holds) fuzz_promise((holds), #holds, __FILE__, __LINE__)

@@ -19,7 +19,7 @@
 #include "support/scene_text.h"
 #include "support/stability.h"
 
-/* ---- 14: values that are not numbers -------------------------------------------------------- */
+/* ---- 14: values that are not numbers --------------------------------------------------------- */
 
 enum verdict { REFUSED, CLAMPED };
 
@@ -94,7 +94,7 @@ static void test_14_no_numbers(void **state)
                   "files neither refused with line nor clamped and counted", silent, 0);
 }
 
-/* ---- 19: cut short, nested without end ------------------------------------------------------ */
+/* ---- 19: cut short, nested without end ------------------------------------------------------- */
 
 static struct text nested(const char *structure, int depth, bool closed)
 {
@@ -235,7 +235,7 @@ static void test_20_up_along_the_normal(void **state)
                   silent, 0);
 }
 
-/* ---- 21: order of loading ------------------------------------------------------------------- */
+/* ---- 21: order of loading -------------------------------------------------------------------- */
 
 static void hash_draws(const struct orl_bsdf *bsdf, crypto_hash_sha256_state *hash)
 {

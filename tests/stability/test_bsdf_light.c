@@ -94,7 +94,7 @@ static struct text red_file(void)
     return t;
 }
 
-/* ---- 13: R + T above 1 ---------------------------------------------------------------------- */
+/* ---- 13: R + T above 1 ----------------------------------------------------------------------- */
 
 enum { GAINERS = 4 };
 
@@ -233,7 +233,7 @@ static void test_13_photon_balance(void **state)
     free(xml);
 }
 
-/* ---- 15: all zero --------------------------------------------------------------------------- */
+/* ---- 15: all zero ---------------------------------------------------------------------------- */
 
 static void test_15_black(void **state)
 {
@@ -269,7 +269,7 @@ static void test_15_black(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* ---- 16: a peak of 1e5 1/sr ----------------------------------------------------------------- */
+/* ---- 16: a peak of 1e5 1/sr ------------------------------------------------------------------ */
 
 static const double peak_rings_deg[] = {0, 0.1, 30, 60, 90};
 
@@ -371,7 +371,7 @@ static void test_16_tall_leaf(void **state)
                   fabs(filed - 1e5 * ORL_PI / 65536), 1e-6);
 }
 
-/* ---- 17: one cell of 1e-12 of the total ----------------------------------------------------- */
+/* ---- 17: one cell of 1e-12 of the total ------------------------------------------------------ */
 
 enum { FULL = 145, SLIVER = 70 };
 
@@ -479,7 +479,7 @@ static void test_17_sliver(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* ---- 18: uniform data ----------------------------------------------------------------------- */
+/* ---- 18: uniform data ------------------------------------------------------------------------ */
 
 /* Computes the maximum of |f - diffuse| / f (required for uniform data), and of diffuse - f. */
 static void compare_with_diffuse(const struct orl_bsdf *bsdf, double *difference, double *excess)

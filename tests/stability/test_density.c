@@ -101,7 +101,7 @@ static double estimate_irradiance(struct bed *bed, struct orl_vec3 place, struct
 
 static const struct orl_vec3 up = {0, 0, 1};
 
-/* ---- Few photons ---------------------------------------------------------------------------- */
+/* ---- Few photons ----------------------------------------------------------------------------- */
 
 static const char plate[] = GREY "w polygon floor 0 0 12 0 0 0 2 0 0 2 2 0 0 2 0\n";
 
@@ -165,7 +165,7 @@ static void case_24_coincident_photons(void **state)
     bed_done(&bed);
 }
 
-/* ---- Walls ---------------------------------------------------------------------------------- */
+/* ---- Walls ----------------------------------------------------------------------------------- */
 
 /* One floor under two rooms, with a wall 1 mm thick between them that starts at `gap`. */
 static void two_rooms(const char *name, double gap)
@@ -208,7 +208,7 @@ static void case_28_thin_wall(void **state)
     two_rooms("wall of 1 mm, 1 mm above the floor", 1e-3);
 }
 
-/* ---- A table just above the floor ----------------------------------------------------------- */
+/* ---- A table just above the floor ------------------------------------------------------------ */
 
 static void case_29_table(void **state)
 {
@@ -253,7 +253,7 @@ static void case_29_table(void **state)
                   beside / 50000, 1e-3);
 }
 
-/* ---- Edges and corners ---------------------------------------------------------------------- */
+/* ---- Edges and corners ----------------------------------------------------------------------- */
 
 struct face {
     struct orl_vec3 corner, a, b, normal; /* a and b are unit vectors */

@@ -29,7 +29,7 @@ static bool warned(const struct orl_result *result, const char *words)
     return false;
 }
 
-/* ---- 25: a room without a window ------------------------------------------------------------ */
+/* ---- 25: a room without a window ------------------------------------------------------------- */
 
 /* Runs sensors in the closed room; the only lamp is in the room next door. */
 static struct orl_result run_closed(const char *more, size_t n_sensors)
@@ -58,7 +58,7 @@ static void test_room_without_window(void **state)
     orl_result_done(&result);
 }
 
-/* ---- 35: albedo 0.9999 ---------------------------------------------------------------------- */
+/* ---- 35: albedo 0.9999 ----------------------------------------------------------------------- */
 
 /* A lamp of radius 1e-4 in the middle of a sphere of radius 1: it absorbs 1e-8 of the light per
  * bounce. */
@@ -88,7 +88,7 @@ static void test_white_sphere(void **state)
     orl_result_done(&result);
 }
 
-/* ---- 38: viewpoints in solids, in walls, on surfaces ---------------------------------------- */
+/* ---- 38: viewpoints in solids, in walls, on surfaces ----------------------------------------- */
 
 /* Renders the room with walls of 0.3 m on all sides and a solid block in it. */
 static struct orl_result run_view(const char *view, uint64_t seed, double *ret_mean)
@@ -165,7 +165,7 @@ static void test_views(void **state)
     orl_result_done(&result);
 }
 
-/* ---- 39: sums ------------------------------------------------------------------------------- */
+/* ---- 39: sums -------------------------------------------------------------------------------- */
 
 /* Fluxes of k 2^-60 W, k below 2^20: their sum is an integer multiple of 2^-60 W, and known
  * exactly. */
@@ -232,7 +232,7 @@ static void test_map_mean(void **state)
     free(photons);
 }
 
-/* ---- 44: light that cannot get out ---------------------------------------------------------- */
+/* ---- 44: light that cannot get out ----------------------------------------------------------- */
 
 /*
  * Mirrors of reflectance 0.999 on all sides, nothing diffuse: a share rho^1000 of the light

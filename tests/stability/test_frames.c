@@ -32,7 +32,7 @@ static double worst_of(const double *a, const double *b, size_t n)
     return worst;
 }
 
-/* ---- 26, 27: position and unit -------------------------------------------------------------- */
+/* ---- 26, 27: position and unit --------------------------------------------------------------- */
 
 static double difference_by(const struct room_change *change)
 {
@@ -136,7 +136,7 @@ static void test_unit(void **state)
                   difference_by(&(struct room_change){1e3, 0, {0, 0, 0}}), 2e-3);
 }
 
-/* ---- 34, 46: sides -------------------------------------------------------------------------- */
+/* ---- 34, 46: sides --------------------------------------------------------------------------- */
 
 enum { MOST_SEEDS = 64, MOST_PAIRS = 5 };
 

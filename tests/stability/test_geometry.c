@@ -19,7 +19,7 @@
 
 #define ROOM ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
 
-/* ---- 31: coplanar duplicates ---------------------------------------------------------------- */
+/* ---- 31: coplanar duplicates ----------------------------------------------------------------- */
 
 /* Returns the mean illuminance of the sensors for one seed, lux. */
 static double mean_lx(const char *more, uint64_t seed)
@@ -76,7 +76,7 @@ static void test_duplicates(void **state)
                     mean_lx(panes[0], 1) == mean_lx(panes[0], 1));
 }
 
-/* ---- 32: slivers ---------------------------------------------------------------------------- */
+/* ---- 32: slivers ----------------------------------------------------------------------------- */
 
 /*
  * Needles, a triangle of no area and a speck over a plain of 1 km. Rays that pass them hit the
@@ -122,7 +122,7 @@ static void test_slivers(void **state)
     stability_row(32, "slivers, no area, huge beside tiny", "error of distances, m", off, 1e-9);
 }
 
-/* ---- 33: shared edges ----------------------------------------------------------------------- */
+/* ---- 33: shared edges ------------------------------------------------------------------------ */
 
 /* Traces a million rays in the short form, 1e8 in the long one, against three closed shapes. */
 static void test_leaks(void **state)
@@ -147,7 +147,7 @@ static void test_leaks(void **state)
                   (double)bounced / (0.3 * (double)rays), 1e-7);
 }
 
-/* ---- 48: polygon with keyholes -------------------------------------------------------------- */
+/* ---- 48: polygon with keyholes --------------------------------------------------------------- */
 
 /* Two windows in a wall; the second seam starts at a corner of the first hole, which it touches. */
 static void test_keyholed(void **state)

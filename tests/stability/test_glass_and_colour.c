@@ -31,7 +31,7 @@ static double sun_sr(void)
     return 4 * ORL_PI * s * s;
 }
 
-/* ---- 36: albedo of 1 and more --------------------------------------------------------------- */
+/* ---- 36: albedo of 1 and more ---------------------------------------------------------------- */
 
 /* Material lines (line 2 of a scene) that must be refused: each reflects more than it receives, by
  * more than rounding, or has a parameter that is not a share. */
@@ -147,7 +147,7 @@ static void test_36_albedo(void **state)
                   0);
 }
 
-/* ---- 42: saturated red ---------------------------------------------------------------------- */
+/* ---- 42: saturated red ----------------------------------------------------------------------- */
 
 enum { SIDE = 48 };
 
@@ -228,7 +228,7 @@ static void test_42_saturated(void **state)
     cli_remove_folder(folder);
 }
 
-/* ---- 43: glass at 90 degrees ---------------------------------------------------------------- */
+/* ---- 43: glass at 90 degrees ----------------------------------------------------------------- */
 
 /*
  * Returns the ratio of E behind a large pane to E without it. The sensor faces the sun, which is
@@ -311,7 +311,7 @@ static void test_43_at_grazing(void **state)
                   worst, 10);
 }
 
-/* ---- 41: neighbouring seeds ----------------------------------------------------------------- */
+/* ---- 41: neighbouring seeds ------------------------------------------------------------------ */
 
 static double correlation(const double *x, const double *y, size_t n)
 {
@@ -383,7 +383,7 @@ static void test_41_jobs(void **state)
                   fabs(correlation(lx[0], lx[1], SENSORS)) * sqrt(SENSORS), 3);
 }
 
-/* ---- 47: glare in the dark ------------------------------------------------------------------ */
+/* ---- 47: glare in the dark ------------------------------------------------------------------- */
 
 static void test_47_dark(void **state)
 {

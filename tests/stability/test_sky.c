@@ -48,7 +48,7 @@ static bool is_finite(const struct orl_daylight *d)
     return good;
 }
 
-/* ---- 6: polar day and night ----------------------------------------------------------------- */
+/* ---- 6: polar day and night ------------------------------------------------------------------ */
 
 static const double latitudes[] = {67, 75, 85, 89.9999, 90};
 
@@ -61,8 +61,7 @@ static struct orl_sky_request polar(int latitude, int south, int month, double h
     r.month = month;
     r.day = 21;
     r.hour = hour;
-    r.normalise = ORL_SKY_GENDAYLIT; /* the fastest normalisation, because this test does not check
-                                        the flux */
+    r.normalise = ORL_SKY_GENDAYLIT; /* the fastest; the flux is not tested here */
     return r;
 }
 
@@ -103,7 +102,7 @@ static void test_06_polar(void **state)
                   wobble, 1e-6);
 }
 
-/* ---- 7: borders of the Perez bins ----------------------------------------------------------- */
+/* ---- 7: borders of the Perez bins ------------------------------------------------------------ */
 
 /*
  * Indices on each border, slightly below it and slightly above; also at the ends of the model's
@@ -139,7 +138,7 @@ static void test_07_bin_borders(void **state)
                   "skies there not finite, or black though they could be", odd, 0);
 }
 
-/* ---- 8: no diffuse light -------------------------------------------------------------------- */
+/* ---- 8: no diffuse light --------------------------------------------------------------------- */
 
 static void test_08_sun_alone(void **state)
 {
@@ -172,7 +171,7 @@ static void test_08_sun_alone(void **state)
     stability_row(8, "diffuse = 0, DNI > 0", "skies with a number that is not finite", odd, 0);
 }
 
-/* ---- 9: gaps in a year ---------------------------------------------------------------------- */
+/* ---- 9: gaps in a year ----------------------------------------------------------------------- */
 
 enum { HOURS = 8760 };
 
@@ -347,7 +346,7 @@ static void test_09_no_numbers(void **state)
                   "files with a field that is no number, not refused", unnoticed, 0);
 }
 
-/* ---- 10: the horizon ------------------------------------------------------------------------ */
+/* ---- 10: the horizon ------------------------------------------------------------------------- */
 
 /* Every kind of sky from 89.9999 to 90 degrees and as far below: values are finite and hardly
  * change. */

@@ -42,7 +42,7 @@ static double grazing_share(double d)
     return (d * area + r * 2 / 3 * side * side * side) / ORL_PI;
 }
 
-/* ---- 1, 2: along a wall --------------------------------------------------------------------- */
+/* ---- 1, 2: along a wall ---------------------------------------------------------------------- */
 
 /*
  * Measures n sensors at one place in the open, with the sun d radians above their planes. The
@@ -113,7 +113,7 @@ static void test_02_in_the_plane(void **state)
     stability_holds(2, "sun exactly in the plane", "E is finite and rises with the sun", rising);
 }
 
-/* ---- 3, 4, 5: horizon and zenith ------------------------------------------------------------ */
+/* ---- 3, 4, 5: horizon and zenith ------------------------------------------------------------- */
 
 static struct orl_sky_request sky_at(double altitude_deg, double direct_lx, double diffuse_lx)
 {
@@ -240,7 +240,7 @@ static void test_05_overhead(void **state)
     stability_row(5, "sun above 87 deg", "|E / (DNI sin + diffuse) - 1|", off, 0.002);
 }
 
-/* ---- 11, 12: through the cells of a BSDF ---------------------------------------------------- */
+/* ---- 11, 12: through the cells of a BSDF ----------------------------------------------------- */
 
 /* A room that absorbs 99.9 %, with a southern wall of that BSDF, lit by the sun alone. */
 static const char room[] =
@@ -356,7 +356,7 @@ static void test_12_across_an_edge(void **state)
     free(xml.data);
 }
 
-/* ---- 37: 1.47e9 beside 1 cd/m2 -------------------------------------------------------------- */
+/* ---- 37: 1.47e9 beside 1 cd/m2 --------------------------------------------------------------- */
 
 enum { SIDE = 64 };
 

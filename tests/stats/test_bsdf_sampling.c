@@ -84,7 +84,7 @@ static int unload_all(void **state)
     return 0;
 }
 
-/* ---- An independent map of the hemisphere --------------------------------------------------- */
+/* ---- An independent map of the hemisphere ---------------------------------------------------- */
 
 /* Returns a direction from (cos^2, azimuth): equal areas are equal projected solid angles.
  * Independent of the map in the code under test. */
@@ -115,7 +115,7 @@ static struct orl_vec3 any_direction(struct orl_random *random)
     return square_to_direction(u, v, uniform(random) < 0.5);
 }
 
-/* ---- Chi-square ----------------------------------------------------------------------------- */
+/* ---- Chi-square ------------------------------------------------------------------------------ */
 
 /* Returns the upper tail by Wilson and Hilferty's cube root; a few percent accurate this far out.
  */
@@ -206,7 +206,7 @@ static double expect(const struct orl_bsdf *bsdf, const struct way *way, struct 
     return total;
 }
 
-/* ---- Tests ---------------------------------------------------------------------------------- */
+/* ---- Tests ----------------------------------------------------------------------------------- */
 
 static void check_draws(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
                         struct orl_random *random, int label)

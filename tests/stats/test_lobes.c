@@ -225,9 +225,9 @@ static void test_standing_grain(void **state)
 }
 
 /*
- * Radiance 6.1a's rtrace (-ab 0 -ds 0 -st 0 -ss 0) sees these values of a horizontal surface in
- * the sun, green channel, along -eye. rtrace adds the sun's width to the roughness: 0.3 %. The
- * shape of transmitted lobes differs (ward.h): by 1 % at half a lobe's width off the axis.
+ * Values of Radiance 6.1a's rtrace (-ab 0 -ds 0 -st 0 -ss 0) for a horizontal surface in the sun,
+ * green channel, seen along -eye. rtrace adds the sun's width to the roughness: 0.3 %. The shape
+ * of transmitted lobes differs (ward.h): by 1 % at half a lobe's width off the axis.
  */
 static void test_as_radiance_has_it(void **state)
 {

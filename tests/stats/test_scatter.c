@@ -185,7 +185,7 @@ static void test_absorbers(void **state)
     subject_done(&white);
 }
 
-/* ---- Lobes ---------------------------------------------------------------------------------- */
+/* ---- Lobes ----------------------------------------------------------------------------------- */
 
 /* Ward's lobe, narrow and wide, from the normal to grazing, on a surface that mirrors nearly all
  * light. */
@@ -228,7 +228,7 @@ static void test_reciprocity(void **state)
     subject_done(&s);
 }
 
-/* ---- BSDFs, in both transport directions ---------------------------------------------------- */
+/* ---- BSDFs, in both transport directions ----------------------------------------------------- */
 
 /*
  * Light and eye transport follow the same f: one evaluates it forwards, the other samples it

@@ -96,7 +96,7 @@ static double estimate_irradiance(const struct orl_adaptive_density *adapt, doub
     return orl_adaptive_density_estimate(adapt, &query, search).irradiance.g / ((double)count / 4);
 }
 
-/* ---- Uniform light -------------------------------------------------------------------------- */
+/* ---- Uniform light --------------------------------------------------------------------------- */
 
 static double even(double x, double y)
 {

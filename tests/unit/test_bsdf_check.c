@@ -50,7 +50,7 @@ static int level_of(const struct orl_bsdf_check *check, const char *words)
     return -1;
 }
 
-/* ---- Values --------------------------------------------------------------------------------- */
+/* ---- Values ---------------------------------------------------------------------------------- */
 
 static void a_uniform_surface_has_its_closed_forms(void **state)
 {
@@ -177,7 +177,7 @@ static void a_klems_pane_smears_it_more(void **state)
     assert_close(c.normal.share, 1, 0.1);
 }
 
-/* ---- Deliberate faults ---------------------------------------------------------------------- */
+/* ---- Deliberate faults ----------------------------------------------------------------------- */
 
 static void energy_out_of_nothing_is_found(void **state)
 {
@@ -321,7 +321,7 @@ static void a_black_surface_is_told(void **state)
     assert_close(c.normal.share, 0, 0);
 }
 
-/* ---- Placeholder transmissions -------------------------------------------------------------- */
+/* ---- Placeholder transmissions --------------------------------------------------------------- */
 
 /* For any placeholder of the missing transmission, the check gives the same as without it. */
 static void a_dummy_transmission_is_as_good_as_none(void **state)

@@ -70,7 +70,7 @@ static void write_to(const struct orl_bsdf *bsdf, const char *path)
     assert_int_equal(size, bytes);
 }
 
-/* ---- Equal values --------------------------------------------------------------------------- */
+/* ---- Equal values ---------------------------------------------------------------------------- */
 
 struct answers {
     struct orl_rgb f, albedo, straight, weight[2];

@@ -47,7 +47,7 @@ static struct orl_world *load(const char *text)
     return scene_world(text, NULL, NULL, NULL);
 }
 
-/* ---- Random stacks -------------------------------------------------------------------------- */
+/* ---- Random stacks --------------------------------------------------------------------------- */
 
 static double area_of(const struct shape *s)
 {
@@ -190,7 +190,7 @@ static void test_heaps(void **state)
     }
 }
 
-/* ---- Warnings ------------------------------------------------------------------------------- */
+/* ---- Warnings -------------------------------------------------------------------------------- */
 
 /* Returns the number of warnings that contain the words. */
 static int said(const struct orl_world *world, const char *words)

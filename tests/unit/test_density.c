@@ -103,7 +103,7 @@ static struct orl_density estimate_density(const struct orl_photon_map *map, str
 static const struct orl_vec3 zero = {0, 0, 0}, x_axis = {1, 0, 0}, y_axis = {0, 1, 0},
                              z_axis = {0, 0, 1}, down = {0, 0, -1};
 
-/* ---- Comparison with brute force ------------------------------------------------------------ */
+/* ---- Comparison with brute force ------------------------------------------------------------- */
 
 struct neighbour {
     double distance2, flux;

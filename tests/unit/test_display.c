@@ -61,7 +61,7 @@ static double shown_at(const struct orl_shown *shown, uint32_t x)
     return rgb[0];
 }
 
-/* ---- The tone mapper of the eye ------------------------------------------------------------- */
+/* ---- The tone mapper of the eye -------------------------------------------------------------- */
 
 /* The five parts of Ferwerda et al.'s fit agree at their joints, within the two digits of its
  * constants. */
@@ -198,7 +198,7 @@ static void test_color_loss(void **state)
     }
 }
 
-/* ---- Linear mapping ------------------------------------------------------------------------- */
+/* ---- Linear mapping -------------------------------------------------------------------------- */
 
 /* White is at 1 / exposure; brighter values stay white; colours keep their hue. */
 static void test_exposure(void **state)

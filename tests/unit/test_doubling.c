@@ -42,7 +42,7 @@ static const struct doubled *case_at(size_t i)
     return i < doubled_n_functions ? &doubled_functions[i] : NULL;
 }
 
-/* ---- The program under callgrind ------------------------------------------------------------ */
+/* ---- The program under callgrind ------------------------------------------------------------- */
 
 /* Callgrind counts the instructions of this function, by its name. */
 __attribute__((noinline)) int count_reading(const struct doubled_input *input, char text[256]);

@@ -44,7 +44,7 @@ static void test_fixtures(void **state)
     assert_int_equal(n, 300);
 }
 
-/* ---- Lazy evaluation ------------------------------------------------------------------------ */
+/* ---- Lazy evaluation ------------------------------------------------------------------------- */
 
 static const char *const lazy =
     "pick(a, b) = if(a, a, b); climb(x) = pick(x, climb(x+1)); fact(n) = if(n-1.5, n*fact(n-1), 1);"
@@ -200,7 +200,7 @@ static void test_lanes(void **state)
     }
 }
 
-/* ---- Undefined values, and limits ----------------------------------------------------------- */
+/* ---- Undefined values, and limits ------------------------------------------------------------ */
 
 static void test_undefined(void **state)
 {
@@ -289,7 +289,7 @@ static void test_nesting(void **state)
     }
 }
 
-/* ---- Comparison with rcalc, if it is installed ---------------------------------------------- */
+/* ---- Comparison with rcalc, if it is installed ----------------------------------------------- */
 
 enum { BESIDE = 400 };
 

@@ -19,10 +19,11 @@
 
 #define GREY MESH_GREY
 
-/* ---- Curved surfaces
- * --------------------------------------------------------------------------\n\nRays are shot at
- * known points of a surface: from point p back along a direction, so that the hit is p unless
- * something nearer is in the way (which convexity excludes). ---- */
+/* ---- Curved surfaces --------------------------------------------------------------------------
+ *
+ * Rays are shot at known points of a surface: from point p back along a direction, so that the hit
+ * is p unless something nearer is in the way (which convexity excludes).
+ */
 
 /* One kind of surface in its own frame: a point, its outward normal, and whether p is on the
  * surface. */
@@ -210,7 +211,7 @@ static void test_no_leaks_on_bounce(void **state)
     free(sphere);
 }
 
-/* ---- Translation ---------------------------------------------------------------------------- */
+/* ---- Translation ----------------------------------------------------------------------------- */
 
 /* 1e5 m away, the same rays hit the same points, within the resolution of doubles at 1e5 (1e-10).
  */
@@ -353,8 +354,8 @@ static void test_triangle_shares(void **state)
     orl_description_done(&d);
 }
 
-/* A sensor within a rounded digit above or under the floor sees upwards. One that is really under
- * a sheet sees the sheet, and one that looks down is never moved up. */
+/* A sensor within a rounded digit above or under the floor has a free view upwards. One that is
+ * really under a sheet sees the sheet; one that faces down is never moved up. */
 static void test_sensors_on_a_floor(void **state)
 {
     static const struct {

@@ -80,7 +80,7 @@ static struct orl_glare rate(const struct scene *scene, const struct orl_glare_s
     return glare;
 }
 
-/* ---- The field of view ---------------------------------------------------------------------- */
+/* ---- The field of view ----------------------------------------------------------------------- */
 
 /* A hemisphere has 2 pi sr, or pi weighted by the cosine: a luminance L gives pi L lx. */
 static void test_uniform_view(void **state)
@@ -339,7 +339,7 @@ static void test_band(void **state)
     scene_done(&scene);
 }
 
-/* ---- Connected pixels ----------------------------------------------------------------------- */
+/* ---- Connected pixels ------------------------------------------------------------------------ */
 
 /* Groups pixels by a search over every pair: each gets the lowest group that it is connected to. */
 static void group_by_all_pairs(const struct orl_field *field, const uint32_t *pixels, size_t n,

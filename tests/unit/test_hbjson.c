@@ -144,7 +144,7 @@ static void test_the_second_side_stands_back(void **state)
     json_decref(model);
 }
 
-/* ---- Orientation ---------------------------------------------------------------------------- */
+/* ---- Orientation ----------------------------------------------------------------------------- */
 
 static json_t *find_object(json_t *list, const char *identifier)
 {
@@ -362,7 +362,7 @@ static void test_grids_and_views_have_their_names(void **state)
     json_decref(model);
 }
 
-/* ---- Errors --------------------------------------------------------------------------------- */
+/* ---- Errors ---------------------------------------------------------------------------------- */
 
 /* Returns a value by a path of members and indices, such as "rooms 0 faces". */
 static json_t *at_path(json_t *value, const char *path)

@@ -175,7 +175,7 @@ static void test_gather(void **state)
     free(search);
 }
 
-/* ---- A whole run ---------------------------------------------------------------------------- */
+/* ---- A whole run ----------------------------------------------------------------------------- */
 
 static bool warned(const struct orl_result *result, const char *words)
 {

@@ -316,7 +316,7 @@ static void test_least_radius(void **state)
     assert_true(orl_record_least(&clipped, 1) == orl_record_least(&usual, 3));
 }
 
-/* ---- Obstacles between a record and a place ------------------------------------------------- */
+/* ---- Obstacles between a record and a place -------------------------------------------------- */
 
 /* A hit that a record has seen nearby limits its reach: an upright board at x = 0 between it and a
  * place. */

@@ -119,7 +119,7 @@ static bool returns(const struct text_files *t)
     return true;
 }
 
-/* ---- Scenes that are cached ----------------------------------------------------------------- */
+/* ---- Scenes that are cached ------------------------------------------------------------------ */
 
 static const char function_text[] = "half = .5 + .25*sin(Px) ; share = if(Px - 1, 1, 0);\n"
                                     "tall(z) = if(z - 3, 1, tall(z + 1)*.9);\n"
@@ -240,7 +240,7 @@ static void scenes_of_the_corpus_come_back(void **state)
     assert_true(taken >= 10);
 }
 
-/* ---- Cached scenes that are not used -------------------------------------------------------- */
+/* ---- Cached scenes that are not used --------------------------------------------------------- */
 
 static const char two_files[] = "void plastic m 0 0 5 .5 .4 .3 0 0\n!xform -t 0 0 1 sub/b.rad\n";
 static const char part_text[] = "m" FLOOR "!xform c.rad\n";

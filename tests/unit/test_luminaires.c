@@ -220,7 +220,7 @@ static void test_units_and_colors(void **state)
         fail_msg("%g lx, not %g", lx, wanted);
 }
 
-/* ---- Geometry of luminaires ----------------------------------------------------------------- */
+/* ---- Geometry of luminaires ------------------------------------------------------------------ */
 
 #define LOOKS                                                                                      \
     "IESNA:LM-63-1995\n \t[LUMINOUSGEOMETRY] looks.mgf \r\nTILT=NONE\n1 1000 2 4 1 1 2 .3 .6 .2\n" \

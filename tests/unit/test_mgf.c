@@ -202,7 +202,7 @@ static void text_is_that_of_mgf2rad(void **state)
     }
 }
 
-/* ---- Warnings and refusals ------------------------------------------------------------------ */
+/* ---- Warnings and refusals ------------------------------------------------------------------- */
 
 static const struct {
     const char *mgf;

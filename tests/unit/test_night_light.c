@@ -189,7 +189,7 @@ static void test_commands(void **state)
     orl_text_done(&text);
 }
 
-/* ---- Light at night ------------------------------------------------------------------------- */
+/* ---- Light at night -------------------------------------------------------------------------- */
 
 static struct orl_night_light find_night_light(const struct orl_weather *weather, char *text,
                                                size_t size)

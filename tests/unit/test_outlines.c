@@ -107,7 +107,7 @@ static struct outline random_outline(uint64_t seed)
     return o;
 }
 
-/* ---- Reference results ---------------------------------------------------------------------- */
+/* ---- Reference results ----------------------------------------------------------------------- */
 
 static int compare_doubles(const void *left, const void *right)
 {
@@ -169,7 +169,7 @@ static double even_odd_area(const struct outline *o)
     return sum;
 }
 
-/* ---- Triangles projected into the plane ----------------------------------------------------- */
+/* ---- Triangles projected into the plane ------------------------------------------------------ */
 
 struct mesh {
     struct orl_triangulation cut;
@@ -323,7 +323,7 @@ static void test_even_odd(void **state)
     }
 }
 
-/* ---- Specific outlines ---------------------------------------------------------------------- */
+/* ---- Specific outlines ----------------------------------------------------------------------- */
 
 /* The traced outline: the inner loop has the orientation of the outer one. */
 static void test_hole_wound_alike(void **state)

@@ -84,7 +84,7 @@ static void drop(struct forest *forest)
     orl_description_done(&forest->description);
 }
 
-/* ---- Comparison with the files -------------------------------------------------------------- */
+/* ---- Comparison with the files --------------------------------------------------------------- */
 
 /* The error of a corner is half a step, at most 2^-33 of the next lower power of two. */
 static void check_corner(struct orl_vec3 is, struct orl_vec3 ought)

@@ -135,7 +135,7 @@ static void ports_tell_sides(void **state)
     orl_world_free(world);
 }
 
-/* ---- Paths towards the light ---------------------------------------------------------------- */
+/* ---- Paths towards the light ----------------------------------------------------------------- */
 
 static enum orl_lobes meet_anything(struct orl_eye_path *p, const struct orl_material *material)
 {

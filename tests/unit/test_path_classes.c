@@ -98,7 +98,7 @@ static void test_readme_shows_the_table(void **state)
     free(readme);
 }
 
-/* ---- Classes that the planner finds --------------------------------------------------------- */
+/* ---- Classes that the planner finds ---------------------------------------------------------- */
 
 #define ALL_SKY "void glow g 0 0 4 20 20 20 0\ng source sky 0 0 4 0 0 1 180\n"
 #define SOUTH_SUN "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 -1 .5 .533\n"

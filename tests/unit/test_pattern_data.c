@@ -92,7 +92,7 @@ static struct orl_scene *load(const char *text, const struct orl_file *first)
     return scene;
 }
 
-/* ---- Comparison with rtrace ----------------------------------------------------------------- */
+/* ---- Comparison with rtrace ------------------------------------------------------------------ */
 
 #define RED "void plastic red 0 0 5 .5 .1 .1 0 0\nred sphere r 0 0 4 0 0 0 1\n"
 #define FLOOR "floor polygon q 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"
@@ -244,7 +244,7 @@ static void test_exr(void **state)
     orl_film_done(&film);
 }
 
-/* ---- Errors --------------------------------------------------------------------------------- */
+/* ---- Errors ---------------------------------------------------------------------------------- */
 
 static void check_refused(const char *file, int code, const char *words, int line)
 {

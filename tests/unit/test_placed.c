@@ -276,7 +276,7 @@ static void test_leave(void **state)
     drop_pair(&pair);
 }
 
-/* ---- Other access to facets and triangles --------------------------------------------------- */
+/* ---- Other access to facets and triangles ---------------------------------------------------- */
 
 /* Calls a function for pairs of hits of the same ray on both forms, if they are on placed
  * geometry. */
@@ -443,8 +443,8 @@ static size_t scene_bytes(size_t triangles, size_t places)
 
 /*
  * A tree of 100 000 polygons in 1000 places, 100 million surfaces, takes the memory it takes in
- * four places, and at most 2 kilobytes for each other place: half for this program, half for
- * Embree. A mebibyte allows for rounding by allocators.
+ * four places. Each other place adds at most 2 kilobytes: half a kilobyte of this program, and
+ * Embree's own. A mebibyte allows for rounding by allocators.
  */
 static void test_memory(void **state)
 {

@@ -143,7 +143,7 @@ static void test_ports(void **state)
                           ORL_EFFECT_PORTS);
 }
 
-/* ---- Overrides and requests ----------------------------------------------------------------- */
+/* ---- Overrides and requests ------------------------------------------------------------------ */
 
 /* The text uses the singular for one item. */
 static void test_singular(void **state)

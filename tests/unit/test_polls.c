@@ -42,7 +42,7 @@ static void begin_count(int at)
     cancel_at = at;
 }
 
-/* ---- Result files --------------------------------------------------------------------------- */
+/* ---- Result files ---------------------------------------------------------------------------- */
 
 enum { ROWS = 2000, COLUMNS = 3000, LONG = ROWS * COLUMNS };
 static float *values;
@@ -113,7 +113,7 @@ static void test_files(void **state)
     free(values);
 }
 
-/* ---- Reports of a year ---------------------------------------------------------------------- */
+/* ---- Reports of a year ----------------------------------------------------------------------- */
 
 enum { YEAR_GRIDS = 300, YEAR_SENSORS = 2 * YEAR_GRIDS, YEAR_COLUMNS = 12, NOON = 12 };
 static struct orl_annual_grid year_grids[YEAR_GRIDS];
@@ -257,7 +257,7 @@ static void test_trees(void **state)
     assert_true(sizes[1] < sizes[0] * 2 / 3);
 }
 
-/* ---- Readers -------------------------------------------------------------------------------- */
+/* ---- Readers --------------------------------------------------------------------------------- */
 
 static int load_sensors(struct orl_files *provider, size_t *ret_count, struct orl_error *err)
 {
@@ -361,7 +361,7 @@ static void test_sorting(void **state)
     }
 }
 
-/* ---- Coincident surfaces -------------------------------------------------------------------- */
+/* ---- Coincident surfaces --------------------------------------------------------------------- */
 
 enum { SIDE = 200, TRIANGLES = SIDE * SIDE };
 

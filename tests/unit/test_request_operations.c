@@ -19,7 +19,7 @@
 #include "http/reply.h"
 #include "support/http_wire.h"
 
-/* ---- A server with one route, in a child process -------------------------------------------- */
+/* ---- A server with one route, in a child process --------------------------------------------- */
 
 static void work_first(struct orl_request *request)
 {

@@ -135,7 +135,7 @@ static void test_good_scenes(void **state)
     }
 }
 
-/* ---- Parsed numbers ------------------------------------------------------------------------- */
+/* ---- Parsed numbers -------------------------------------------------------------------------- */
 
 static void test_materials(void **state)
 {
@@ -470,7 +470,7 @@ static void test_xml_among_main_files_is_no_scene(void **state)
     orl_description_done(&d);
 }
 
-/* ---- Choice of the scene's files ------------------------------------------------------------ */
+/* ---- Choice of the scene's files ------------------------------------------------------------- */
 
 /* Returns the main files of those, in one string. */
 static void guess(const char *const (*pairs)[2], size_t count, char ret_main[256])

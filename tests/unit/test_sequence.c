@@ -211,7 +211,7 @@ static void test_animation_is_whole_or_absent(void **state)
     assert_int_equal(orl_apng_close(NULL, ORL_ERR_RANGE, NULL), ORL_ERR_RANGE);
 }
 
-/* ---- Common exposure ------------------------------------------------------------------------ */
+/* ---- Common exposure ------------------------------------------------------------------------- */
 
 enum { SIDE = 64 };
 
