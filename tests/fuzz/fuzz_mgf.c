@@ -10,8 +10,8 @@
 static int open_again(void *ctx, const char *folder, const char *name,
                       struct orl_mgf_text *ret_text, struct orl_error *err)
 {
-    static char names[64][8]; /* one letter each; static, because they must outlive the reader that
-                                 uses them */
+    /* One letter each; static, because they must outlive the reader that uses them. */
+    static char names[64][8];
     const struct orl_mgf_text *const whole = ctx;
     char *const own = names[name[0] & 63];
     FUZZ_PROMISE(folder != NULL);

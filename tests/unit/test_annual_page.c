@@ -393,8 +393,7 @@ static void test_warnings_are_in_view(void **state)
     page = draw_page(&y, NORTH);
     assert_null(strstr(page, "outdoors"));
     assert_true(strstr(page, "2 of 2 sensors: ") < strstr(page, "a texture is missing"));
-    assert_non_null(
-        strstr(page, "away from the surface<")); /* the warning's end, on another line */
+    assert_non_null(strstr(page, "away from the surface<")); /* the end, wrapped */
     assert_texts_are_apart(page);
     free(page);
     y.result.warnings = NULL;

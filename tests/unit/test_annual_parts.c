@@ -50,8 +50,7 @@ static void test_bins(void **state)
         assert_true(d.z >= row->low - 1e-12 && d.z <= row->high + 1e-12);
         high += d.z > 0.6;
     }
-    assert_true(fabs((double)high - 20000) <
-                5 * 126.5); /* five standard deviations of a binomial */
+    assert_true(fabs((double)high - 20000) < 5 * 126.5); /* binomial deviation */
 }
 
 static const char sunny[] = "place p\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\n"

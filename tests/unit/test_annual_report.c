@@ -191,8 +191,7 @@ static void test_reports(void **state)
     assert_near(report.areas[1].value.low, 75, 0);
     assert_int_equal(report.areas[1].open, 1);
     assert_near(report.areas[2].value.value, 100 * 4 / 6.0, 1e-9);
-    assert_near(report.areas[3 + 1].value.value, 50,
-                1e-9); /* ASE: two of four sensors have 365 hours */
+    assert_near(report.areas[3 + 1].value.value, 50, 1e-9); /* ASE: 365 hours at two of four */
     assert_int_equal(report.n_verdicts, 1 + 4 * 3);
     assert_int_equal(report.verdicts[0].grid, 1);
     assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);

@@ -175,8 +175,7 @@ static void test_discs(void **state)
     check_disc(30, 0, 4, 20000);
     check_disc(0, 30, 4, 20000);
     check_disc(-25, -25, 6, 8000);
-    check_disc(40, 35, 3,
-               400000); /* the whole disc is a peak: the source left over is empty, and removed */
+    check_disc(40, 35, 3, 400000); /* all peak: the rest is empty, and removed */
 }
 
 /* A sun in a bright patch gives two sources; the patch excludes the sun's pixels. */

@@ -52,8 +52,7 @@ static void test_candidates(void **state)
         if (is_there)
             assert_string_equal(found, cases[i].other);
     }
-    assert_false(orl_find_other_case(scratch_path(""), "model/ROOM.rad", found,
-                                     8)); /* the result does not fit */
+    assert_false(orl_find_other_case(scratch_path(""), "model/ROOM.rad", found, 8)); /* no room */
 }
 
 static void test_errors(void **state)

@@ -18,9 +18,8 @@
 #include "base/rare.h"
 
 enum { SENSORS = 24, JOBS = 1000, BODY = 2000 };
-static const double
-    event = 30,
-    of_body = 1; /* contribution of a ray that meets the rare light, and of one that does not */
+/* Value of a ray that meets the rare light, and of one that does not. */
+static const double event = 30, of_body = 1;
 static const double light = 2500; /* light of every sensor */
 
 /* Returns a Poisson number: arrivals of unit rate up to time `rate`. */

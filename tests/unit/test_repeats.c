@@ -66,9 +66,10 @@ static void test_expand(void **state)
 }
 
 struct fitness {
-    const char *head;    /* text before the tree's own */
-    size_t places, kept; /* places, every fifth of which (the third) is inside out, and places that
-                            share a prototype */
+    const char *head; /* text before the tree's own */
+    /* Number of places, and of those that share a prototype. Every fifth place, starting with the
+     * third, is inside out. */
+    size_t places, kept;
     size_t prototypes;
 };
 

@@ -170,8 +170,7 @@ static void test_what_is_handed_in(void **state)
     assert_holds(f, "sbatch.args", "--array=0-1%4 --time=30 --mem=512M ");
     assert_holds(f, "sbatch.args", "--array=2%4 --time=60 --mem=512M ");
     assert_holds(f, "sbatch.args", "/part.sh /opt/oriel/bin/oriel ");
-    assert_holds(f, "sbatch.args",
-                 " --partition=long; touch x "); /* one word, not interpreted by a shell */
+    assert_holds(f, "sbatch.args", " --partition=long; touch x "); /* one word, no shell */
     assert_int_equal(access("x", F_OK), -1);
     cli_write_file(f->folder, "queue", "0|R \n1|PD\n7|R\nN/A|R\n");
     assert_states(f, ORL_PART_RUNNING, ORL_PART_WAITING, ORL_PART_GONE);
@@ -244,8 +243,7 @@ static void test_slurm_is_away_at_the_start(void **state)
     cli_write_file(f->folder, "squeue.says", away);
     assert_int_equal(start(f), 0);
     assert_states(f, ORL_PART_WAITING, ORL_PART_WAITING, ORL_PART_WAITING);
-    assert_int_equal(count_lines(f, "sbatch.args"),
-                     1); /* the first call reports that Slurm is away */
+    assert_int_equal(count_lines(f, "sbatch.args"), 1); /* the first: Slurm is away */
     forget(f, "squeue.says");
     forget(f, "sbatch.says");
     assert_states(f, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN);

@@ -141,8 +141,7 @@ static void test_shared(void **state)
     assert_int_equal(orl_shelf_totals(shelf).shared, 1);
     assert_int_equal(orl_shelf_totals(shelf).shared_hits, 1);
     assert_int_equal(orl_shelf_totals(shelf).bytes, 60);
-    orl_shelf_put(shelf, "b", &gone, 50,
-                  count_release); /* too much for both: the shelf evicts one */
+    orl_shelf_put(shelf, "b", &gone, 50, count_release); /* evicts one: no room for both */
     assert_int_equal(holders[0], 3);
     assert_int_equal(orl_shelf_totals(shelf).shared, 0);
     assert_int_equal(orl_shelf_totals(shelf).things, 1);

@@ -22,8 +22,8 @@
 struct expected {
     const char *command;
     size_t n_words;
-    const char
-        *digest; /* the first 16 digits of SHA-256 over the words, each followed by a blank */
+    /* First 16 digits of SHA-256 over the words, each followed by a blank. */
+    const char *digest;
 };
 
 static const struct expected expected[] = {

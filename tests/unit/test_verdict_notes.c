@@ -32,8 +32,7 @@ static void check_blinds(const struct orl_annual_result *result, struct orl_wind
     assert_int_equal(report.n_verdicts, 1 + 3);
     assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS); /* names no rule */
     assert_string_equal(report.verdicts[0].note, "");
-    assert_int_equal(report.verdicts[2].verdict,
-                     ORL_VERDICT_FAIL); /* the north: blinds do not help */
+    assert_int_equal(report.verdicts[2].verdict, ORL_VERDICT_FAIL); /* the north: no blinds help */
     assert_string_equal(report.verdicts[2].note, "");
     assert_int_equal(report.verdicts[3].verdict, south);
     assert_string_equal(report.verdicts[3].note, note);
