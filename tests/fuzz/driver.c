@@ -1,4 +1,5 @@
-/* Hands libFuzzer's inputs to one target: compiled once for each, with FUZZ_TARGET its function. */
+/* Passes libFuzzer's inputs to one target. Compiled once per target, with FUZZ_TARGET set to the
+ * target's function. */
 #include "fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

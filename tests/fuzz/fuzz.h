@@ -1,11 +1,11 @@
 /*
- * Entry points of the fuzz targets: each takes bytes as a stranger might send them, runs them
- * through the code that reads them for real, and checks what the headers promise about the outcome.
- * The same functions serve libFuzzer (driver.c) and the test that repeats the committed corpus
- * (tests/unit/test_fuzz_corpus.c).
+ * Entry points of the fuzz targets. Each target takes bytes as an untrusted client might send
+ * them, runs the production code that reads them, and checks what the headers promise. libFuzzer
+ * (driver.c) and the corpus test (tests/unit/test_fuzz_corpus.c) call the same functions.
  *
- * A broken promise ends the process with abort(): under libFuzzer the input is then kept, in the
- * test the program fails. Nothing is kept between calls; any number may follow each other.
+ * A broken promise ends the process with abort(): libFuzzer then keeps the input, and the test
+ * program fails. Targets keep nothing between calls that changes a later outcome; they can be
+ * called any number of times, in any order.
  */
 #ifndef ORL_TESTS_FUZZ_H
 #define ORL_TESTS_FUZZ_H
@@ -19,7 +19,7 @@
 #include <oriel/error.h>
 #include <oriel/vec.h>
 
-/* Return true when the bytes were accepted: a scene was parsed, a map opened, ... */
+/* Return true if the bytes were accepted: a scene was parsed, a map opened, ... */
 bool fuzz_scene(const uint8_t *data, size_t size);
 bool fuzz_bsdf(const uint8_t *data, size_t size);
 bool fuzz_job(const uint8_t *data, size_t size);
@@ -52,29 +52,29 @@ bool fuzz_route(const uint8_t *data, size_t size);
 bool fuzz_guard(const uint8_t *data, size_t size);
 bool fuzz_token(const uint8_t *data, size_t size);
 
-/* ---- For the targets (promise.c) ---------------------------------------------------------------
- */
+/* ---- Helpers for the targets (promise.c) ----------------------------------------------------- */
 
-/* Aborts, with the promise that was broken, unless it holds. */
+/* Aborts with the text of the condition if the condition is false. */
 #define FUZZ_PROMISE(holds) fuzz_promise((holds), #holds, __FILE__, __LINE__)
 void fuzz_promise(bool holds, const char *what, const char *file, int line);
 
-/*
- * What every failure promises: a code of the enum that the error repeats, a message, terminated
- * texts, and that the HTTP layer can make a problem document of it.
- */
-/* Of files that name a scene's: what rif.h and frads.h say. */
+/* Checks a project that names a scene's files against rif.h and frads.h. */
 void fuzz_check_project(const json_t *project);
+/*
+ * Checks what every failure promises: a code of the enum that the error repeats, a message,
+ * terminated texts, and a problem document that the HTTP layer can build from it.
+ */
 void fuzz_check_error(int code, const struct orl_error *err);
 
-/* A sky that can be computed with: finite, nowhere negative. */
+/* For fuzz_check_daylight, which checks that a sky can be computed with: finite, nowhere negative.
+ */
 struct orl_daylight;
 struct orl_description;
 void fuzz_check_daylight(const struct orl_daylight *daylight);
 
 void fuzz_check_finite(struct orl_vec3 v);
 void fuzz_check_unit(struct orl_vec3 v);
-/* Materials that there are, unit normals, finite corners. */
+/* Checks that material indices exist, normals are unit vectors and corners are finite. */
 void fuzz_check_surfaces(const struct orl_description *description);
 
 #endif

@@ -1,6 +1,6 @@
 /*
- * Documents of a year, as the command line and as the daemon read them; what is no document is a
- * target in words, or a metric.
+ * Annual documents, as the command line and the daemon read them. Input that is not JSON is parsed
+ * as a target in words, or as a metric.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -23,7 +23,7 @@ static void check_metric(const struct orl_annual_metric *metric)
     FUZZ_PROMISE(strlen(name) < 4);
 }
 
-/* What is far above the bound and what is far below it, on one side each and on different ones. */
+/* Checks the verdicts on intervals far above, far below and on both sides of the bound. */
 static void check_target(const struct orl_annual_target *target)
 {
     struct orl_annual_target again;

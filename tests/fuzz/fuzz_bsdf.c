@@ -1,4 +1,4 @@
-/* BSDF files: whatever loads must evaluate, sample and describe itself soundly. */
+/* BSDF files: each file that loads must evaluate, sample and describe itself soundly. */
 #include <string.h>
 
 #include "bsdf_json.h"
@@ -9,7 +9,7 @@ static void check_color(struct orl_rgb c)
     FUZZ_PROMISE(orl_rgb_is_finite(c) && c.r >= 0 && c.g >= 0 && c.b >= 0);
 }
 
-/* A sample has a density, and its weight is bounded by the whole albedo's scale. */
+/* Checks that a sample has a pdf and that the overall albedo scale bounds its weight. */
 static void check_sample(const struct orl_bsdf *bsdf, struct orl_vec3 given,
                          enum orl_bsdf_side sides, const double u[3])
 {
@@ -32,7 +32,7 @@ static void check_sample(const struct orl_bsdf *bsdf, struct orl_vec3 given,
     }
 }
 
-/* What goes straight is a share, and so are the draws that do. */
+/* Checks that the straight transmittance and the straight samples are shares of the light. */
 static void check_straight(const struct orl_bsdf *bsdf, struct orl_vec3 given, const double u[3])
 {
     check_color(orl_bsdf_straight(bsdf, given));
@@ -77,7 +77,7 @@ static void check_info(const struct orl_bsdf *bsdf)
     json_decref(json);
 }
 
-/* The check on upload, and what it says as JSON. */
+/* Runs the check made on upload and writes its report as JSON. */
 static void check_check(const struct orl_bsdf *bsdf)
 {
     struct orl_bsdf_check check;

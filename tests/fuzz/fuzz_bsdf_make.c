@@ -1,4 +1,4 @@
-/* Documents that ask for a panel's BSDF, as the command line and as the daemon read them. */
+/* Documents that request the BSDF of a panel, as the command line and the daemon read them. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 #include "decode.h"
 #include "fuzz/fuzz.h"
 
-/* What is taken is within bounds, whatever it says. */
+/* Checks that every accepted request is within bounds. */
 static void check_request(const struct orl_bsdf_make_request *r, bool local)
 {
     struct orl_error err = {0};

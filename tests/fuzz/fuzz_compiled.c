@@ -1,7 +1,7 @@
 /*
- * BSDFs kept as they are after loading. An input is what happens to a sound file: edits of four
- * bytes, two for the place (times eight), one for what is done there, one for how. Damaged files
- * are refused; one that is accepted is sound.
+ * Compiled BSDF files (the loaded form, cached on disk). The input describes damage to a sound
+ * file: edits of four bytes, two for the place (times eight), one for the operation, one for its
+ * operand. Damaged files are refused; an accepted file is sound.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +21,7 @@ static void path_of(int fd, char path[64])
     snprintf(path, 64, "/proc/self/fd/%d", fd);
 }
 
-/* Made once: of a tree of two levels. */
+/* Returns the file of a tree of two levels, built on the first call. */
 static size_t sound_file(const unsigned char **ret_bytes)
 {
     static unsigned char *bytes;

@@ -1,4 +1,4 @@
-/* What comes down a connection: whatever is taken for a request has one owner and one end. */
+/* HTTP framing of the bytes on a connection: each accepted request has one owner and one end. */
 #include <string.h>
 
 #include "fuzz/fuzz.h"
@@ -7,7 +7,7 @@
 
 struct seen {
     size_t requests, sound;
-    bool taken; /* the request under way */
+    bool taken; /* true while a request is in progress */
 };
 
 struct count {

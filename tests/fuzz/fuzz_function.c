@@ -1,6 +1,7 @@
 /*
- * Function files: the first line is an expression over the definitions of the rest. Where ways part
- * between eight places each has the value that it has alone, bit by bit.
+ * Function files: the first line is an expression over the definitions in the rest. Eight places
+ * are evaluated together. Where they take different branches, each value must equal, bit for bit,
+ * the value of that place evaluated alone.
  */
 #include <string.h>
 
@@ -10,7 +11,7 @@
 
 static const double arguments[] = {1, -2, .5};
 
-/* NULL: refused. */
+/* Returns NULL if the function is refused. */
 static struct orl_function *compile(struct orl_functions *set, const char *text, size_t size)
 {
     char expression[512];

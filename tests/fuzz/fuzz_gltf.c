@@ -1,7 +1,7 @@
 /*
- * glTF files read by a scene that places them: .glb by how the input begins, else .gltf, whose
- * buffer "b" is the input itself. What begins as neither is read as scene text, which is
- * fuzz_scene.c's.
+ * glTF files read by a scene that places them: .glb or .gltf by the first bytes. The buffer "b" of
+ * a .gltf is the input itself. Input that begins as neither is read as scene text, as in
+ * fuzz_scene.c.
  */
 #include <string.h>
 

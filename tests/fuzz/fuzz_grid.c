@@ -1,5 +1,5 @@
-/* Pictures and data files of patterns: whatever is read has values everywhere; and tables of lamps.
- */
+/* Pictures and data files of patterns, which must have values everywhere if they are accepted; and
+ * luminaire tables. */
 #include "fuzz/fuzz.h"
 #include "scene/grid/grid.h"
 #include "scene/parse/lamps.h"

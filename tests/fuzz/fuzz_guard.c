@@ -1,7 +1,8 @@
 /*
- * Who talks to a daemon without tokens: an input's lines are Host, Origin and Sec-Fetch-Site, of
- * what follows no link to the dashboard.
- * Whoever is let in names this machine; a page comes from it, or from an origin that is let in.
+ * Requests to a daemon without tokens. The first three lines of the input are Host, Origin and
+ * Sec-Fetch-Site; any bytes after them mark the request as forwarded by a proxy. An admitted
+ * request names this machine as its host, and comes from the daemon's own page or an allowed
+ * origin.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +13,7 @@
 
 enum { HEADERS = 3 };
 
-/* One spelling after the other, by hand. */
+/* Compares with each accepted spelling of this machine's name. */
 static bool names_this_machine(const char *host)
 {
     const char *port = NULL;

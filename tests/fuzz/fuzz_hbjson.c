@@ -1,6 +1,6 @@
 /*
- * Honeybee models and, of what is no model, the lists that its folders have beside their files:
- * states.json and grid/_info.json.
+ * Honeybee models; and, for input that is not a model, the lists beside its files: states.json and
+ * grid/_info.json.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +22,7 @@ static bool ends_with(const char *name, const char *ending)
     return length > tail && strcmp(name + length - tail, ending) == 0;
 }
 
-/* Below model/, without a part that climbs or hides. */
+/* Checks that the name is below model/ and has no "..", hidden or empty part. */
 static void check_name(const char *name)
 {
     FUZZ_PROMISE(strncmp(name, "model/", 6) == 0 && strlen(name) < 400);
@@ -30,7 +30,8 @@ static void check_name(const char *name)
         FUZZ_PROMISE(!(c[0] == '/' && (c[1] == '.' || c[1] == '/' || c[1] == '\0')));
 }
 
-/* A BSDF's transform is the model's own words, which xform may not know; so are IES files. */
+/* Returns true if the model brings text of its own (BSDF transforms, IES files) that xform or the
+ * IES reader may refuse. */
 static bool has_own_words(const struct orl_text_files *written)
 {
     for (size_t i = 0; i < written->count; i++)
@@ -39,7 +40,7 @@ static bool has_own_words(const struct orl_text_files *written)
     return false;
 }
 
-/* What was written is what its reader takes for words; what they say may be refused. */
+/* Checks that the written text parses as a scene; its contents may still be refused. */
 static void check_scene(const char *const *names, size_t count, const struct orl_files *files,
                         bool own_words)
 {
@@ -112,7 +113,7 @@ static bool read_model(const json_t *model)
     return true;
 }
 
-/* The same bytes as either list. */
+/* Reads the same bytes as both kinds of list. */
 static bool read_lists(const uint8_t *data, size_t size)
 {
     static const char *const names[] = {"model/scene/a.rad",

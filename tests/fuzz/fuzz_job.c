@@ -1,6 +1,6 @@
 /*
- * Job documents, as the command line and as the daemon read them, and the views inside; documents
- * of studies.
+ * Job documents, as the command line and the daemon read them, and the views in them; documents of
+ * studies.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +26,8 @@ static void check_rays(const struct orl_view *view)
     }
 }
 
-/* A view that is accepted casts sound rays, and what is written of it reads back the same. */
+/* Checks that an accepted view casts sound rays, and that its formatted text parses to the same
+ * view. */
 static bool check_view(const char *text)
 {
     struct orl_view view, again;
@@ -48,7 +49,7 @@ static bool check_view(const char *text)
     return true;
 }
 
-/* What the sky of a sound job comes to; that of a weather file is fuzz_weather.c's. */
+/* Checks the sky of a valid job. fuzz_weather.c checks skies of weather files. */
 static void check_sky(const struct orl_sky_request *sky)
 {
     struct orl_daylight daylight;
@@ -62,7 +63,7 @@ static void check_sky(const struct orl_sky_request *sky)
         fuzz_check_daylight(&daylight);
 }
 
-/* Hours of a sequence are much alike: some of them will do. */
+/* Checks the first few skies only, because the hours of a sequence are much alike. */
 static void check_skies(const struct orl_job *job)
 {
     enum { SOME = 8 };
@@ -93,7 +94,7 @@ static bool check_document(const json_t *doc, enum orl_job_origin origin)
         check_skies(&job);
     for (size_t i = 0; i < job.n_views; i++) {
         if (job.views[i].file)
-            continue; /* has its options elsewhere */
+            continue; /* the options of this kind are fuzzed elsewhere */
         const bool sound = check_view(job.views[i].view);
         FUZZ_PROMISE(code < 0 || sound);
     }
@@ -102,7 +103,7 @@ static bool check_document(const json_t *doc, enum orl_job_origin origin)
     return code == 0;
 }
 
-/* A sound study comes to settings that can be listed, and not to more runs than there may be. */
+/* Checks that a valid study yields settings that can be listed, and no more runs than the limit. */
 static bool check_study(const json_t *doc, enum orl_job_origin origin)
 {
     struct orl_error err = {0};
@@ -138,7 +139,7 @@ bool fuzz_job(const uint8_t *data, size_t size)
     const int code = orl_json_parse("job.json", (const char *)data, size, &doc, &err);
     if (code < 0) {
         fuzz_check_error(code, &err);
-        /* No document: perhaps a bare view. */
+        /* Not a document: tries the input as a bare view. */
         char *text = strndup((const char *)data, size);
         accepted = text && check_view(text);
         free(text);

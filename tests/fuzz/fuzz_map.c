@@ -1,10 +1,10 @@
 /*
- * Photon map files. The first byte chooses how much is mended before the rest is opened as a map,
- * for hardly any input would get past the checksums by chance:
- *   bit 0  magic, version and byte order are right, header and body are signed
+ * Photon map files. The first byte chooses what is repaired before the rest is opened as a map,
+ * because random input hardly ever passes the checksums:
+ *   bit 0  magic, version and byte order are set, header and body are signed
  *   bit 1  the header's offsets and sizes, and the file's length, fit its count (cut to 1023)
  *   bit 2  the body is verified on opening
- * What opens is searched all over, as a damaged file may give wrong numbers at worst.
+ * A map that opens is searched throughout: a damaged file may at worst give wrong numbers.
  */
 #include <sodium.h>
 #include <stdio.h>

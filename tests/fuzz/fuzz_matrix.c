@@ -1,4 +1,4 @@
-/* Radiance's matrices as files; their bodies, of bytes, as any other. */
+/* Radiance matrix files. The body is arbitrary bytes. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +10,7 @@ bool fuzz_matrix(const uint8_t *data, size_t size)
 {
     struct orl_rgb_matrix matrix = {.rows = 0};
     struct orl_error err = {0};
-    /* In a block of its own size, so that reading past its end is seen. */
+    /* A block of exactly the input's size lets AddressSanitizer detect reads past its end. */
     char *exact = malloc(size ? size : 1);
     FUZZ_PROMISE(exact != NULL);
     if (size > 0)

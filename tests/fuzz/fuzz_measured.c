@@ -1,6 +1,6 @@
 /*
- * Measurements of goniophotometers. What is read is fitted, in the smallest basis; most of it is
- * too little to be.
+ * Goniophotometer measurements. Accepted input is fitted in the smallest basis; most of it has too
+ * few samples to be fitted.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /*
- * Meshes and compiled scenes that other programs wrote, read by a scene that names them. The first
- * byte chooses: an OBJ file, the same by rules (0x1c splits: first the rules), STL, a compiled
+ * Meshes and compiled scenes of other programs, read by a scene that names them. The first byte
+ * chooses: an OBJ file, an OBJ file with rules (the rules come first, then 0x1c), STL, a compiled
  * mesh, an octree.
  */
 #include <string.h>

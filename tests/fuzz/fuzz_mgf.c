@@ -1,16 +1,17 @@
-/* Geometry in MGF: scene text that holds no more than there was, and a place for what is refused.
- */
+/* MGF geometry: the scene text is bounded by the size of the input, and each refusal names a
+ * place. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "fuzz/fuzz.h"
 #include "scene/generate/mgf.h"
 
-/* Whatever it includes is itself, by another name. */
+/* Serves each include with the whole input again, under another name. */
 static int open_again(void *ctx, const char *folder, const char *name,
                       struct orl_mgf_text *ret_text, struct orl_error *err)
 {
-    static char names[64][8]; /* all of one letter, which outlive those that ask for them */
+    /* One letter each; static, because they must outlive the reader that uses them. */
+    static char names[64][8];
     const struct orl_mgf_text *const whole = ctx;
     char *const own = names[name[0] & 63];
     FUZZ_PROMISE(folder != NULL);

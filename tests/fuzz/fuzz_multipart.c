@@ -1,11 +1,11 @@
-/* Bodies of uploads in parts: the first line is the Content-Type, what follows is the body. */
+/* Multipart bodies of uploads: the first line is the Content-Type, the rest is the body. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../../server/process/limits.h" /* this folder has one too */
+#include "../../server/process/limits.h" /* full path, because this folder also has a limits.h */
 #include "fuzz/fuzz.h"
 #include "support/wire.h"
 #include "uploads/multipart.h"

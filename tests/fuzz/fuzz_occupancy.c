@@ -1,7 +1,7 @@
 /*
- * Files of when rooms are in use. The first byte says of which year, and which lines are to follow,
- * as no input of the fuzzer's is long enough to have one for each hour; the second, how many of its
- * own lines stand for no hour.
+ * Occupancy files. The first byte chooses the year and which lines are appended, because the
+ * fuzzer's inputs are too short to have a line per hour. The second byte is the number of the
+ * input's lines that are not for an hour.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 
 enum { LEAP = 1, HALF_HOURS = 2, NUMBERS_FOLLOW = 4, TIMES_FOLLOW = 8, MOST_LINE = 32 };
 
-/* The bytes, and a line for each hour that they have none for. */
+/* Returns the input followed by a line for each hour that it lacks. */
 static char *fill_up(const char *data, size_t size, unsigned how, uint32_t beside,
                      const struct orl_annual_steps *steps, size_t *ret_size)
 {
@@ -34,7 +34,7 @@ static char *fill_up(const char *data, size_t size, unsigned how, uint32_t besid
         at = mempcpy(at, "0\n", 2);
     }
     *ret_size = (size_t)(at - text);
-    /* In a block of its own size, so that reading past its end is seen. */
+    /* A block of exactly the text's size lets AddressSanitizer detect reads past its end. */
     char *exact = malloc(*ret_size ? *ret_size : 1);
     FUZZ_PROMISE(exact != NULL);
     memcpy(exact, text, *ret_size);

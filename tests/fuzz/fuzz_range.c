@@ -1,4 +1,4 @@
-/* The Range header: the first two bytes are the file's size, what follows is the header. */
+/* The Range header: the first two bytes are the file's size, the rest is the header. */
 #include <stdlib.h>
 #include <string.h>
 

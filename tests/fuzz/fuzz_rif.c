@@ -1,5 +1,4 @@
-/* Files of rad: projects with names fit for a bundle, and commands that are files by their names.
- */
+/* Files of rad: projects have names fit for a bundle, and each command names a file. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /*
- * A request's target: the input is "METHOD TARGET", as far as the version. What libmicrohttpd makes
- * of it finds its route, and the route's parameters are the target's parts; arguments that are
- * understood are within their bounds.
+ * A request's target. The input is "METHOD TARGET", as a request line without its version. The
+ * target as libmicrohttpd decodes it selects a route, and the route's parameters are parts of the
+ * target. Accepted query arguments are within their bounds.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +15,7 @@
 #include "store/scene_bundle.h"
 #include "support/wire.h"
 
-/* Of every shape that the daemon has. */
+/* Routes of every shape that the daemon has. */
 static const struct orl_route table[] = {
     {"GET", "/", ORL_SCOPE_OPEN, NULL, 0, NULL, false},
     {"GET", "/v1/jobs", ORL_SCOPE_READ, NULL, 0, NULL, false},
@@ -28,7 +28,7 @@ static const struct orl_route table[] = {
 };
 static const struct orl_routes routes = {table, sizeof table / sizeof *table};
 
-/* The pattern with its parameters in their places is the target. */
+/* Checks that the pattern with its parameters filled in equals the target. */
 static void check_params(const char *path, const char *url,
                          char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX])
 {
@@ -51,7 +51,7 @@ static void check_params(const char *path, const char *url,
     free(built);
 }
 
-/* No way out of a folder. */
+/* Returns true if the name cannot leave its folder. */
 static bool stays_inside(const char *name)
 {
     for (const char *part = name; part; part = strchr(part, '/') ? strchr(part, '/') + 1 : NULL) {

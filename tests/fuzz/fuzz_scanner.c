@@ -1,5 +1,5 @@
 /*
- * The scanner of text files. The first byte says with which options; the rest is the text, read by
+ * The scanner of text files. The first byte chooses the options; the rest is the text, read by
  * lines, by words and by cells.
  */
 #include <math.h>
@@ -10,7 +10,7 @@
 
 #include "fuzz/fuzz.h"
 
-/* A part of the text that lies in it. */
+/* Checks that the span lies within the text. */
 static void check_span(const struct orl_scanner *scanner, struct orl_slice text,
                        struct orl_slice span)
 {

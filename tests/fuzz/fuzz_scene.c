@@ -1,8 +1,8 @@
 /*
- * Radiance scene text, commands included. A byte 0x1c (file separator) splits the input: what comes
- * before is main.rad, what comes after is part.rad, which main.rad may read by !xform, as scene
- * text or as an argument file; panel.xml, a BSDF, is always at hand. What parses is checked against
- * description.h and made into a world, as an upload is (core/light/world.h).
+ * Radiance scene text, commands included. A byte 0x1c (file separator) splits the input: the first
+ * part is main.rad, the second part.rad, which main.rad may read by !xform, as scene text or as an
+ * argument file. A BSDF, panel.xml, is always available. Accepted text is checked against
+ * description.h and built into a world, as an upload is (core/light/world.h).
  */
 #include <stdlib.h>
 #include <string.h>
@@ -26,14 +26,14 @@ static void check_color(struct orl_rgb c)
     FUZZ_PROMISE(orl_rgb_is_finite(c));
 }
 
-/* Light that meets it from anywhere: weights and values are finite, and nothing is negative. */
+/* Checks for light from many directions that weights and values are finite and not negative. */
 static void check_scatter(const struct orl_material *m)
 {
     static const struct orl_vec3 from[] = {{0, 0, 1}, {0.6, 0, 0.8}, {0, -0.8, -0.6}, {1, 0, 1e-9}};
     static const double u[][3] = {{0.3, 0.7, 0.1}, {0.999999, 0, 0.5}, {0, 0.25, 0.999999}};
     const struct orl_hit hit = {.distance = 2, .normal = {0, 0, 1}, .front = true};
     if (m->kind == ORL_MATERIAL_BSDF)
-        return; /* its up vector may stand on this surface */
+        return; /* the up vector may be perpendicular to this surface */
     for (size_t i = 0; i < sizeof from / sizeof *from; i++) {
         for (size_t k = 0; k < sizeof u / sizeof *u; k++) {
             const struct orl_scatter s = orl_scatter_sample_at(
@@ -141,7 +141,7 @@ static void check_description(const struct orl_description *d)
     FUZZ_PROMISE(d->n_main >= 1 && d->n_main <= d->n_files);
 }
 
-/* Facets are sound and can be shot at. */
+/* Checks that facets are sound and can be intersected. */
 static void check_geometry(const struct orl_geometry *g)
 {
     struct orl_hit hit;
@@ -158,8 +158,8 @@ static void check_geometry(const struct orl_geometry *g)
         FUZZ_PROMISE(hit.facet < g->n_facets);
 }
 
-/* The description, which is used up, as an upload makes a world of it; some of it may be refused.
- */
+/* Builds a world from the description, as an upload does, and consumes it. The build may refuse
+ * some descriptions. */
 static bool check_world(struct orl_description *d)
 {
     static const struct orl_vec3 directions[] = {

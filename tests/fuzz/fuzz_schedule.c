@@ -1,5 +1,5 @@
-/* Tables of the states that shades are in. The first byte says how many states there are, the
- * second whether they have names. */
+/* Tables of shade states. The first byte is the number of states, the second is set if the states
+ * have names. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /*
- * Access tokens as they are sent. An input is what happens to a good one: a byte that says whether
- * it is to be what follows, or else edits of two bytes, the place and what is put there; places
- * behind its end make it longer. It is known if it is the good one, and never else.
+ * Access tokens as clients send them. If the first byte is odd, the token is the rest of the
+ * input. Otherwise the rest is edits of a valid token: pairs of place and new byte; places past
+ * the end append. A token is recognised exactly if it equals the valid one.
  */
 #include <string.h>
 
@@ -12,7 +12,7 @@
 
 enum { MOST = 256 };
 
-/* Made once. */
+/* These are set up once, by need_token(). */
 static struct orl_db db;
 static sqlite3_stmt *finder;
 static char good[ORL_TOKEN_TEXT];

@@ -1,4 +1,5 @@
-/* Files that views are lines of; the first line says which is wanted: a number, a name, or none. */
+/* Files with one view per line. The first line of the input selects a view: a number, a name, or
+ * none. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,7 +20,7 @@ bool fuzz_view_file(const uint8_t *data, size_t size)
         return false;
     memcpy(entry, text, (size_t)(newline - text));
     const size_t rest = size - (size_t)(newline + 1 - text);
-    /* By itself, so that reading past its end is seen. */
+    /* A copy of exact size lets AddressSanitizer detect reads past its end. */
     char *lines = malloc(rest ? rest : 1);
     FUZZ_PROMISE(lines != NULL);
     memcpy(lines, newline + 1, rest);

@@ -11,7 +11,7 @@ static void check_row(const struct orl_weather_row *row)
     FUZZ_PROMISE(isfinite(row->direct) && isfinite(row->diffuse));
 }
 
-/* The sky of a row, as a job asks for it. */
+/* Checks the sky of a row, computed as for a job. */
 static void check_sky(const struct orl_weather *weather, const struct orl_weather_row *row,
                       enum orl_sky_normalise normalise)
 {
@@ -35,7 +35,7 @@ static void check_sky(const struct orl_weather *weather, const struct orl_weathe
         fuzz_check_daylight(&daylight);
 }
 
-/* As a year takes it: rows are steps of one, or it is refused. */
+/* Reads the file as an annual run does: its rows become the steps of a year, or it is refused. */
 static void check_year(const char *text, size_t size, const struct orl_weather *weather)
 {
     struct orl_annual_steps steps = {0};
@@ -51,7 +51,8 @@ static void check_year(const char *text, size_t size, const struct orl_weather *
     FUZZ_PROMISE(orl_occupancy_check("use.csv", "", 0, &steps, NULL) == ORL_ERR_RANGE);
 }
 
-/* The year of the first row is chosen: rows are of that year alone, each at its own time. */
+/* Chooses the year of the first row and checks that all rows are of that year, each at its own
+ * time. */
 static void check_chosen_year(const char *text, size_t size, const struct orl_weather *all)
 {
     struct orl_weather weather = {0};

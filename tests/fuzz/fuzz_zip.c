@@ -1,4 +1,4 @@
-/* Zips of scenes, as they are unpacked for an upload. */
+/* Zip archives of scenes, unpacked as for an upload. */
 #include "fuzz/fuzz.h"
 
 #include <stdio.h>
@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../../server/process/limits.h" /* this folder has one too */
+#include "../../server/process/limits.h" /* full path, because this folder also has a limits.h */
 #include "uploads/unzip.h"
 
 static struct orl_folders folders;

@@ -1,6 +1,6 @@
 /*
- * Smaller bounds, included before anything else in fuzzing builds: inputs of a few hundred bytes
- * then reach them within milliseconds instead of gigabytes.
+ * Smaller limits for the fuzz builds, included before anything else: inputs of a few hundred bytes
+ * then reach the limits within milliseconds, without gigabytes of memory.
  */
 #ifndef ORL_TESTS_FUZZ_LIMITS_H
 #define ORL_TESTS_FUZZ_LIMITS_H

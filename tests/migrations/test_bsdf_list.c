@@ -1,5 +1,5 @@
-/* The list of BSDFs: what older databases hold is in it, it follows all that comes and goes, and a
- * page of it takes as long however many scenes there are. */
+/* The list of BSDFs: it includes the contents of older databases, follows every insertion and
+ * removal, and a page takes the same time for any number of scenes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -44,8 +44,9 @@ static int64_t number(struct fixture *f, const char *sql)
     return value;
 }
 
-static void run(struct fixture *f, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void run(struct fixture *f, const char *format, ...)
+static void run_sql(struct fixture *f, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+static void run_sql(struct fixture *f, const char *format, ...)
 {
     char sql[512];
     va_list args;
@@ -56,27 +57,29 @@ static void run(struct fixture *f, const char *format, ...)
         fail_msg("%s: %s", sql, f->err.message);
 }
 
-/* A scene of that number, with those blobs as files; every third is no XML file by its name. */
+/* Adds scene number `scene` with these blobs as files; the name of every third file is not .xml. */
 static void add_scene(struct fixture *f, int scene, const int *blobs, int count, int now_ms)
 {
-    run(f,
+    run_sql(
+        f,
         "INSERT INTO scenes (id, created_ms, bytes, summary) VALUES (printf('%%064x', %d), %d, 9, "
         "'{}')",
         scene, now_ms);
     for (int i = 0; i < count; i++)
-        run(f,
-            "INSERT INTO scene_files VALUES (printf('%%064x', %d), %d, 'f%d%s', 1, "
-            "printf('%%064x', %d), 7)",
-            scene, i, i, i % 3 == 2 ? ".dat" : ".xml", blobs[i]);
+        run_sql(f,
+                "INSERT INTO scene_files VALUES (printf('%%064x', %d), %d, 'f%d%s', 1, "
+                "printf('%%064x', %d), 7)",
+                scene, i, i, i % 3 == 2 ? ".dat" : ".xml", blobs[i]);
 }
 
 static void add_own(struct fixture *f, int blob, int now_ms)
 {
-    run(f, "INSERT OR IGNORE INTO bsdfs VALUES (printf('%%064x', %d), %d, 'own', 7, '{}')", blob,
-        now_ms);
+    run_sql(f, "INSERT OR IGNORE INTO bsdfs VALUES (printf('%%064x', %d), %d, 'own', 7, '{}')",
+            blob, now_ms);
 }
 
-/* What is listed, by all there is: rows that differ, either way. */
+/* Returns the number of differences between the list and all tables that it derives from, in
+ * either direction. */
 static int64_t faults(struct fixture *f)
 {
     return number(
@@ -93,7 +96,7 @@ static int64_t faults(struct fixture *f)
         "s.id = f.scene WHERE f.blob = l.id), created_ms))");
 }
 
-/* Scenes and BSDFs of a database of before the list. */
+/* A database from before the list: its scenes and BSDFs are listed. */
 static void test_older_databases(void **state)
 {
     struct fixture *f = *state;
@@ -116,7 +119,7 @@ static void test_older_databases(void **state)
     assert_int_equal(number(f, "SELECT created_ms FROM listed_bsdfs WHERE scenes = 2"), 5);
 }
 
-/* Scenes and BSDFs that come, are used and go, in whatever order. */
+/* The list stays right while scenes and BSDFs are added, used and removed in any order. */
 static void test_comings_and_goings(void **state)
 {
     enum { STEPS = 600, SCENES = 12, BLOBS = 9 };
@@ -134,15 +137,16 @@ static void test_comings_and_goings(void **state)
         if ((random >> 28) < 2)
             add_own(f, blob, step);
         else if ((random >> 28) < 4)
-            run(f,
+            run_sql(
+                f,
                 "DELETE FROM bsdfs WHERE id = printf('%%064x', %d) AND NOT EXISTS (SELECT 1 FROM "
                 "scene_files WHERE blob = bsdfs.id)",
                 blob);
         else if ((random >> 28) < 7 && there)
-            run(f, "UPDATE scenes SET last_used_ms = %d WHERE id = printf('%%064x', %d)", step,
-                scene);
+            run_sql(f, "UPDATE scenes SET last_used_ms = %d WHERE id = printf('%%064x', %d)", step,
+                    scene);
         else if (there)
-            run(f, "DELETE FROM scenes WHERE id = printf('%%064x', %d)", scene);
+            run_sql(f, "DELETE FROM scenes WHERE id = printf('%%064x', %d)", scene);
         else
             add_scene(f, scene, blobs, 1 + (int)(random >> 4) % 4, step);
         if (faults(f) != 0)
@@ -168,7 +172,8 @@ struct steps {
     uint64_t page, of_scene, one;
 };
 
-/* SQLite's own steps for a page of fifty, for a scene's BSDFs, and for one of them. */
+/* Counts SQLite's virtual machine steps for a page of fifty, for a scene's BSDFs, and for one
+ * BSDF. */
 static struct steps count_steps(struct fixture *f)
 {
     struct orl_stored_place place = {.created_ms = INT64_MAX};
@@ -192,7 +197,7 @@ static struct steps count_steps(struct fixture *f)
     return steps;
 }
 
-/* Each scene has a BSDF of its own, and one that all have. */
+/* Each scene has a BSDF of its own, and one that all scenes share. */
 static void test_two_thousand_scenes(void **state)
 {
     enum { FEW = 100, MANY = 2000, OWN = 1000000 };

@@ -1,4 +1,5 @@
-/* Migrations: fresh, twice, stepwise, torn, edited, and from a later version. */
+/* Migrations: a fresh database, repeated, stepwise, interrupted, edited, and from a later version.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -97,7 +98,7 @@ static void test_stepwise_keeps_data(void **state)
     assert_int_equal(number(f, "SELECT y FROM a WHERE x = 41"), 42);
 }
 
-/* A migration that fails halfway leaves nothing, and can be applied once it is mended. */
+/* A migration that fails halfway changes nothing, and can be applied once it is repaired. */
 static int64_t columns_of_copy(const char *path, struct orl_error *err)
 {
     struct orl_db db = {NULL};
@@ -112,8 +113,8 @@ static int64_t columns_of_copy(const char *path, struct orl_error *err)
     return count;
 }
 
-/* A database that holds something is copied before it changes, once more after a failed attempt;
- * an empty one is not. */
+/* A database with contents is copied before it changes, and again after a failed attempt; an empty
+ * one is not. */
 static void test_copy_before(void **state)
 {
     struct fixture *f = *state;
@@ -134,8 +135,8 @@ static void test_copy_before(void **state)
     assert_int_not_equal(access(copy, F_OK), 0);
 }
 
-/* A migrations table that lacks rows is refused with a remedy, and the backup that an earlier
- * migration made is kept. */
+/* A migrations table that lacks rows is refused with a remedy, and the backup of an earlier
+ * migration is kept. */
 static void test_lost_rows_are_refused(void **state)
 {
     static const struct {
@@ -208,7 +209,7 @@ static void test_gap_is_refused(void **state)
     assert_int_equal(orl_db_migrate(&f->db, &two[1], 1, &f->err), ORL_ERR_INTERNAL);
 }
 
-/* The schema holds the rows to what the code promises. */
+/* The schema enforces the constraints that the code promises. */
 static void test_schema_refuses_nonsense(void **state)
 {
     struct fixture *f = *state;
@@ -244,7 +245,7 @@ static int only_map(void *ctx, const struct orl_stored_map *map)
     return 0;
 }
 
-/* Maps kept before there were families stay, without one. */
+/* Maps from before map families existed stay, without a family. */
 static void test_families_come_to_old_maps(void **state)
 {
     struct fixture *f = *state;
@@ -274,7 +275,7 @@ static void test_families_come_to_old_maps(void **state)
     assert_true(again.info.target == 5000000000);
 }
 
-/* Applies the first so many migrations that the daemon carries. */
+/* Applies the first `count` migrations that the daemon embeds. */
 static void migrate_up_to(struct fixture *f, size_t count)
 {
     struct orl_migration list[16];
@@ -290,7 +291,7 @@ static void migrate_up_to(struct fixture *f, size_t count)
 
 #define SCENE "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
 
-/* Jobs of before there was a budget keep what they have, and learn how much it is. */
+/* Jobs from before the storage budget keep their files, and their sizes are recorded. */
 static void test_old_jobs_are_measured(void **state)
 {
     struct fixture *f = *state;
@@ -315,7 +316,7 @@ static void test_old_jobs_are_measured(void **state)
                                "finished_ms = 13 AND priority = 7 AND client = 'name:c' AND "
                                "request_key = 'k' AND identity = 'i' AND evicted_ms IS NULL"),
                      1);
-    /* The order of arrival goes on. */
+    /* The order of arrival continues. */
     assert_int_equal(orl_db_exec(&f->db,
                                  "INSERT INTO jobs (id, scene, document, state, created_ms) VALUES "
                                  "('d', '" SCENE "', '" SCENE "', 'queued', 1)",
@@ -324,7 +325,7 @@ static void test_old_jobs_are_measured(void **state)
     assert_int_equal(number(f, "SELECT seq FROM jobs WHERE id = 'd'"), 9);
 }
 
-/* A scene outlives no job that waits, but those that have ended outlive it. */
+/* A scene cannot be removed while a job waits for it, but can after its jobs have ended. */
 static void test_scenes_can_go(void **state)
 {
     struct fixture *f = *state;
@@ -346,7 +347,7 @@ static void test_scenes_can_go(void **state)
     assert_int_equal(number(f, "SELECT count(*) FROM jobs"), 1);
 }
 
-/* Scenes of before know when they were of use last by their jobs; from then on by each new one. */
+/* Older scenes take the time of their last use from their jobs; each new job updates it. */
 static void test_last_use_of_scenes(void **state)
 {
     struct fixture *f = *state;
@@ -379,7 +380,7 @@ static void test_last_use_of_scenes(void **state)
     assert_int_equal(number(f, "SELECT last_used_ms FROM scenes"), 9);
 }
 
-/* Jobs of before belong to the token of their client's name, if it is as old as they are. */
+/* Older jobs belong to the token of their client's name, if that token is at least as old. */
 static void test_old_jobs_have_owners(void **state)
 {
     struct fixture *f = *state;

@@ -1,6 +1,6 @@
 /*
- * Hard cases of BSDF files: numbers that are none, text cut short or nested without end, an up
- * vector that says nothing, the order of loading.
+ * Hard cases of BSDF files: invalid numbers, text cut short or nested without end, an up vector
+ * parallel to the normal, the order of loading.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,7 +19,7 @@
 #include "support/scene_text.h"
 #include "support/stability.h"
 
-/* ---- 14: what is no number ------------------------------------------------------------------- */
+/* ---- 14: values that are not numbers --------------------------------------------------------- */
 
 enum verdict { REFUSED, CLAMPED };
 
@@ -32,7 +32,7 @@ static const struct {
              {"1e", REFUSED},     {"--1", REFUSED},    {"-1", CLAMPED},       {"-1e-3", CLAMPED},
              {"-1e30", CLAMPED},  {"-3.4e29", CLAMPED}};
 
-/* A file of that structure with the word among its values: line 13 is the word's. */
+/* Returns a file of that structure with the word among its values; the word is on line 13. */
 static struct text spoilt(int structure, const char *word)
 {
     struct text data, file;
@@ -51,7 +51,8 @@ static struct text spoilt(int structure, const char *word)
     return file;
 }
 
-/* Refused with the place and the word; or loaded, counted, and without a negative or odd value. */
+/* Returns true if the file is refused with the place and the word; or is loaded, the value
+ * counted, and no result is negative or non-finite. */
 static bool is_handled(const char *word, enum verdict wanted, struct text file)
 {
     struct orl_bsdf *bsdf = NULL;
@@ -134,7 +135,7 @@ static void test_19_deep_nesting(void **state)
                   loaded, 0);
 }
 
-/* At every byte in the long form, at every 199th else. */
+/* The long form cuts at every byte, the short form at every 199th. */
 static void test_19_cut_short(void **state)
 {
     const size_t step = stability_full() ? 1 : 199;
@@ -155,9 +156,9 @@ static void test_19_cut_short(void **state)
                   (double)loaded, 0);
 }
 
-/* Braces and values thrown together: whatever comes of it, an error has a line and a reason. Both
- * ranks have one parser; a tree of rank 3 that is accepted is filled, which takes most of the time,
- * so that the short form has fewer of these. */
+/* Random braces and values: any error has a line and a reason. Both ranks share one parser. An
+ * accepted tree of rank 3 is expanded, which takes most of the time, so the short form has fewer
+ * of these. */
 static void test_19_braces_at_random(void **state)
 {
     const long rounds = stability_full() ? 20000 : 600, rank_3_each = stability_full() ? 2 : 10;
@@ -207,7 +208,7 @@ static int parse_pane(const char *up, const char *shape, struct orl_error *err)
     return scene_run_fails(&run, err);
 }
 
-/* With up written as Radiance's examples have it, on skylights and on rings, turned or not. */
+/* The up vector is written as in Radiance's examples, on skylights and on rings, turned or not. */
 static void test_20_up_along_the_normal(void **state)
 {
     static const char *const cases[][2] = {
@@ -255,7 +256,7 @@ static void hash_draws(const struct orl_bsdf *bsdf, crypto_hash_sha256_state *ha
     }
 }
 
-/* Draws from all three structures, loaded in one order and in the reverse. */
+/* Samples of all three structures are the same whether they load in one order or in reverse. */
 static void test_21_draws(void **state)
 {
     unsigned char digest[2][crypto_hash_sha256_BYTES];
@@ -281,7 +282,7 @@ static void test_21_draws(void **state)
                     memcmp(digest[0], digest[1], sizeof digest[0]) == 0);
 }
 
-/* A whole job: a room with two panes, their materials written in either order. */
+/* A whole job with two panes in a room gives the same result with the materials in either order. */
 static void test_21_jobs(void **state)
 {
     static const char first[] = "void BSDF a 6 0 a.xml 0 0 1 . 0 0\n";

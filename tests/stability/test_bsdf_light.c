@@ -1,6 +1,7 @@
 /*
- * Hard cases of BSDF data in use: energy gained, all zero, sharp peaks, next to nothing, uniform.
- * Files are written here and read by the loader; light goes through whole jobs. Seeds are fixed.
+ * Hard cases of BSDF data in use: energy gain, all zero, sharp peaks, tiny values, uniform data.
+ * The test writes the files and the loader reads them; light is simulated by whole jobs. Seeds are
+ * fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,7 +27,7 @@ static double uniform(struct orl_random *random)
     return orl_random_uniform(random);
 }
 
-/* A direction uniform in projected solid angle, on either side. */
+/* Returns a direction uniform in projected solid angle, on either side. */
 static struct orl_vec3 any_direction(struct orl_random *random)
 {
     const double s = uniform(random), phi = 2 * ORL_PI * uniform(random), r = sqrt(s);
@@ -41,7 +42,7 @@ static struct orl_bsdf *load_or_fail(struct text t)
     return bsdf;
 }
 
-/* All four components of a structure, each of the same data. */
+/* Returns a file with all four components of a structure, each with the same data. */
 static struct text four_components(const char *structure, const char *basis, const char *data)
 {
     static const char *const directions[] = {"Transmission Front", "Transmission Back",
@@ -59,7 +60,7 @@ static struct text four_components(const char *structure, const char *basis, con
     return t;
 }
 
-/* 41 x 41 values, some rows of which sum to far more than 1. */
+/* Returns 41 x 41 values; some rows sum to far more than 1. */
 static struct text lively_matrix(void)
 {
     struct orl_random random = orl_random_stream(13, ORL_PURPOSE_BENCH, 1);
@@ -73,7 +74,7 @@ static struct text lively_matrix(void)
     return file;
 }
 
-/* Luma 0.75 in all, and all of it red: 2.8 in that channel. */
+/* Returns a file of luma 0.75 everywhere, all of it red: 2.8 in that channel. */
 static struct text red_file(void)
 {
     static const char *const directions[] = {"Transmission Front", "Transmission Back",
@@ -106,8 +107,8 @@ static void load_gainers(struct orl_bsdf *ret_bsdfs[GAINERS])
 }
 
 /*
- * Whatever the file says, no direction of light sends out more than it brings; and where it did
- * not, the file's own figure stays. Quotients of doubles: a few 1e-16.
+ * For any file, no incident direction gains energy; where the file itself does not gain, its own
+ * value stays. Tolerance: quotients of doubles, a few 1e-16.
  */
 static void test_13_no_direction_gains(void **state)
 {
@@ -145,7 +146,7 @@ static void test_13_no_direction_gains(void **state)
     assert_true(filed > 1.5);
 }
 
-/* Lossless once rescaled: half is reflected, half let through. */
+/* The pane is lossless after rescaling: half is reflected, half transmitted. */
 #define PANE_1_2 0.190985932 /* 0.6 / pi */
 
 static char *pane_of_1_2(void)
@@ -155,7 +156,7 @@ static char *pane_of_1_2(void)
     return four_components("TensorTree4", NULL, data).data;
 }
 
-static bool told_of_rescaling(const struct orl_result *result)
+static bool warns_of_rescaling(const struct orl_result *result)
 {
     for (size_t i = 0; i < result->n_warnings; i++)
         if (strstr(result->warnings[i], "rescaled"))
@@ -164,8 +165,9 @@ static bool told_of_rescaling(const struct orl_result *result)
 }
 
 /*
- * A box made of such panes under an even sky all around: a furnace. Every direction inside shows
- * what is outside, if R + T is 1. Sensors gather even rays, each of which scatters some times.
+ * A box of such panes under an even sky all around: a furnace. If R + T is 1, every direction
+ * inside sees the outside radiance. Sensors gather cosine-distributed rays, each of which scatters
+ * several times.
  */
 static void test_13_furnace(void **state)
 {
@@ -188,16 +190,17 @@ static void test_13_furnace(void **state)
     for (int i = 0; i < 3; i++)
         worst = fmax(worst, fabs(result.illuminance_lx[i] / (efficacy * ORL_PI) - 1));
     stability_holds(13, "R + T > 1", "the result warns that it was rescaled",
-                    told_of_rescaling(&result));
+                    warns_of_rescaling(&result));
     stability_row(13, "R + T > 1", "furnace of such panes: |E / E outside - 1|", worst, 0.01);
     orl_result_done(&result);
     free(xml);
 }
 
 /*
- * A lamp in a closed box that reflects half, such a pane in the middle: each photon lands twice on
- * the walls in the mean, whatever the pane does, if that neither adds nor takes. The lamp itself
- * swallows 1e-3. A path's number of landings varies by 2: n paths leave sqrt(1/2 / n) of the sum.
+ * A lamp in a closed box that reflects half, with such a pane in the middle. Each photon lands
+ * twice on the walls in the mean, for any pane that conserves energy. The lamp itself absorbs
+ * 1e-3. The number of landings of a path has variance 2: n paths leave a standard error of
+ * sqrt(1/2 / n) of the sum.
  */
 static void test_13_photon_balance(void **state)
 {
@@ -266,11 +269,11 @@ static void test_15_black(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* ---- 16: a leaf of 1e5 1/sr ------------------------------------------------------------------ */
+/* ---- 16: a peak of 1e5 1/sr ------------------------------------------------------------------ */
 
 static const double peak_rings_deg[] = {0, 0.1, 30, 60, 90};
 
-/* A matrix whose first cell is 0.1 degrees in radius: 1e5 1/sr there make 0.957. */
+/* Returns a matrix whose first cell is 0.1 degrees in radius: 1e5 1/sr there integrate to 0.957. */
 static struct text peaked_matrix(double peak, double elsewhere)
 {
     enum { CELLS = 1 + 1 + 4 + 4 };
@@ -297,7 +300,8 @@ static struct text peaked_matrix(double peak, double elsewhere)
     return t;
 }
 
-/* Sum of f over projected solid angle, by midpoints ring by ring: f is constant within cells. */
+/* Integrates f over projected solid angle, by midpoints ring by ring: f is constant within cells.
+ */
 static double integrate_rings(const struct orl_bsdf *bsdf, struct orl_vec3 in)
 {
     double sum = 0;
@@ -314,7 +318,7 @@ static double integrate_rings(const struct orl_bsdf *bsdf, struct orl_vec3 in)
     return sum;
 }
 
-/* In a tree of 2^8 a leaf of 1e5 is too much for its cell: 4.79, which is rescaled to 1. */
+/* In a tree of 2^8 a leaf of 1e5 1/sr integrates to 4.79 over its cell, which is rescaled to 1. */
 static double integrate_leaf(double *ret_filed)
 {
     struct text t;
@@ -371,7 +375,8 @@ static void test_16_tall_leaf(void **state)
 
 enum { FULL = 145, SLIVER = 70 };
 
-/* The first column: what light along the axis does. Two cells are dark, one is next to that. */
+/* Builds a matrix and returns its first column: scattering of light along the axis. Two cells are
+ * black, and one has 1e-12 of the total. */
 static struct text sliver_matrix(double ret_column[FULL])
 {
     struct orl_random random = orl_random_stream(17, ORL_PURPOSE_BENCH, 1);
@@ -395,7 +400,7 @@ static struct text sliver_matrix(double ret_column[FULL])
     return t;
 }
 
-/* The cell drawn for that first number; checks that the draw is sound. */
+/* Returns the cell sampled for that first number; checks that the sample is sound. */
 static int draw_cell(const struct orl_bsdf *bsdf, const struct orl_basis *basis, double u0,
                      double u1, long *unsound)
 {
@@ -410,7 +415,8 @@ static int draw_cell(const struct orl_bsdf *bsdf, const struct orl_basis *basis,
     return orl_basis_cell(basis, orl_polar_of(out), 0);
 }
 
-/* Whether the sliver's own numbers, a range 1e-12 wide, find it: by bisection. */
+/* Returns true if random numbers in the sliver's own range, 1e-12 wide, sample it; found by
+ * bisection. */
 static bool finds_sliver(const struct orl_bsdf *bsdf, const struct orl_basis *basis, long *unsound)
 {
     double low = 0, high = 1;
@@ -424,7 +430,7 @@ static bool finds_sliver(const struct orl_bsdf *bsdf, const struct orl_basis *ba
     return draw_cell(bsdf, basis, high, 0.5, unsound) == SLIVER;
 }
 
-/* Pearson's sum over cells as a normal deviate (Wilson and Hilferty). */
+/* Returns Pearson's sum over cells as a standard normal deviate (Wilson and Hilferty). */
 static double deviate(const double *expected, const long *counted)
 {
     double x = 0;
@@ -473,9 +479,9 @@ static void test_17_sliver(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* ---- 18: uniform ----------------------------------------------------------------------------- */
+/* ---- 18: uniform data ------------------------------------------------------------------------ */
 
-/* The largest of |f - diffuse| / f (wanted for uniform data), and of diffuse - f. */
+/* Computes the maximum of |f - diffuse| / f (required for uniform data), and of diffuse - f. */
 static void compare_with_diffuse(const struct orl_bsdf *bsdf, double *difference, double *excess)
 {
     struct orl_random random = orl_random_stream(3, ORL_PURPOSE_BENCH, 18);

@@ -1,9 +1,8 @@
 /*
  * Hard cases of density estimates, on maps made by hand: empty ones, few photons, photons on one
- * spot, thin walls, a table just above the floor, edges and corners.
- *
- * Photons of flux 1 are strewn uniformly; what an estimate should give is then their number over
- * the area. Estimates are asked both at the place and by leaves.
+ * spot, thin walls, a table just above the floor, edges and corners. Photons of flux 1 are
+ * distributed uniformly, so the expected estimate is their number over the area. Estimates are
+ * taken both at the place and by leaves.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -45,7 +44,7 @@ static struct bed bed_new(const char *scene, size_t most, uint64_t seed)
     return bed;
 }
 
-/* count photons over the parallelogram at corner; places are the scene's. */
+/* Distributes count photons over the parallelogram at corner, in scene coordinates. */
 static void strew(struct bed *bed, size_t count, struct orl_vec3 corner, struct orl_vec3 a,
                   struct orl_vec3 b, struct orl_vec3 normal)
 {
@@ -60,7 +59,7 @@ static void strew(struct bed *bed, size_t count, struct orl_vec3 corner, struct 
     }
 }
 
-static void settle(struct bed *bed, double max_radius)
+static void open_bed_map(struct bed *bed, double max_radius)
 {
     const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
     struct orl_crew *crew = orl_crew_start(2);
@@ -85,9 +84,9 @@ static void bed_done(struct bed *bed)
     free(bed->search);
 }
 
-/* Irradiance at a place of the scene by k neighbours; k = 0: by leaves. */
-static double ask(struct bed *bed, struct orl_vec3 place, struct orl_vec3 normal, uint32_t k,
-                  double max_radius)
+/* Returns the irradiance at a place of the scene by k neighbours; k = 0: by leaves. */
+static double estimate_irradiance(struct bed *bed, struct orl_vec3 place, struct orl_vec3 normal,
+                                  uint32_t k, double max_radius)
 {
     struct orl_footing footing;
     const struct orl_vec3 point = orl_sub(place, bed->world->geometry->center);
@@ -110,11 +109,11 @@ static void case_22_empty_map(void **state)
 {
     struct bed bed = bed_new(plate, 0, 1);
     (void)state;
-    settle(&bed, 0.5);
+    open_bed_map(&bed, 0.5);
     stability_row(22, "empty map", "irradiance by k neighbours",
-                  fabs(ask(&bed, orl_v3(1, 1, 0), up, 64, 0.5)), 0);
+                  fabs(estimate_irradiance(&bed, orl_v3(1, 1, 0), up, 64, 0.5)), 0);
     stability_row(22, "empty map", "irradiance by leaves",
-                  fabs(ask(&bed, orl_v3(1, 1, 0), up, 0, 0.5)), 0);
+                  fabs(estimate_irradiance(&bed, orl_v3(1, 1, 0), up, 0, 0.5)), 0);
     bed_done(&bed);
     static const struct orl_sensor sensor = {{1, 1, 1}, {0, 0, 1}};
     struct orl_result result =
@@ -135,11 +134,11 @@ static void case_23_more_neighbours_than_photons(void **state)
     for (size_t n = 0; n <= 3; n++) {
         struct bed bed = bed_new(plate, n, n);
         strew(&bed, n, orl_v3(0.9, 0.9, 0), orl_v3(0.2, 0, 0), orl_v3(0, 0.2, 0), up);
-        settle(&bed, 0.5);
+        open_bed_map(&bed, 0.5);
         for (size_t i = 0; i < sizeof ks / sizeof *ks; i++) {
-            const double e = ask(&bed, orl_v3(1, 1, 0), up, ks[i], 0.5);
+            const double e = estimate_irradiance(&bed, orl_v3(1, 1, 0), up, ks[i], 0.5);
             undefined += !isfinite(e) || e < 0;
-            /* All there are, over the whole disc; fluxes are kept to 1/256. */
+            /* All photons, over the whole disc; fluxes are stored to 1/256. */
             if (ks[i] >= 64)
                 off = fmax(off, fabs(e * ORL_PI * 0.25 - (double)n) / fmax((double)n, 1));
         }
@@ -155,10 +154,10 @@ static void case_24_coincident_photons(void **state)
     struct bed bed = bed_new(plate, 1000, 3);
     (void)state;
     strew(&bed, 1000, orl_v3(1, 1, 0), orl_v3(0, 0, 0), orl_v3(0, 0, 0), up);
-    settle(&bed, 0.5);
+    open_bed_map(&bed, 0.5);
     double undefined = 0;
     for (uint32_t k = 0; k <= 4096; k = 2 * k + 1) {
-        const double e = ask(&bed, orl_v3(1, 1, 0), up, k, 0.5);
+        const double e = estimate_irradiance(&bed, orl_v3(1, 1, 0), up, k, 0.5);
         undefined += !isfinite(e) || !(e > 0);
     }
     stability_row(24, "1000 photons on one spot", "answers that are no finite number above 0",
@@ -168,7 +167,7 @@ static void case_24_coincident_photons(void **state)
 
 /* ---- Walls ----------------------------------------------------------------------------------- */
 
-/* One floor under two rooms, and between them a wall 1 mm thick that starts at `gap`. */
+/* One floor under two rooms, with a wall 1 mm thick between them that starts at `gap`. */
 static void two_rooms(const char *name, double gap)
 {
     static const double away[] = {1e-4, 1e-3, 0.01, 0.05, 0.2};
@@ -184,20 +183,20 @@ static void two_rooms(const char *name, double gap)
              gap > 0 ? gap : 3);
     struct bed bed = bed_new(scene, 100000, 28);
     strew(&bed, 100000, orl_v3(0, 0, 0), orl_v3(2, 0, 0), orl_v3(0, 2, 0), up);
-    settle(&bed, 1);
+    open_bed_map(&bed, 1);
     for (size_t i = 0; i < sizeof away / sizeof *away; i++) {
         for (int k = 0; k < 40; k++) {
             const double y = 0.01 + 0.0495 * k;
             const struct orl_vec3 dark = orl_v3(2.001 + away[i], y, 0),
                                   bright = orl_v3(2 - away[i], y, 0);
-            worst = fmax(worst, ask(&bed, dark, up, 300, 1) / lit);
-            worst_leaf = fmax(worst_leaf, ask(&bed, dark, up, 0, 1) / lit);
-            dimmest = fmin(dimmest, ask(&bed, bright, up, 300, 1) / lit);
+            worst = fmax(worst, estimate_irradiance(&bed, dark, up, 300, 1) / lit);
+            worst_leaf = fmax(worst_leaf, estimate_irradiance(&bed, dark, up, 0, 1) / lit);
+            dimmest = fmin(dimmest, estimate_irradiance(&bed, bright, up, 300, 1) / lit);
         }
     }
     stability_row(28, name, "dark side over lit side, by k neighbours", worst, 1e-3);
     stability_row(28, name, "dark side over lit side, by leaves", worst_leaf, 1e-3);
-    /* 1/sqrt(298) each; the lowest of 200. */
+    /* The standard error of one estimate is 1/sqrt(298); this is the minimum of 200. */
     stability_row(28, name, "lit side: what the dimmest estimate lacks", 1 - dimmest, 0.25);
     bed_done(&bed);
 }
@@ -222,26 +221,28 @@ static void case_29_table(void **state)
         if (lit_table) {
             strew(&bed, 100000, orl_v3(1, 1, .005), orl_v3(2, 0, 0), orl_v3(0, 1, 0), up);
         } else {
-            /* The floor, but for the table's shadow. */
+            /* The floor, without the shadow of the table. */
             strew(&bed, 60000, orl_v3(0, 0, 0), orl_v3(1, 0, 0), orl_v3(0, 3, 0), up);
             strew(&bed, 60000, orl_v3(3, 0, 0), orl_v3(1, 0, 0), orl_v3(0, 3, 0), up);
             strew(&bed, 40000, orl_v3(1, 0, 0), orl_v3(2, 0, 0), orl_v3(0, 1, 0), up);
             strew(&bed, 40000, orl_v3(1, 2, 0), orl_v3(2, 0, 0), orl_v3(0, 1, 0), up);
         }
-        settle(&bed, 0.4);
+        open_bed_map(&bed, 0.4);
         for (int i = 0; i < 40; i++) {
             const double x = 1.0005 + 0.02 * i * i / 39 * 2.45;
             for (uint32_t k = 0; k <= 64; k += 64) {
                 if (!lit_table)
-                    on_table = fmax(on_table, ask(&bed, orl_v3(x, 1.5, .005), up, k, 0.4));
+                    on_table =
+                        fmax(on_table, estimate_irradiance(&bed, orl_v3(x, 1.5, .005), up, k, 0.4));
                 else
-                    under = fmax(under, ask(&bed, orl_v3(x, 1.5, 0), up, k, 0.4));
+                    under = fmax(under, estimate_irradiance(&bed, orl_v3(x, 1.5, 0), up, k, 0.4));
                 if (lit_table)
-                    beside = fmax(beside, ask(&bed, orl_v3(1.5 - 0.5 * x, 1.5, 0), up, k, 0.4));
+                    beside = fmax(beside, estimate_irradiance(&bed, orl_v3(1.5 - 0.5 * x, 1.5, 0),
+                                                              up, k, 0.4));
             }
         }
         if (!lit_table)
-            under = fmax(under, ask(&bed, orl_v3(2, 1.5, 0), up, 64, 0.4));
+            under = fmax(under, estimate_irradiance(&bed, orl_v3(2, 1.5, 0), up, 64, 0.4));
         bed_done(&bed);
     }
     stability_row(29, "table 5 mm above the floor", "dark table beside a lit floor: E over lit",
@@ -255,11 +256,11 @@ static void case_29_table(void **state)
 /* ---- Edges and corners ----------------------------------------------------------------------- */
 
 struct face {
-    struct orl_vec3 corner, a, b, normal; /* unit a, b */
+    struct orl_vec3 corner, a, b, normal; /* a and b are unit vectors */
     double side[2];
 };
 
-/* A furnace, 4 x 3 x 2.5 m: every wall is lit alike. */
+/* A furnace, 4 x 3 x 2.5 m: every wall has the same irradiance. */
 static const struct face faces[6] = {
     {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {4, 3}},
     {{0, 0, 2.5}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {4, 3}},
@@ -274,8 +275,8 @@ static struct orl_vec3 place_on(const struct face *f, double u, double v)
     return orl_madd(orl_madd(f->corner, f->a, u), f->b, v);
 }
 
-/* The mean along all edges at that distance: 500 neighbours, half a disc of 15 cm, some 250 of
- * them that do not overlap; 0.3 % standard error. */
+/* Returns the mean along all edges at that distance: 500 neighbours, half a disc of 15 cm, some
+ * 250 of them that do not overlap; 0.3 % standard error. */
 static double mean_along_edges(struct bed *bed, double away, uint32_t k)
 {
     enum { STEPS = 60 };
@@ -287,13 +288,14 @@ static double mean_along_edges(struct bed *bed, double away, uint32_t k)
             const double at[4][2] = {
                 {u, away}, {u, side[1] - away}, {away, v}, {side[0] - away, v}};
             for (int e = 0; e < 4; e++)
-                sum += ask(bed, place_on(&faces[f], at[e][0], at[e][1]), faces[f].normal, k, 1);
+                sum += estimate_irradiance(bed, place_on(&faces[f], at[e][0], at[e][1]),
+                                           faces[f].normal, k, 1);
         }
     }
     return sum / (6 * STEPS * 4);
 }
 
-/* The mean of the 24 corners, 2000 neighbours each: 0.5 %. */
+/* Returns the mean of the 24 corners, 2000 neighbours each: 0.5 % standard error. */
 static double mean_in_corners(struct bed *bed, double away)
 {
     double sum = 0;
@@ -301,7 +303,7 @@ static double mean_in_corners(struct bed *bed, double away)
         for (int c = 0; c < 4; c++) {
             const double u = c & 1 ? faces[f].side[0] - away : away;
             const double v = c & 2 ? faces[f].side[1] - away : away;
-            sum += ask(bed, place_on(&faces[f], u, v), faces[f].normal, 2000, 1);
+            sum += estimate_irradiance(bed, place_on(&faces[f], u, v), faces[f].normal, 2000, 1);
         }
     return sum / 24;
 }
@@ -317,7 +319,7 @@ static void case_30_corner_of_a_furnace(void **state)
         strew(&bed, (size_t)(density * faces[f].side[0] * faces[f].side[1]), faces[f].corner,
               orl_scale(faces[f].a, faces[f].side[0]), orl_scale(faces[f].b, faces[f].side[1]),
               faces[f].normal);
-    settle(&bed, 1);
+    open_bed_map(&bed, 1);
     for (size_t i = 0; i < sizeof away / sizeof *away; i++) {
         edge = fmax(edge, fabs(mean_along_edges(&bed, away[i], 500) / density - 1));
         corner = fmax(corner, fabs(mean_in_corners(&bed, away[i]) / density - 1));

@@ -1,6 +1,6 @@
 /*
- * Hard cases of energy: nothing gets in, next to nothing is absorbed, nothing gets out, sums of
- * very many very small fluxes; and eyes where no eye can be.
+ * Hard cases of energy: closed rooms, very low absorption, light that cannot get out, sums of very
+ * many very small fluxes; and viewpoints inside solids, walls and surfaces.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,10 +29,9 @@ static bool warned(const struct orl_result *result, const char *words)
     return false;
 }
 
-/* ---- 25: a room without a window ---------------------------------------------------------------
- */
+/* ---- 25: a room without a window ------------------------------------------------------------- */
 
-/* Sensors inside; the lamp next door lights another room. */
+/* Runs sensors in the closed room; the only lamp is in the room next door. */
 static struct orl_result run_closed(const char *more, size_t n_sensors)
 {
     static const struct orl_sensor sensors[2] = {{{1, 1, 1}, {0, 0, 1}}, {{1, 1, 0}, {0, 0, 1}}};
@@ -59,11 +58,10 @@ static void test_room_without_window(void **state)
     orl_result_done(&result);
 }
 
-/* ---- 35: albedo 0.9999 -------------------------------------------------------------------------
- */
+/* ---- 35: albedo 0.9999 ----------------------------------------------------------------------- */
 
-/* A lamp of radius 1e-4 in the middle of a sphere of radius 1: it takes 1e-8 of the light a bounce.
- */
+/* A lamp of radius 1e-4 in the middle of a sphere of radius 1: it absorbs 1e-8 of the light per
+ * bounce. */
 static void test_white_sphere(void **state)
 {
     static const struct orl_sensor sensors[4] = {{{0, 0, -1}, {0, 0, 1}},
@@ -90,10 +88,9 @@ static void test_white_sphere(void **state)
     orl_result_done(&result);
 }
 
-/* ---- 38: eyes in solids, in walls, on surfaces -------------------------------------------------
- */
+/* ---- 38: viewpoints in solids, in walls, on surfaces ----------------------------------------- */
 
-/* The room with walls of 0.3 m all round, and a solid block in it. */
+/* Renders the room with walls of 0.3 m on all sides and a solid block in it. */
 static struct orl_result run_view(const char *view, uint64_t seed, double *ret_mean)
 {
     static double pixels[18 * 24][3];
@@ -127,10 +124,10 @@ static struct orl_result run_view(const char *view, uint64_t seed, double *ret_m
 }
 
 /*
- * Seen from inside a solid it is dark, but for rays that start nearer to its edge than surfaces are
- * thick (a millionth of the room): 2e-5 of them, and each sees a few W/sr/m2, five at the most. One
- * such ray is a pixel's whole light, so that the mean is what is bounded, of all pixels and of
- * several seeds.
+ * A view from inside a solid is dark, except for rays that start within the surface thickness (a
+ * millionth of the room) of an edge: 2e-5 of them, each with a few W/sr/m2, five at the most. One
+ * such ray makes a whole pixel bright, so the bound is on the mean of all pixels and of several
+ * seeds.
  */
 static void test_views(void **state)
 {
@@ -168,10 +165,10 @@ static void test_views(void **state)
     orl_result_done(&result);
 }
 
-/* ---- 39: sums ----------------------------------------------------------------------------------
- */
+/* ---- 39: sums -------------------------------------------------------------------------------- */
 
-/* Fluxes of k 2^-60 W, k below 2^20: their sum is an integer, and known. */
+/* Fluxes of k 2^-60 W, k below 2^20: their sum is an integer multiple of 2^-60 W, and known
+ * exactly. */
 static void test_sum(void **state)
 {
     const uint64_t count = stability_full() ? 1000000000 : 10000000;
@@ -189,11 +186,12 @@ static void test_sum(void **state)
 }
 
 /*
- * What a map says of its photons' mean flux is the mean of what it holds: multiples of 2^-70 W, so
- * that their sum is an integer, and known. And what it holds is what it was given, but for dither:
- * a flux is rounded by a step of at most 1/256 of it, with a variance of at most a quarter of the
- * step's square, so that five standard errors of the sum of N are 5 / 512 sqrt(N <f^2>) / (N <f>);
- * of even fluxes <f^2> is 4/3 <f>^2.
+ * The mean flux that a map reports is the mean of its photons: multiples of 2^-70 W, so that their
+ * sum is exact and known.
+ * The map holds the fluxes that it was given, except for dither: a flux is rounded by a step of at
+ * most 1/256 of it, with a variance of at most a quarter of the step's square. Five standard
+ * errors of the sum of N are then 5 / 512 sqrt(N <f^2>) / (N <f>); for uniform fluxes <f^2> is 4/3
+ * <f>^2.
  */
 static void test_map_mean(void **state)
 {
@@ -234,12 +232,12 @@ static void test_map_mean(void **state)
     free(photons);
 }
 
-/* ---- 44: light that cannot get out -------------------------------------------------------------
- */
+/* ---- 44: light that cannot get out ----------------------------------------------------------- */
 
 /*
- * Mirrors of reflectance 0.999 all round, nothing diffuse: of the light rho^1000 outlives the limit
- * of bounces that leave no photon. Photons are given up after 16 M rays in vain.
+ * Mirrors of reflectance 0.999 on all sides, nothing diffuse: a share rho^1000 of the light
+ * survives up to the limit of bounces, and no photon is stored. The run gives up after 16 M rays
+ * without a photon.
  */
 static void test_mirror_box(void **state)
 {
@@ -265,8 +263,9 @@ static void test_mirror_box(void **state)
 }
 
 /*
- * A lamp in a cube of clear glass, n = 1.52: light outside the six cones of the critical angle
- * never gets out: 1 - 6 (1 - cos t) / 2, sin t = 1 / 1.52, of it. 0.26 +- 0.006 of 5000 photons.
+ * A lamp in a cube of clear glass, n = 1.52. Light outside the six cones of the critical angle
+ * never gets out: 1 - 6 (1 - cos t) / 2 of it, sin t = 1 / 1.52. Expected: 0.26 +- 0.006 of 5000
+ * photons.
  */
 static void test_total_internal_reflection(void **state)
 {

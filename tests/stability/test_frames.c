@@ -1,12 +1,12 @@
 /*
- * Hard cases of what must not matter: where a scene stands, its unit, which side a wall's normal
- * points to, left and right.
+ * Hard cases of invariance: position of a scene, its unit, orientation of a wall's normal, mirror
+ * images.
  *
- * Photons are named by index, and rounding moves a path by 1e-11 m, not onto another one: a moved
- * or scaled room has the same paths, and its results differ by rounding, not by noise; a little
- * more where rounding moves a photon from one leaf of the map to the next. Turned walls and mirror
- * images draw new paths: there the mean difference of many seeds is held against its own standard
- * error.
+ * Photons are named by index, and rounding moves a path by 1e-11 m, not onto another path. A moved
+ * or scaled room therefore has the same paths, and its results differ by rounding, not by noise.
+ * They differ a little more where rounding moves a photon from one leaf of the map to the next.
+ * Turned walls and mirror images sample new paths: there the mean difference of many seeds is
+ * compared with its own standard error.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,7 @@
 #include "support/room.h"
 #include "support/stability.h"
 
-/* Largest relative difference. */
+/* Returns the largest relative difference. */
 static double worst_of(const double *a, const double *b, size_t n)
 {
     double worst = 0;
@@ -32,7 +32,7 @@ static double worst_of(const double *a, const double *b, size_t n)
     return worst;
 }
 
-/* ---- 26, 27: place and unit ------------------------------------------------------------------ */
+/* ---- 26, 27: position and unit --------------------------------------------------------------- */
 
 static double difference_by(const struct room_change *change)
 {
@@ -44,13 +44,13 @@ static double difference_by(const struct room_change *change)
     return worst_of(second, first, ROOM_SENSORS);
 }
 
-/* The example's office, as it is shipped: its files in a folder, moved by xform. */
+/* The example's office as it is shipped: its files in a folder, moved by xform. */
 struct office {
     char folder[64];
     const char *names[3];
 };
 
-/* The last four are moved; those before are read by these, or stay where they are. */
+/* The last four are moved; those before are read by the last four, or stay where they are. */
 static const char *const office_files[7] = {"materials.rad",  "sky.rad",    "upper_pane.rad",
                                             "room.rad",       "ground.rad", "glazing.rad",
                                             "upper_glass.rad"};
@@ -120,8 +120,8 @@ static void test_place(void **state)
 }
 
 /*
- * Powers of two change no bit. Other factors round photons to other cells of the map, so that some
- * change leaves: another draw of a noise of 1 %, in a few places. Held to 0.2 %.
+ * Powers of two change no bit. Other factors round photons to other cells of the map, so that a
+ * difference remains: another sample of a noise of 1 %, in a few places. The bound is 0.2 %.
  */
 static void test_unit(void **state)
 {
@@ -140,7 +140,7 @@ static void test_unit(void **state)
 
 enum { MOST_SEEDS = 64, MOST_PAIRS = 5 };
 
-/* Mean over its standard error of n numbers. */
+/* Returns the mean of n numbers divided by its standard error. */
 static double t_of(const double *x, int n)
 {
     double mean = 0, squares = 0;
@@ -151,7 +151,7 @@ static double t_of(const double *x, int n)
     return fabs(mean) / sqrt(squares / (n - 1) / n);
 }
 
-/* Per pair the differences of all seeds; the worst of their t. */
+/* Each pair has a row with the differences of all seeds. Returns the worst t of all pairs. */
 static double worst_t(double differences[MOST_PAIRS][MOST_SEEDS], int pairs, int seeds)
 {
     double worst = 0;
@@ -165,8 +165,8 @@ static int count_seeds(void)
     return stability_full() ? MOST_SEEDS : (int)extent(12, 24);
 }
 
-/* Samples and photons of a seed: half of them in the short form. What scatters is held against its
- * own standard error, whatever the number is. */
+/* Returns samples and photons per seed; the short form has half of them. Noisy differences are
+ * compared with their own standard error, for any number of samples. */
 static uint32_t count_samples(void)
 {
     return stability_full() ? 1024 : (uint32_t)extent(512, 1024);
@@ -199,7 +199,7 @@ static void test_normals(void **state)
                   worst_t(differences, ROOM_SENSORS, count_seeds()), 3);
 }
 
-/* Room, sky and sun are mirror images of themselves about x = 2. */
+/* The room, the sky and the sun are their own mirror images about x = 2. */
 static void test_mirror_image(void **state)
 {
     static const struct orl_sensor pairs[6] = {{{0.5, 3, 0}, {0, 0, 1}}, {{3.5, 3, 0}, {0, 0, 1}},

@@ -1,6 +1,6 @@
 /*
- * Hard cases of geometry: surfaces twice in one place, needles and specks, rays through shared
- * edges, a wall with windows drawn as one outline.
+ * Hard cases of geometry: coincident surfaces, slivers and specks, rays through shared edges, a
+ * wall with windows drawn as one outline.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,10 +19,9 @@
 
 #define ROOM ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
 
-/* ---- 31: coplanar duplicates ------------------------------------------------------------------
- */
+/* ---- 31: coplanar duplicates ----------------------------------------------------------------- */
 
-/* Mean over the sensors of a seed's lux. */
+/* Returns the mean illuminance of the sensors for one seed, lux. */
 static double mean_lx(const char *more, uint64_t seed)
 {
     char text[8192];
@@ -40,7 +39,7 @@ static double mean_lx(const char *more, uint64_t seed)
     return sum;
 }
 
-/* The mean of some seeds. */
+/* Returns the mean over the first seeds, lux. */
 static double mean_of_seeds(const char *more)
 {
     const uint64_t seeds = stability_full() ? 32 : 16;
@@ -51,10 +50,10 @@ static double mean_of_seeds(const char *more)
 }
 
 /*
- * A second floor in the floor, and a second pane in the pane: whole, turned round, over a half of
- * it. Where rays meet the same surfaces in the same order, nothing differs; else a seed's mean
- * scatters by 1.5 % and its difference by 1.3 %, as 48 seeds showed: the mean difference of sixteen
- * by 0.33 %, a third of what is allowed.
+ * A second floor in the floor, and a second pane in the pane: whole, flipped, over a half of it.
+ * Where rays hit the same surfaces in the same order, nothing differs. Otherwise the mean of one
+ * seed scatters by 1.5 % and its difference by 1.3 %, measured with 48 seeds. The mean difference
+ * of sixteen seeds then scatters by 0.33 %, a third of the tolerance.
  */
 static void test_duplicates(void **state)
 {
@@ -77,13 +76,13 @@ static void test_duplicates(void **state)
                     mean_lx(panes[0], 1) == mean_lx(panes[0], 1));
 }
 
-/* ---- 32: slivers ------------------------------------------------------------------------------
- */
+/* ---- 32: slivers ----------------------------------------------------------------------------- */
 
 /*
- * Needles, a triangle of no area, a speck, over a plain of 1 km: rays that pass them by meet the
- * plain at the right distance, rays at the speck meet it. Rays are floats, 4e-8 of the 500 m about
- * the centre: places within 1e-4 m of a needle or the speck's rim are left out.
+ * Needles, a triangle of no area and a speck over a plain of 1 km. Rays that pass them hit the
+ * plain at the right distance, and rays at the speck hit it. Rays are floats, with a rounding of
+ * 4e-8 of the 500 m about the centre: places within 1e-4 m of a needle or the speck's rim are left
+ * out.
  */
 static void test_slivers(void **state)
 {
@@ -103,7 +102,7 @@ static void test_slivers(void **state)
     (void)state;
     for (uint64_t i = 0; i < rays; i++) {
         const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
-        /* Every fourth goes to the speck's neighbourhood. */
+        /* Every fourth ray goes near the speck. */
         const double x = i % 4 ? u : .199 + .003 * u, y = i % 4 ? v : .199 + .003 * v;
         const double to_speck = fmax(fabs(x - .2005), fabs(y - .2005)) - .0005;
         struct orl_hit hit;
@@ -123,10 +122,9 @@ static void test_slivers(void **state)
     stability_row(32, "slivers, no area, huge beside tiny", "error of distances, m", off, 1e-9);
 }
 
-/* ---- 33: shared edges -------------------------------------------------------------------------
- */
+/* ---- 33: shared edges ------------------------------------------------------------------------ */
 
-/* A million rays in the short form, 1e8 in the long one, over three closed shapes. */
+/* Traces a million rays in the short form, 1e8 in the long one, against three closed shapes. */
 static void test_leaks(void **state)
 {
     char *sphere = mesh_icosphere();
@@ -149,11 +147,9 @@ static void test_leaks(void **state)
                   (double)bounced / (0.3 * (double)rays), 1e-7);
 }
 
-/* ---- 48: keyholed polygon ---------------------------------------------------------------------
- */
+/* ---- 48: polygon with keyholes --------------------------------------------------------------- */
 
-/* Two windows in a wall; the second seam leaves from a corner of the first hole, which it touches.
- */
+/* Two windows in a wall; the second seam starts at a corner of the first hole, which it touches. */
 static void test_keyholed(void **state)
 {
     static const double wall[][2] = {

@@ -1,6 +1,6 @@
 /*
- * Hard cases of materials and numbers: surfaces that return all light, saturated colour, glass at
- * grazing incidence, seeds that lie side by side, glare in the dark.
+ * Hard cases of materials and numbers: surfaces that reflect all light, saturated colour, glass at
+ * grazing incidence, neighbouring seeds, glare in the dark.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -33,8 +33,8 @@ static double sun_sr(void)
 
 /* ---- 36: albedo of 1 and more ---------------------------------------------------------------- */
 
-/* Line 2 of a scene; all of them return more than they get, by more than rounding, or are no share
- * of it. */
+/* Material lines (line 2 of a scene) that must be refused: each reflects more than it receives, by
+ * more than rounding, or has a parameter that is not a share. */
 static const char *const shameless[] = {
     "plastic m 0 0 5 .5 1.02 .5 0 0",
     "plastic m 0 0 5 .5 .5 .5 2 .1",
@@ -48,7 +48,7 @@ static const char *const shameless[] = {
     "BSDF m 6 0 pane.xml 0 1 0 . 0 3 1 1 1",
     "BSDF m 6 0 pane.xml 0 1 0 . 0 6 0 0 0 1.5 0 0",
 };
-/* The white of exporters, and rounding: taken, and said. */
+/* Material lines that are accepted with a warning: the white of exporters, and rounding. */
 static const char *const white[] = {
     "plastic m 0 0 5 1 1 1 0 0",        "plastic m 0 0 5 .5 1.0000001 .5 0 0",
     "plastic m 0 0 5 .5 .5 .5 1 0",     "plastic2 m 4 1 0 0 . 0 6 1 1 1 .1 .1 .1",
@@ -57,7 +57,7 @@ static const char *const white[] = {
     "trans m 0 0 7 1 1 1 0 0 1 .5",     "trans m 0 0 7 1.001 1 1 0 0 1 1",
     "glass m 0 0 3 1.001 1 1",          "mirror m 0 0 3 1.001 1 1",
 };
-/* Just below, all of them: not a word. */
+/* Material lines just below the limits: accepted without a warning. */
 static const char *const modest[] = {
     "plastic m 0 0 5 .999999 .999999 .999999 .999999 0",
     "metal m 0 0 5 .999999 .999999 .999999 1 0",
@@ -67,8 +67,8 @@ static const char *const modest[] = {
     "BSDF m 6 0 pane.xml 0 1 0 . 0 0",
 };
 
-/* Whether it is warned of, by name and line, in such words. */
-static bool is_told(const char *material, const char *words)
+/* Returns true if a warning with these words names the material and line 2. */
+static bool has_warning(const char *material, const char *words)
 {
     char scene[512], xml[2048];
     bool told = false;
@@ -100,7 +100,8 @@ static int try_material(const char *material, struct orl_error *err)
     return scene_run_try(&run, err);
 }
 
-/* Colours made of spectra may be a little below 0, which is told; further below they are wrong. */
+/* Colours converted from spectra may be slightly below 0, which gives a warning; further below
+ * they are refused. */
 static void test_a_little_below_zero(void **state)
 {
     static const char *const below[] = {"plastic m 0 0 5 -.0013 .2092 .2601 0 0",
@@ -109,10 +110,10 @@ static void test_a_little_below_zero(void **state)
     struct orl_error err = {0};
     (void)state;
     for (size_t i = 0; i < sizeof below / sizeof *below; i++) {
-        assert_true(is_told(below[i], "a little below 0"));
+        assert_true(has_warning(below[i], "a little below 0"));
         assert_int_equal(try_material(below[i], &err), 0);
     }
-    assert_false(is_told("plastic m 0 0 5 0 .2 .3 0 0", "a little below 0"));
+    assert_false(has_warning("plastic m 0 0 5 0 .2 .3 0 0", "a little below 0"));
     assert_int_equal(try_material("plastic m 0 0 5 -.02 .2 .3 0 0", &err), ORL_ERR_RANGE);
     assert_non_null(strstr(err.hint, "is 0 meant?"));
 }
@@ -133,12 +134,12 @@ static void test_36_albedo(void **state)
     for (size_t i = 0; i < sizeof modest / sizeof *modest; i++) {
         struct orl_error err = {0};
         refused += try_material(modest[i], &err) < 0;
-        untold += is_told(modest[i], "returns all light");
+        untold += has_warning(modest[i], "returns all light");
     }
     for (size_t i = 0; i < sizeof white / sizeof *white; i++) {
         struct orl_error err = {0};
         refused += try_material(white[i], &err) < 0;
-        untold += !is_told(white[i], "returns all light");
+        untold += !has_warning(white[i], "returns all light");
     }
     stability_row(36, "albedo >= 1", "far above: not refused with file, line and name", passed, 0);
     stability_row(36, "albedo >= 1", "of 1 or just below: refused", refused, 0);
@@ -150,7 +151,7 @@ static void test_36_albedo(void **state)
 
 enum { SIDE = 48 };
 
-/* The worst of green and blue in the image; counts pixels that are lit. */
+/* Returns the maximum of green and blue in the image; counts lit pixels. */
 static int stray_colour(const char *folder, int *lit)
 {
     static double rgb[SIDE * SIDE][3];
@@ -182,7 +183,8 @@ static long stray_photons(const struct orl_result *result, const char *folder, c
     return stray;
 }
 
-/* Red sun, sky and lamp in a white room with a clear pane: photons, gathered light, pictures. */
+/* Red sun, sky and lamp in a white room with a clear pane: photon maps, final gathering, pictures.
+ */
 static void test_42_saturated(void **state)
 {
     static const char scene[] =
@@ -229,8 +231,8 @@ static void test_42_saturated(void **state)
 /* ---- 43: glass at 90 degrees ----------------------------------------------------------------- */
 
 /*
- * E behind a large pane, facing the sun, which stands at theta from the pane's normal; over E
- * without the pane. The disc is half a degree wide.
+ * Returns the ratio of E behind a large pane to E without it. The sensor faces the sun, which is
+ * at theta from the pane's normal. The disc is half a degree wide.
  */
 static double through_pane(double theta_deg, double transmissivity)
 {
@@ -250,8 +252,8 @@ static double through_pane(double theta_deg, double transmissivity)
     return lx / (efficacy * 1e6 * sun_sr());
 }
 
-/* The slab by Fresnel's formulas, both surfaces and all passes: from outside this project's code.
- */
+/* The transmittance of a slab by Fresnel's formulas, both surfaces and all passes, as tabulated
+ * outside this project's code. */
 static void test_43_known_angles(void **state)
 {
     static const double known[][2] = {{0, .918318},  {30, .915957}, {45, .902528},
@@ -263,7 +265,7 @@ static void test_43_known_angles(void **state)
     stability_row(43, "glass at 90 deg", "|T / closed form - 1| at 0 to 85 degrees", worst, 1e-3);
 }
 
-/* From 85 degrees on, to where the disc's rim looks past the pane's plane. */
+/* From 85 degrees to where the disc's rim passes the pane's plane. */
 static void test_43_to_grazing(void **state)
 {
     const double step = stability_full() ? 0.05 : 0.4;
@@ -278,7 +280,7 @@ static void test_43_to_grazing(void **state)
     stability_row(43, "glass at 90 deg", "steps at which T does not fall, 85 to 89.7", rises, 0);
 }
 
-/* The formulas themselves, down to cosines that are hardly numbers: T goes as the cosine. */
+/* The formulas alone, down to tiny cosines: T is proportional to the cosine. */
 static void test_43_at_grazing(void **state)
 {
     static const char *const panes[] = {"1 1 1", ".96 .5 .01", "0 0 0", "1 1 1 1", "1 1 1 10"};
@@ -295,7 +297,7 @@ static void test_43_at_grazing(void **state)
             const struct orl_rgb r = orl_glass_reflectance(&d.materials[0], &anywhere, cosine);
             odd += !orl_rgb_is_finite(t) || !orl_rgb_is_finite(r) || t.g < 0 || r.g < 0;
             excess = fmax(excess, orl_rgb_max(orl_rgb_add(t, r)) - 1);
-            if (k != 3) /* of index 1: no surface at all */
+            if (k != 3) /* index 1 has no reflecting surface */
                 worst = fmax(worst, cosine <= 1e-3 ? t.r / (4 * fmax(cosine, 1e-150)) : 0);
             if (cosine == 0 && k != 3)
                 odd += orl_rgb_max(t) > 1e-100 || r.r != 1 || r.g != 1 || r.b != 1;
@@ -327,7 +329,8 @@ static double correlation(const double *x, const double *y, size_t n)
     return sxy / sqrt(sxx * syy);
 }
 
-/* First numbers of streams: photon i under seeds s and s + 1, and its neighbour. In 1/sqrt(N). */
+/* Correlation of the first numbers of streams: photon i under seeds s and s + 1, and with photon i
+ * + 1. Unit: 1/sqrt(N). */
 static void test_41_streams(void **state)
 {
     const size_t n = stability_full() ? 4000000 : 200000;
@@ -346,7 +349,7 @@ static void test_41_streams(void **state)
         worst = fmax(worst, fabs(correlation(x, y, n)));
         worst = fmax(worst, fabs(correlation(x, x + 1, n - 1)));
     }
-    /* The largest of eight. */
+    /* The maximum of eight correlations. */
     stability_row(41, "seeds s and s+1", "streams: |correlation| times sqrt N",
                   worst * sqrt((double)n), 3);
     free(x);
@@ -354,8 +357,8 @@ static void test_41_streams(void **state)
 }
 
 /*
- * Errors of whole jobs: sensors that all stand at one place differ by their numbers alone. Their
- * scatter under one seed must not repeat under the next.
+ * Errors of whole jobs: sensors that all stand at one place differ only by their random numbers.
+ * Their scatter under one seed must not repeat under the next.
  */
 static void test_41_jobs(void **state)
 {

@@ -1,6 +1,6 @@
 /*
- * The hard case of a photon map's file: cut short or changed anywhere, it is refused; and a job
- * that finds such a file in its store builds it again.
+ * Hard case of photon map files: a file that is cut short or changed anywhere is refused, and a
+ * job that finds such a file in its cache rebuilds the map.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,7 +26,8 @@ static void write_bytes(const char *path, const unsigned char *bytes, size_t siz
     assert_int_equal(fclose(file), 0);
 }
 
-/* Whether these bytes are taken for a map, with the whole file checked as a cached one is. */
+/* Returns true if these bytes are accepted as a map, with the whole file verified as for a cached
+ * map. */
 static bool accepted(const char *path, const unsigned char *bytes, size_t size)
 {
     struct orl_photon_map *map = NULL;
@@ -68,7 +69,7 @@ static void test_damaged(void **state)
     for (size_t i = 0; i < 50; i++)
         cut += accepted(path, bytes, size * i / 50);
     cut += accepted(path, bytes, size - 1);
-    /* A part of the flips goes to the header, which is small. */
+    /* Some of the flips go to the header, because it is small. */
     for (uint64_t i = 0; i < flips; i++) {
         const size_t room = i % 4 ? size : sizeof(struct orl_map_header);
         const size_t at = (size_t)(orl_random_uniform(&random) * (double)room);

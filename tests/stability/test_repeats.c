@@ -1,6 +1,4 @@
-/*
- * Hard case of repetition: the same seed gives the same bytes on any number of threads.
- */
+/* Hard case of repeatability: the same seed gives the same bytes on any number of threads. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -33,7 +31,7 @@ static void test_threads(void **state)
                     "sensors, health, maps and image: same bytes", same);
 }
 
-/* Without the pane light comes from the open sky, by guides. */
+/* Without the pane, light comes from the open sky, and emission is guided. */
 static void test_open_room(void **state)
 {
     static const uint32_t threads[4] = {1, 2, 7, 2};

@@ -1,7 +1,7 @@
 /*
  * Hard cases of skies and weather: polar day and night, borders of the Perez model, no diffuse
- * light, gaps in a year's file, the very horizon. What jobs ask for goes through orl_daylight_find
- * or whole jobs; what scenes write through the parser.
+ * light, gaps in a year's file, the horizon. Skies that jobs request go through orl_daylight_find
+ * or whole jobs; skies in scenes go through the parser.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -34,7 +34,7 @@ static struct orl_sky_request request_at(double altitude_deg, double direct, dou
                                     .direct_normal_lx = -1};
 }
 
-/* Everything that light is made of, and the brightness in all directions and near the horizon. */
+/* Checks all values of the daylight, and the brightness in all directions and near the horizon. */
 static bool is_finite(const struct orl_daylight *d)
 {
     bool good = isfinite(d->sun.x) && isfinite(d->sun.y) && isfinite(d->sun.z) &&
@@ -61,11 +61,11 @@ static struct orl_sky_request polar(int latitude, int south, int month, double h
     r.month = month;
     r.day = 21;
     r.hour = hour;
-    r.normalise = ORL_SKY_GENDAYLIT; /* as fast as can be: the flux is the sky's own affair */
+    r.normalise = ORL_SKY_GENDAYLIT; /* the fastest; the flux is not tested here */
     return r;
 }
 
-/* Perez and both CIE skies with a sun, each month and hour; at the poles the sun goes in circles.
+/* Perez and both CIE skies with a sun, each month and hour; at the poles the sun moves in circles.
  */
 static void test_06_polar(void **state)
 {
@@ -105,8 +105,8 @@ static void test_06_polar(void **state)
 /* ---- 7: borders of the Perez bins ------------------------------------------------------------ */
 
 /*
- * On a border, a hair below it and a hair above; the ends of the model's range too. Indices that
- * stand for more sun than there is make a black sky that says so.
+ * Indices on each border, slightly below it and slightly above; also at the ends of the model's
+ * range. Indices that imply more sun than is possible give a black sky with a warning.
  */
 static void test_07_bin_borders(void **state)
 {
@@ -120,7 +120,7 @@ static void test_07_bin_borders(void **state)
             const int bin = i == 8 ? 7 : k < 0 ? i - 1 : i;
             undefined += orl_perez_bin(clearness) != bin;
             if (clearness < 1 || clearness > 12.009)
-                continue; /* a job is refused those */
+                continue; /* jobs are refused for these */
             for (int b = 0; b < 9; b++) {
                 struct orl_sky_request r =
                     request_at(20 + 30 * (b / 3), clearness, brightnesses[b % 3]);
@@ -175,8 +175,7 @@ static void test_08_sun_alone(void **state)
 
 enum { HOURS = 8760 };
 
-/* What stands in the two fields of a row instead of what was measured, and what is to come of it.
- */
+/* Rows whose two fields are replaced, and the expected outcome of each. */
 enum fate { FATE_REFUSED, FATE_BLACK, FATE_WARNED };
 static const struct plant {
     int row;
@@ -198,10 +197,10 @@ static const struct plant {
 };
 enum { PLANTS = sizeof plants / sizeof *plants, HEADER = 2 };
 
-/* Rows that no reader may pass: the whole file is refused at that line. */
+/* Values that every reader must refuse: the whole file fails at that line. */
 static const char *const broken[] = {"", " ", "nan", "inf", "1e400", "missing", "4 0", "0x1F"};
 
-/* A year at 47 degrees north: sun and sky by day, nothing by night. */
+/* Returns a year at 47 degrees north: sun and sky by day, nothing by night. */
 static char *make_year(int broken_row, const char *broken_word)
 {
     char *text = NULL;
@@ -243,9 +242,9 @@ static struct orl_sky_request request_of_row(const struct orl_weather_row *row)
     return r;
 }
 
-/* A row either shines, or is black and says so, or is refused with its line. */
-static bool is_told(const struct orl_weather *weather, const struct orl_sky_request *request,
-                    int line, enum fate *ret_fate, bool *ret_lit)
+/* Returns true if the row gives light, or is black with a warning, or is refused with its line. */
+static bool is_reported(const struct orl_weather *weather, const struct orl_sky_request *request,
+                        int line, enum fate *ret_fate, bool *ret_lit)
 {
     struct orl_daylight d = {0};
     struct orl_error err = {0};
@@ -260,7 +259,7 @@ static bool is_told(const struct orl_weather *weather, const struct orl_sky_requ
     return is_finite(&d) && (d.warnings[0] || (*ret_lit && d.sun_radiance > 0));
 }
 
-/* All 8760 rows as the job would read them, in gendaylit's normalisation, which is fast. */
+/* Reads all 8760 rows as the job does, with gendaylit's normalisation, which is fast. */
 static void test_09_a_year_with_gaps(void **state)
 {
     char *text = make_year(-1, NULL);
@@ -275,7 +274,7 @@ static void test_09_a_year_with_gaps(void **state)
         bool lit;
         if (!stability_full())
             request.normalise = ORL_SKY_GENDAYLIT;
-        silent += !is_told(&weather, &request, row + 1 + HEADER, &fate, &lit);
+        silent += !is_reported(&weather, &request, row + 1 + HEADER, &fate, &lit);
         lit_hours += lit;
         if (plant < PLANTS && plants[plant].row == row)
             wrong += fate != plants[plant++].fate;
@@ -289,7 +288,8 @@ static void test_09_a_year_with_gaps(void **state)
     free(text);
 }
 
-/* The same through whole jobs, for what was planted: no number without a word. */
+/* Whole jobs with the replaced rows: each is refused with the row's line, or gives finite values
+ * and a warning. */
 static void test_09_jobs(void **state)
 {
     static const struct orl_sensor sensor = {{0, 0, 1}, {0, 0, 1}};
@@ -348,7 +348,8 @@ static void test_09_no_numbers(void **state)
 
 /* ---- 10: the horizon ------------------------------------------------------------------------- */
 
-/* Every kind of sky from 89.9999 to 90 degrees, and as far below: finite, and hardly changing. */
+/* Every kind of sky from 89.9999 to 90 degrees and as far below: values are finite and hardly
+ * change. */
 static void test_10_at_the_horizon(void **state)
 {
     static const char *const commands[] = {"gendaylit -ang 40 0 -P 1 .3",

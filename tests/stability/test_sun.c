@@ -1,10 +1,11 @@
 /*
  * Hard cases of the sun: grazing a wall, in its plane, cut by the horizon, below it, overhead,
- * through one cell of a BSDF and from one to the next, in one picture with next to nothing.
+ * through one cell of a BSDF and across a cell border, in one picture with very dim light.
  *
- * The sun is a disc of even radiance L and angular radius R. On a plane above which its centre
- * stands by d it gives, for small angles, L times the integral of (d + y) over what of the disc is
- * above: L (d A + 2/3 (R^2 - d^2)^(3/2)), A = R^2 (pi - acos(d/R)) + d sqrt(R^2 - d^2).
+ * The sun is a disc of uniform radiance L and angular radius R. Its centre is at angle d above a
+ * plane. For small angles the plane's irradiance is L times the integral of (d + y) over the part
+ * of the disc above the plane: L (d A + 2/3 (R^2 - d^2)^(3/2)), A = R^2 (pi - acos(d/R)) + d
+ * sqrt(R^2 - d^2).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,7 +32,8 @@ static double sun_sr(void)
     return 4 * ORL_PI * s * s;
 }
 
-/* Irradiance over that facing the sun, its centre standing d radians above the plane. */
+/* Returns the irradiance of a plane over that of one facing the sun. The sun's centre is d radians
+ * above the plane. */
 static double grazing_share(double d)
 {
     const double r = RADIUS_DEG * ORL_DEG_TO_RAD, h = fmin(fmax(d / r, -1), 1);
@@ -43,9 +45,10 @@ static double grazing_share(double d)
 /* ---- 1, 2: along a wall ---------------------------------------------------------------------- */
 
 /*
- * n sensors at a place in the open above whose planes the sun stands by d: the planes are turned
- * about the level line across the sun's azimuth. Lux over those of a sensor that faces the sun.
- * Each sensor has its own scrambling of the points on the disc, the same one in each run.
+ * Measures n sensors at one place in the open, with the sun d radians above their planes. The
+ * planes are turned about the level line across the sun's azimuth. Returns lux over the lux of a
+ * sensor that faces the sun. Each sensor has its own scrambling of the points on the disc, the
+ * same in each run.
  */
 static void read_grazing(double d, size_t n, double *ret_share)
 {
@@ -65,7 +68,7 @@ static void read_grazing(double d, size_t n, double *ret_share)
         ret_share[i] /= efficacy * 1e6 * sun_sr();
 }
 
-/* At 0.1 degrees a third of the disc has set, and the points left over are what E rests on. */
+/* At 0.1 degrees a third of the disc has set, and E rests on the remaining sample points. */
 static void test_01_above_a_wall(void **state)
 {
     enum { SENSORS = 64 };
@@ -89,8 +92,8 @@ static void test_01_above_a_wall(void **state)
                   worst, 0.005);
 }
 
-/* Both sides of the plane, from 1e-9 to 1e-3 rad; R is 4.7e-3. Shares of R, since E goes with it.
- */
+/* Both sides of the plane, from 1e-9 to 1e-3 rad; R is 4.7e-3. Errors are shares of R, because E
+ * is proportional to R. */
 static void test_02_in_the_plane(void **state)
 {
     double worst = 0, before = 0;
@@ -125,7 +128,7 @@ static struct orl_sky_request sky_at(double altitude_deg, double direct_lx, doub
                                     .direct_normal_lx = -1};
 }
 
-/* What level ground and a wall that faces the sun get from it. */
+/* Measures level ground and a wall that faces the sun under that sky. */
 static struct orl_result read_sky(const struct orl_sky_request *sky, uint32_t samples)
 {
     const double azimuth = 30 * ORL_DEG_TO_RAD;
@@ -139,14 +142,14 @@ static struct orl_result read_sky(const struct orl_sky_request *sky, uint32_t sa
                                          .global = 1});
 }
 
-/* The share of the disc that is above the horizon. */
+/* Returns the share of the disc that is above the horizon. */
 static double visible_share(double altitude_deg)
 {
     const double h = fmin(fmax(altitude_deg / RADIUS_DEG, -1), 1);
     return 1 - (acos(h) - h * sqrt(1 - h * h)) / ORL_PI;
 }
 
-/* A black sky with a sun of 1000 lx, from 0.3 degrees above to below the horizon. */
+/* A black sky with a sun of 1000 lx, from 0.3 degrees above the horizon to below it. */
 static void test_03_half_below_the_horizon(void **state)
 {
     double before[2] = {INFINITY, INFINITY}, wall = 0, level = 0, last = -1;
@@ -157,7 +160,7 @@ static void test_03_half_below_the_horizon(void **state)
         const struct orl_sky_request sky = sky_at(altitude, 1000, 0);
         struct orl_result result = read_sky(&sky, 16);
         double *lx = result.illuminance_lx;
-        /* A whole disc gives a wall more, the lower it is, by the cosine alone. */
+        /* Under a whole disc, the wall's E rises as the sun goes down by the cosine alone. */
         lx[1] /= cos(altitude * ORL_DEG_TO_RAD);
         rises += lx[0] > before[0] || lx[1] > before[1] * (1 + 1e-6);
         wall = fmax(wall, fabs(lx[1] / 1000 - visible_share(altitude)));
@@ -184,7 +187,8 @@ static bool says(const struct orl_result *result, const char *words)
     return false;
 }
 
-/* By the job's sky, and by a command in the scene; walls that face the sun get nothing. */
+/* A sun below the horizon gives walls that face it no light, from the job's sky and from a command
+ * in the scene. */
 static void test_04_below_the_horizon(void **state)
 {
     static const double altitudes[] = {-0.3, -1, -5, -30, -90};
@@ -211,8 +215,9 @@ static void test_04_below_the_horizon(void **state)
 }
 
 /*
- * The sky's models want the sun no higher than 87 degrees, and get it so; the sun itself may not
- * jump there. E of level ground is DNI sin(altitude) + diffuse, and d sin is 3e-5 a step at most.
+ * The sky models require a sun no higher than 87 degrees, and get it clamped; the sun itself may
+ * not jump there. E of level ground is DNI sin(altitude) + diffuse, and d sin is at most 3e-5 per
+ * step.
  */
 static void test_05_overhead(void **state)
 {
@@ -237,7 +242,7 @@ static void test_05_overhead(void **state)
 
 /* ---- 11, 12: through the cells of a BSDF ----------------------------------------------------- */
 
-/* A room that keeps all but 0.1 %, its southern wall a pane of that BSDF, under a sun alone. */
+/* A room that absorbs 99.9 %, with a southern wall of that BSDF, lit by the sun alone. */
 static const char room[] =
     "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 %.12g %.12g %.12g .533\n"
     "void plastic w 0 0 5 .001 .001 .001 0 0\n"
@@ -250,7 +255,8 @@ static const char room[] =
     "p polygon pane 0 0 12 0 0 0 0 0 3 4 0 3 4 0 0\n";
 static const double pane_area = 12;
 
-/* Flux landed on the walls with the sun that many degrees up in the south, over DNI A cos. */
+/* Returns the flux landed on the walls over DNI A cos, with the sun at that altitude in the south.
+ */
 static double landed(const char *xml, double altitude_deg, uint64_t photons, double *ret_sigma)
 {
     static const struct orl_sensor sensor = {{2, 2, 0}, {0, 0, 1}};
@@ -275,7 +281,7 @@ static double landed(const char *xml, double altitude_deg, uint64_t photons, dou
     return flux / arrives;
 }
 
-/* Light that the room throws back and that lands again adds 0.1 %. */
+/* Light that the room reflects and that lands again adds 0.1 %. */
 static void test_11_one_cell(void **state)
 {
     static const double altitudes[] = {0, 10, 36, 54, 75};
@@ -302,9 +308,9 @@ static void test_11_one_cell(void **state)
 }
 
 /*
- * Two rings, 0.2 and 0.6 of which pass: across 45 degrees the disc moves from one to the other. In
- * a step of s the share of it beyond a line changes by no more than 2 R s / (pi R^2), its widest
- * part; a tenth more is for noise.
+ * Two rings transmit 0.2 and 0.6: across 45 degrees the disc moves from one to the other. In a
+ * step of s the share of the disc beyond a line changes by at most 2 R s / (pi R^2), at its widest
+ * part; the bound adds a tenth for noise.
  */
 static struct text two_rings(void)
 {
@@ -354,7 +360,7 @@ static void test_12_across_an_edge(void **state)
 
 enum { SIDE = 64 };
 
-/* Luminances of the image, cd/m2. */
+/* Reads the luminances of the image, cd/m2. */
 static void read_image(const char *folder, double ret_cd_m2[SIDE * SIDE])
 {
     static double rgb[SIDE * SIDE][3];
@@ -365,7 +371,8 @@ static void read_image(const char *folder, double ret_cd_m2[SIDE * SIDE])
         ret_cd_m2[i] = efficacy * orl_luma((struct orl_rgb){rgb[i][0], rgb[i][1], rgb[i][2]});
 }
 
-/* Two degrees across: the disc fills the middle fourth, pixels are 0.03 degrees; 8 bits: 0.4 %. */
+/* The view is two degrees across: the disc fills the middle fourth, pixels are 0.03 degrees. 8
+ * bits give 0.4 %. */
 static void test_37_bright_beside_dark(void **state)
 {
     static double cd_m2[SIDE * SIDE];

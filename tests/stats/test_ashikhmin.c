@@ -1,5 +1,5 @@
 /*
- * ashik2: draws against densities, weights against values in both ways of transport, reciprocity,
+ * ashik2: samples against pdfs, weights against values in both transport directions, reciprocity,
  * energy, and values against rtrace's.
  */
 #include <setjmp.h>
@@ -13,7 +13,7 @@
 #include "scene/material/kinds.h"
 #include "support/subject.h"
 
-/* The quadrature's error in a bin: see test_scatter.c. */
+/* The last number is the quadrature's error in a bin: see test_scatter.c. */
 static const struct kind {
     const char *text;
     double slack;
@@ -46,8 +46,8 @@ static void test_draws(void **state)
 }
 
 /*
- * A white one, diffuse and lobe together 0.998 at the normal, returns no more than all at any
- * angle: the mean of n draws, none above 2, is known to 2 sqrt(1 / n).
+ * A white surface, diffuse and lobe together 0.998 at the normal, reflects no more than it
+ * receives at any angle. The mean of n weights, none above 2, has an uncertainty of 2 sqrt(1 / n).
  */
 static void test_energy(void **state)
 {
@@ -72,8 +72,9 @@ static void test_energy(void **state)
 }
 
 /*
- * rtrace's (-st 1 -ss 0) of a sun of 0.02 degrees seen from the normal, where it has no Fresnel
- * term; ours is below 1e-6 there up to 40 degrees. The sun counts with what it is wide: 1e-4.
+ * Values of rtrace (-st 1 -ss 0) for a sun of 0.02 degrees seen from the normal, where rtrace has
+ * no Fresnel term; ours is below 1e-6 there up to 40 degrees. The width of the sun adds an error
+ * of 1e-4.
  */
 static void test_values(void **state)
 {

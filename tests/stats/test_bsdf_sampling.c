@@ -1,11 +1,11 @@
 /*
- * The contract of BSDFs: draws follow their pdf, the pdf is that of f |cos|, integrals agree.
+ * The contract of BSDFs: samples follow their pdf, the pdf is that of f |cos|, integrals agree.
  *
  * The square of the other direction is cut into cells of equal projected solid angle, on each side
- * of the surface. Draws are counted per cell and compared with the pdf by Pearson's chi-square,
- * cells expecting fewer than 10 draws being pooled. Seeds are fixed, so the outcome is too; the
- * threshold still allows for chance: 1e-3 for the whole file, shared out over its comparisons
- * (Bonferroni).
+ * of the surface. Samples are counted per cell and compared with the pdf by Pearson's chi-square;
+ * cells with fewer than 10 expected samples are pooled. Seeds are fixed, so the outcome is too.
+ * The threshold still allows for chance: 1e-3 for the whole file, divided by its number of
+ * comparisons (Bonferroni).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,13 +20,13 @@
 #include "fixtures/bsdf_make.h"
 
 enum {
-    SIDE = 32, /* cells per axis in which draws are counted */
+    SIDE = 32, /* cells per axis in which samples are counted */
     CELLS = 2 * SIDE * SIDE,
     FINE = 16, /* points per axis of a cell in which the pdf is integrated */
     DRAWS = 20000,
-    GIVEN = 2, /* given directions per BSDF, side and way of drawing */
+    GIVEN = 2, /* given directions per BSDF, side and direction of sampling */
     BSDFS = 10,
-    PREPARED = 3, /* BSDFs that tables are made of */
+    PREPARED = 3, /* BSDFs for which tables are built */
     COMPARISONS = BSDFS * 2 * 3 * GIVEN + PREPARED * 2,
 };
 
@@ -36,7 +36,7 @@ struct fixture {
     struct orl_bsdf *bsdf[BSDFS];
 };
 
-/* Bases of the file's own: three rings in, two out, some cells wide. */
+/* A matrix with bases defined in the file: three rings in, two out, some cells wide. */
 static struct orl_bsdf *load_own_basis(void)
 {
     static const struct make_ring in[] = {{1, 20}, {5, 50}, {3, 90}, {0, 0}};
@@ -84,11 +84,11 @@ static int unload_all(void **state)
     return 0;
 }
 
-/* ---- An independent map of the hemisphere ------------------------------------------------------
- */
+/* ---- An independent map of the hemisphere ---------------------------------------------------- */
 
-/* Equal areas of (cos^2, azimuth) are equal projected solid angles: no need of the code's map. */
-static struct orl_vec3 place(double u, double v, bool front)
+/* Returns a direction from (cos^2, azimuth): equal areas are equal projected solid angles.
+ * Independent of the map in the code under test. */
+static struct orl_vec3 square_to_direction(double u, double v, bool front)
 {
     const double cosine = sqrt(1 - u), sine = sqrt(u), azimuth = 2 * ORL_PI * v;
     return orl_v3(sine * cos(azimuth), sine * sin(azimuth), front ? cosine : -cosine);
@@ -112,13 +112,13 @@ static double uniform(struct orl_random *random)
 static struct orl_vec3 any_direction(struct orl_random *random)
 {
     const double u = uniform(random), v = uniform(random);
-    return place(u, v, uniform(random) < 0.5);
+    return square_to_direction(u, v, uniform(random) < 0.5);
 }
 
-/* ---- Chi-square --------------------------------------------------------------------------------
- */
+/* ---- Chi-square ------------------------------------------------------------------------------ */
 
-/* Upper tail, by Wilson and Hilferty's cube root; good to some percent this far out. */
+/* Returns the upper tail by Wilson and Hilferty's cube root; a few percent accurate this far out.
+ */
 static double chi_square_tail(double x, int degrees)
 {
     const double k = degrees, z = (cbrt(x / k) - (1 - 2 / (9 * k))) / sqrt(2 / (9 * k));
@@ -143,12 +143,12 @@ static double p_value(const double *expected, const double *counted)
              pooled_expected;
         cells++;
     } else if (pooled_counted > 40) {
-        return 0; /* draws where hardly any belong */
+        return 0; /* samples where almost none are expected */
     }
     return cells > 1 ? chi_square_tail(x, cells - 1) : 1;
 }
 
-/* Which way a direction is drawn; of tables made beforehand, if there are any. */
+/* A way to sample a direction; `incident` has tables built in advance, or is NULL. */
 struct way {
     bool adjoint;
     enum orl_bsdf_side sides;
@@ -162,18 +162,19 @@ static double pdf_of(const struct orl_bsdf *bsdf, const struct way *way, struct 
                         : orl_bsdf_pdf(bsdf, given, way->sides, other);
 }
 
-static bool draw(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
-                 const double u[3], struct orl_vec3 *other, struct orl_rgb *weight, double *pdf)
+static bool sample_direction(const struct orl_bsdf *bsdf, const struct way *way,
+                             struct orl_vec3 given, const double u[3], struct orl_vec3 *other,
+                             struct orl_rgb *weight, double *pdf)
 {
     if (way->incident) {
-        *pdf = 0; /* it tells none */
+        *pdf = 0; /* sampling by tables returns no pdf */
         return orl_incident_sample(way->incident, given, u, other, weight);
     }
     return way->adjoint ? orl_bsdf_sample_adjoint(bsdf, given, way->sides, u, other, weight, pdf)
                         : orl_bsdf_sample(bsdf, given, way->sides, u, other, weight, pdf);
 }
 
-/* f |cos| for the pair, whichever of them was given. */
+/* Returns f |cos| of the pair, for either given direction. */
 static double scattered(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
                         struct orl_vec3 other)
 {
@@ -183,7 +184,7 @@ static double scattered(const struct orl_bsdf *bsdf, const struct way *way, stru
 }
 
 /*
- * Integrates the pdf over every cell, at points jittered so that no border of the data stays
+ * Integrates the pdf over every cell, at jittered points so that no border of the data stays
  * hidden between them. Returns the sum over all cells.
  */
 static double expect(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
@@ -196,7 +197,7 @@ static double expect(const struct orl_bsdf *bsdf, const struct way *way, struct 
         for (int k = 0; k < FINE * FINE; k++) {
             const double u = cell / SIDE % SIDE + (k / FINE + uniform(random)) / FINE;
             const double v = cell % SIDE + (k % FINE + uniform(random)) / FINE;
-            const struct orl_vec3 d = place(u / SIDE, v / SIDE, cell >= SIDE * SIDE);
+            const struct orl_vec3 d = square_to_direction(u / SIDE, v / SIDE, cell >= SIDE * SIDE);
             sum += pdf_of(bsdf, way, given, d) / fabs(d.z);
         }
         ret_expected[cell] = sum * share;
@@ -205,8 +206,7 @@ static double expect(const struct orl_bsdf *bsdf, const struct way *way, struct 
     return total;
 }
 
-/* ---- Tests -------------------------------------------------------------------------------------
- */
+/* ---- Tests ----------------------------------------------------------------------------------- */
 
 static void check_draws(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
                         struct orl_random *random, int label)
@@ -216,17 +216,17 @@ static void check_draws(const struct orl_bsdf *bsdf, const struct way *way, stru
     struct orl_vec3 some;
     struct orl_rgb ignored;
     double total, p;
-    if (!draw(bsdf, way, given, centre, &some, &ignored, &p))
+    if (!sample_direction(bsdf, way, given, centre, &some, &ignored, &p))
         return; /* black on these sides */
     total = expect(bsdf, way, given, random, expected);
-    assert_true(fabs(total - 1) < 1e-2); /* jitter; exactly so below */
+    assert_true(fabs(total - 1) < 1e-2); /* the error is jitter; sampling is exact below */
     memset(counted, 0, sizeof counted);
     for (int i = 0; i < DRAWS; i++) {
         const double u[3] = {uniform(random), uniform(random), uniform(random)};
         struct orl_vec3 other;
         struct orl_rgb weight;
         double pdf;
-        assert_true(draw(bsdf, way, given, u, &other, &weight, &pdf));
+        assert_true(sample_direction(bsdf, way, given, u, &other, &weight, &pdf));
         counted[cell_of(other)]++;
     }
     for (int c = 0; c < CELLS; c++)
@@ -250,7 +250,8 @@ static void draws_follow_the_pdf(void **state)
             }
 }
 
-/* What tables draw is what a descent draws, with the same weight; also beyond their cone. */
+/* Sampling by tables has the distribution and the weights of a descent through the data; also
+ * beyond the tables' cone. */
 static void tables_of_a_cone_follow_the_pdf(void **state)
 {
     static const int trees[PREPARED] = {0, 2, 3};
@@ -258,8 +259,7 @@ static void tables_of_a_cone_follow_the_pdf(void **state)
     struct orl_random random = orl_random_stream(7, ORL_PURPOSE_BENCH, 1);
     for (int i = 0; i < 2 * PREPARED; i++) {
         const struct orl_bsdf *bsdf = fixture->bsdf[trees[i / 2]];
-        /* Light that comes from above the horizon and from above the surface, or from below both.
-         */
+        /* Light comes from above the horizon and from above the surface, or from below both. */
         const double side = i % 2 ? 1 : -1;
         const struct orl_vec3 middle =
             orl_normalize(orl_v3(0.31 * side, -0.22 * side, trees[i / 2] == 3 ? 0.8 : 0.8 * side));
@@ -290,7 +290,7 @@ static void tables_of_a_cone_follow_the_pdf(void **state)
     }
 }
 
-/* Where tables would not do: matrices, trees of rank 3, colour. */
+/* Data that tables cannot represent has none: matrices, trees of rank 3, colour. */
 static void other_data_have_no_tables(void **state)
 {
     static const int others[] = {1, 4, 5, 9};
@@ -303,7 +303,8 @@ static void other_data_have_no_tables(void **state)
     }
 }
 
-/* The same cell for the draw, its value and its pdf; directions are unit and never level. */
+/* The sample, its value and its pdf use the same cell; directions are unit vectors and never
+ * level. */
 static void draws_values_and_pdfs_agree(void **state)
 {
     const struct fixture *fixture = *state;
@@ -318,10 +319,10 @@ static void draws_values_and_pdfs_agree(void **state)
         struct orl_vec3 other;
         struct orl_rgb weight;
         double pdf, value;
-        for (int k = 0; k < 3; k++) /* half the time at the edges of the unit interval */
+        for (int k = 0; k < 3; k++) /* half of the numbers are at the edges of the unit interval */
             if (uniform(&random) < 0.5)
                 u[k] = edge[(int)(uniform(&random) * 7)];
-        if (!draw(bsdf, &way, given, u, &other, &weight, &pdf))
+        if (!sample_direction(bsdf, &way, given, u, &other, &weight, &pdf))
             continue;
         drawn++;
         value = scattered(bsdf, &way, given, other);
@@ -335,8 +336,8 @@ static void draws_values_and_pdfs_agree(void **state)
     assert_in_range(drawn, 100000, 200000);
 }
 
-/* Directions that are placed once have the values and pdfs of others; within a cell of incident
- * directions these are the same. */
+/* Directions with precomputed places have the values and pdfs of plain ones. Values and pdfs are
+ * constant within a cell of incident directions. */
 static void placed_directions_have_the_same_values(void **state)
 {
     const struct fixture *fixture = *state;
@@ -347,9 +348,11 @@ static void placed_directions_have_the_same_values(void **state)
             const struct orl_bsdf *bsdf = fixture->bsdf[i];
             const bool front = n & 1;
             const double u = uniform(&random), v = uniform(&random);
-            const struct orl_vec3 in = place(u, v, front);
-            const struct orl_vec3 out = place(uniform(&random), uniform(&random), !front);
-            const struct orl_vec3 near = place(fmin(u + 0.01 * uniform(&random), 1), v, front);
+            const struct orl_vec3 in = square_to_direction(u, v, front);
+            const struct orl_vec3 out =
+                square_to_direction(uniform(&random), uniform(&random), !front);
+            const struct orl_vec3 near =
+                square_to_direction(fmin(u + 0.01 * uniform(&random), 1), v, front);
             const struct orl_bsdf_incidence a = orl_bsdf_place_incident(bsdf, in);
             const struct orl_bsdf_incidence b = orl_bsdf_place_incident(bsdf, near);
             const struct orl_bsdf_direction to = orl_bsdf_place(bsdf, out);
@@ -370,13 +373,14 @@ static void placed_directions_have_the_same_values(void **state)
     assert_true(alike > 1000 && apart > 500);
 }
 
-/* Albedo against jittered quadrature that knows nothing of cells; their steps leave it 0.2 %. */
+/* The albedo against jittered quadrature that ignores cells; steps of the data leave an error of
+ * 0.2 %. */
 static void albedo_is_the_integral_of_f(void **state)
 {
     const struct fixture *fixture = *state;
     struct orl_random random = orl_random_stream(3, ORL_PURPOSE_BENCH, 1);
     for (int i = 0; i < 36; i++) {
-        static const int smooth[] = {0, 1, 2, 4, 5, 6, 7, 8, 9}; /* 3 has just 16 cells */
+        static const int smooth[] = {0, 1, 2, 4, 5, 6, 7, 8, 9}; /* BSDF 3 has only 16 cells */
         const struct orl_bsdf *bsdf = fixture->bsdf[smooth[i % 9]];
         const struct orl_vec3 in = any_direction(&random);
         const int n = 512;
@@ -384,14 +388,14 @@ static void albedo_is_the_integral_of_f(void **state)
         for (int k = 0; k < 2 * n * n; k++) {
             const double u = (k / n % n + uniform(&random)) / n;
             const double v = (k % n + uniform(&random)) / n;
-            sum += orl_luma(orl_bsdf_eval(bsdf, in, place(u, v, k >= n * n)));
+            sum += orl_luma(orl_bsdf_eval(bsdf, in, square_to_direction(u, v, k >= n * n)));
         }
         sum *= ORL_PI / ((double)n * n);
         assert_true(fabs(sum / orl_luma(orl_bsdf_albedo(bsdf, in, ORL_BSDF_BOTH)) - 1) < 1e-2);
     }
 }
 
-/* Exactly, for a tree of 2^3: one point in each cell of the square is the integral. */
+/* Exact for a tree of 2^3: one point in each cell of the square gives the integral. */
 static void a_trees_integrals_are_sums_over_its_cells(void **state)
 {
     const struct orl_bsdf *bsdf = ((const struct fixture *)*state)->bsdf[0];
@@ -400,7 +404,7 @@ static void a_trees_integrals_are_sums_over_its_cells(void **state)
         const struct orl_vec3 in = any_direction(&random);
         double sum = 0, pdf = 0, adjoint = 0;
         for (int k = 0; k < 128; k++) {
-            /* The centre of a cell: the map of Shirley and Chiu, from the paper. */
+            /* The centre of a cell, by the map of Shirley and Chiu, from the paper. */
             const double a = (k % 8 + 0.5) / 4 - 1, b = (k / 8 % 8 + 0.5) / 4 - 1;
             const double r = fmax(fabs(a), fabs(b));
             const double phi = fabs(a) >= fabs(b)
@@ -420,15 +424,15 @@ static void a_trees_integrals_are_sums_over_its_cells(void **state)
 }
 
 /*
- * Of a matrix with bases of the file's own: what a ring's cells are worth is pi (cos^2 - cos^2)
- * over their number, and light from inside is the file's Back.
+ * A matrix with bases defined in the file: the cells of a ring have pi (cos^2 - cos^2) over their
+ * number, and light from inside uses the file's Back data.
  */
 static void a_matrixs_integrals_are_sums_over_its_cells(void **state)
 {
     const struct orl_bsdf *bsdf = ((const struct fixture *)*state)->bsdf[8];
     const double c40 = pow(cos(40 * ORL_DEG_TO_RAD), 2);
     for (int front = 0; front < 2; front++) {
-        /* The middle of the pole's cell; cell 0 of ring 1, where light travels along +x. */
+        /* The middle of the pole's cell; and cell 0 of ring 1, where light travels along +x. */
         const double angle[] = {0, 35 * ORL_DEG_TO_RAD};
         for (int in = 0; in < 2; in++) {
             const struct orl_vec3 d =
@@ -445,7 +449,8 @@ static void a_matrixs_integrals_are_sums_over_its_cells(void **state)
     }
 }
 
-/* The panel has one transmission; the other is its transpose, and the adjoint the same draw. */
+/* The panel file has one transmission; the other is its transpose, and the adjoint samples the
+ * same distribution. */
 static void a_filled_in_transmission_is_reciprocal(void **state)
 {
     const struct orl_bsdf *bsdf = ((const struct fixture *)*state)->bsdf[0];
@@ -468,7 +473,7 @@ static void a_filled_in_transmission_is_reciprocal(void **state)
     }
 }
 
-/* A cell of 1e-12 of its neighbours is as good as never drawn, and black ones never. */
+/* A cell of 1e-12 of its neighbours is almost never sampled, and black cells never. */
 static void a_sliver_does_no_harm(void **state)
 {
     const struct orl_bsdf *bsdf = ((const struct fixture *)*state)->bsdf[3];

@@ -1,7 +1,7 @@
 /*
  * Dielectrics, interfaces and mirrors against closed forms: Fresnel at the normal, at Brewster's
- * angle, at total reflection; Snell; light and eye, which differ by n^2; Beer's law; and two
- * interfaces, passed back and forth, which are a thin pane.
+ * angle, at total reflection; Snell; light and eye transport, which differ by n^2; Beer's law; and
+ * two interfaces crossed in turn, which equal a thin pane.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@ static double mirrored(const struct subject *s, struct orl_vec3 from)
     return orl_material_mirrored(s->material, &s->hit, from).g;
 }
 
-/* In radians; subject_direction takes degrees. */
+/* theta is in radians; subject_direction takes degrees. */
 static struct orl_vec3 towards(const struct subject *s, double theta)
 {
     return subject_direction(s, theta / ORL_DEG_TO_RAD, 33);
@@ -33,19 +33,20 @@ static void test_fresnel(void **state)
     struct subject s = subject_of(BLOCK, NULL, NULL);
     const double brewster = atan(1.5), critical = asin(1 / 1.5);
     (void)state;
-    /* The same from both sides at the normal: ((n - 1) / (n + 1))^2. */
+    /* Reflectance at the normal is equal from both sides: ((n - 1) / (n + 1))^2. */
     assert_true(fabs(mirrored(&s, towards(&s, 0)) - 0.04) < 1e-12);
     assert_true(fabs(mirrored(&s, towards(&s, ORL_PI)) - 0.04) < 1e-12);
-    /* At Brewster's angle one polarisation is let in whole; of the other ((n^2-1)/(n^2+1))^2. */
+    /* At Brewster's angle one polarisation is fully transmitted; the other reflects
+     * ((n^2-1)/(n^2+1))^2. */
     const double half = 0.5 * pow((1.5 * 1.5 - 1) / (1.5 * 1.5 + 1), 2);
     assert_true(fabs(mirrored(&s, towards(&s, brewster)) - half) < 1e-12);
-    /* Total reflection begins where Snell ends, from inside only. */
+    /* Total reflection begins at Snell's critical angle, from inside only. */
     assert_true(mirrored(&s, towards(&s, ORL_PI - critical - 1e-6)) == 1);
     assert_true(mirrored(&s, towards(&s, ORL_PI - critical + 1e-6)) < 1);
     struct orl_scatter beyond;
     assert_false(orl_material_refract(s.material, &s.hit, towards(&s, ORL_PI - critical - 1e-6),
                                       ORL_TRANSPORT_LIGHT, &beyond));
-    /* All the way to grazing what is not let in is sent back. */
+    /* At all angles up to grazing, reflectance and transmittance sum to one. */
     for (int i = 0; i <= 1000; i++) {
         const struct orl_vec3 from = towards(&s, i * 0.0005 * ORL_PI);
         const double r = mirrored(&s, from);
@@ -55,7 +56,8 @@ static void test_fresnel(void **state)
     subject_done(&s);
 }
 
-/* Snell: n sin stays, in the plane of incidence, on the other side; and back again the same way. */
+/* Snell's law: n sin is conserved, in the plane of incidence, on the other side; the path is
+ * reversible. */
 static void test_snell(void **state)
 {
     struct subject s = subject_of("void interface m 0 0 8 1 1 1 1.7 1 1 1 1.33\n", NULL, NULL);
@@ -72,7 +74,7 @@ static void test_snell(void **state)
         assert_true(
             orl_material_refract(s.material, &s.hit, in.direction, ORL_TRANSPORT_LIGHT, &back));
         assert_true(orl_length(orl_sub(back.direction, from)) < 1e-7);
-        /* Equal shares both ways, and n^2 between what light and eye make of them. */
+        /* Shares are equal in both directions; light and eye transport differ by n^2. */
         assert_true(fabs(in.weight.g - back.weight.g) < 1e-12);
         struct orl_scatter eye;
         assert_true(orl_material_refract(s.material, &s.hit, from, ORL_TRANSPORT_EYE, &eye));
@@ -107,8 +109,9 @@ static void test_draws(void **state)
 }
 
 /*
- * Photons through a slab, one interface after the other, are what thin glass lets through and
- * sends back; d being what one pass leaves. Light has a choice at each interface; 4 sigma of it.
+ * Photons through a slab, one interface after the other, match the transmittance and reflectance
+ * of thin glass; d is the transmittance of one pass. Light chooses at random at each interface;
+ * the tolerance is 4 sigma of that.
  */
 static void test_slab_is_glass(void **state)
 {
@@ -126,7 +129,7 @@ static void test_slab_is_glass(void **state)
                 orl_random_stream(40 + (uint64_t)k, ORL_PURPOSE_BENCH, (uint64_t)i);
             struct orl_vec3 way = orl_neg(from);
             struct orl_rgb flux = orl_gray(1.0 / subject_draws()), clarity = orl_gray(1);
-            /* The upper face's normal is up, the lower's down: both look out of the slab. */
+            /* The upper face's normal is up, the lower's is down: both point out of the slab. */
             bool upper = true, inside = false;
             for (;;) {
                 struct orl_hit hit = {.normal = {0, 0, upper ? 1 : -1}, .front = !inside};
@@ -146,8 +149,9 @@ static void test_slab_is_glass(void **state)
             struct orl_rgb *sum = way.z < 0 ? &through : &back;
             *sum = orl_rgb_add(*sum, flux);
         }
-        /* Unpolarised at each face: glass keeps the polarisations apart, which matters beyond
-         * Brewster's angle. The sum that mixes them: r + r t^2 d^2 / (1 - r^2 d^2), and so on. */
+        /* Light is unpolarised at each face, but glass keeps the polarisations apart, which
+         * matters beyond Brewster's angle. The sum that mixes them: r + r t^2 d^2 / (1 - r^2 d^2),
+         * and so on. */
         const double r = orl_material_mirrored(slab.material, &front, from).g, t = 1 - r;
         const double path = 1 / sqrt(1 - pow(sin(theta) / 1.52, 2));
         const double d[3] = {pow(.9, path), pow(.5, path), pow(.2, path)};
@@ -160,7 +164,7 @@ static void test_slab_is_glass(void **state)
             assert_true(fabs(t_is[c] - t_should) < noise);
             assert_true(fabs(r_is[c] - r_should) < noise);
         }
-        /* Up to there both agree. */
+        /* Up to Brewster's angle both formulas agree. */
         if (k < 2) {
             const struct orl_rgb glass = orl_material_straight(pane.material, &front, from);
             assert_true(fabs(glass.r - through.r) < 0.006 && fabs(glass.b - through.b) < 0.006);
@@ -170,7 +174,7 @@ static void test_slab_is_glass(void **state)
     subject_done(&pane);
 }
 
-/* Transmissivity is of a unit of length: x^distance, whichever side the path was on. */
+/* Transmissivity is per unit of length: x^distance, on either side of the path. */
 static void test_beer(void **state)
 {
     struct subject s =
@@ -179,11 +183,11 @@ static void test_beer(void **state)
     struct orl_hit hit = s.hit;
     (void)state;
     hit.distance = 2.5;
-    hit.front = false; /* came from behind, through the first medium */
+    hit.front = false; /* the ray came from behind, through the first medium */
     assert_true(fabs(orl_material_dimming(s.material, &hit, orl_gray(1)).g - pow(.6, 2.5)) < 1e-12);
     hit.front = true;
     assert_true(fabs(orl_material_dimming(s.material, &hit, orl_gray(1)).r - pow(.9, 2.5)) < 1e-12);
-    /* A wall goes by what the path remembers. */
+    /* A wall uses the medium that the path remembers. */
     assert_true(orl_is_clear(orl_material_dimming(wall.material, &hit, orl_gray(1))));
     assert_true(fabs(orl_material_dimming(wall.material, &hit, orl_gray(.3)).b - pow(.3, 2.5)) <
                 1e-12);
@@ -191,7 +195,7 @@ static void test_beer(void **state)
     struct orl_scatter in;
     assert_true(orl_material_refract(s.material, &s.hit, above, ORL_TRANSPORT_LIGHT, &in));
     assert_true(in.clarity.r == .5 && in.clarity.b == .7);
-    /* Nothing is left of an endless way; all of it in air. */
+    /* An infinite distance transmits nothing; in air it transmits all. */
     assert_true(orl_rgb_max(orl_clarity_after(orl_gray(.999), INFINITY)) == 0);
     assert_true(orl_is_clear(orl_clarity_after(orl_gray(1), INFINITY)));
     subject_done(&s);

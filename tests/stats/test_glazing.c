@@ -1,6 +1,6 @@
 /*
- * BRTDfunc as glazing: what goes straight and what is mirrored against rtrace's at 1 000 rays,
- * draws against densities and shares, both ways through, and what is refused.
+ * BRTDfunc as glazing: transmission and mirror reflection against rtrace's at 1 000 rays, samples
+ * against pdfs and shares, both transport directions, and refusals.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,7 +27,7 @@ static const char functions[] =
     "void BRTDfunc m 10 sr_r sr_g sr_b st_r st_g st_b 0 0 0 g.cal 0 19 .1 .08 .07 .05 .06 .07 "    \
     ".02 .02 .02 1 .09 .1 .11 .2 .25 .3 .6 .55 .5\n"
 
-/* Most of it spread evenly: bins of draws are full. */
+/* Most of the light is diffuse, so that bins of samples are full. */
 #define FRITTED                                                                                    \
     "void BRTDfunc m 10 sr_r sr_g sr_b st_r st_g st_b 0 0 0 g.cal 0 19 .4 .38 .37 .35 .36 .37 "    \
     ".3 .3 .3 1 .05 .06 .07 .1 .12 .14 .1 .09 .08\n"
@@ -62,12 +62,12 @@ static void test_draws(void **state)
     subject_done(&s);
 }
 
-/* What light from the front becomes behind is what an eye there sees of the front. */
+/* Light from the front is transmitted by the share that an eye behind sees of the front. */
 static void test_ways(void **state)
 {
     struct subject s = subject_of(GLAZING, "g.cal", functions);
     const struct orl_vec3 front = subject_direction(&s, 0, 0), back = orl_neg(front);
-    const double fall = 0, ahead = 1.1; /* at the normal, but for exp(-6) twice */
+    const double fall = 0, ahead = 1.1; /* at the normal; the error is exp(-6), twice */
     (void)state;
     assert_true(fabs(orl_material_straight(s.material, &s.hit, front).r - .9 * .6 * ahead) < 1e-9);
     assert_true(fabs(orl_material_straight(s.material, &s.hit, back).r - .6 * ahead) < 1e-9);
@@ -79,8 +79,8 @@ static void test_ways(void **state)
     subject_done(&s);
 }
 
-/* Sums, sums by cos(i) and sums of squares as rtrace has them: of what an eye in front sees
- * straight through and mirrored, and of what one behind sees straight through. */
+/* Sums, sums by cos(i) and sums of squares of rtrace's values: straight transmission and mirror
+ * reflection seen from the front, and straight transmission seen from behind. */
 static void test_rtrace(void **state)
 {
     static const double expected[3][9] = {

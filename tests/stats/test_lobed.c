@@ -1,6 +1,6 @@
 /*
- * Lobes by functions and data: draws against densities and values, shares against quadratures,
- * values against rtrace's, and what is refused or warned of.
+ * Lobes by functions and data: samples against pdfs and values, shares against quadratures, values
+ * against rtrace's, and the refusals and warnings.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,8 +18,9 @@
 #include "support/subject.h"
 
 /*
- * A lobe about the mirrored direction, or the one straight on, of cosines to a power, brighter
- * towards the light's x; not reciprocal. Normalised but for that: (n + 1) / 2 pi, and no cosine.
+ * A power-cosine lobe about the mirrored or the straight direction, brighter towards the light's
+ * x; not reciprocal. Its normalisation without that factor is (n + 1) / 2 pi, and it has no
+ * cosine.
  */
 static const char functions[] =
     "n = 8; pow(x,y) : if(x, x^y, 0);\n"
@@ -33,7 +34,7 @@ static const char functions[] =
 
 #define METFUNC "void metfunc m 2 lobe l.cal 0 4 .8 .6 .4 .5\n"
 #define TRANSFUNC "void transfunc m 2 lobe l.cal 0 6 .9 .8 .7 .2 .6 .7\n"
-/* Of each channel another; green knows the front from the back. */
+/* Each channel has its own function; green differs between the front and the back. */
 #define BRTDFUNC                                                                                   \
     "void BRTDfunc m 10 0 0 0 0 0 0 red green 0 l.cal 0 9 .2 .15 .1 .3 .2 .05 .12 .1 .08\n"
 
@@ -47,12 +48,12 @@ static struct orl_vec3 above(struct orl_vec3 axis, int i, int side)
 }
 
 /*
- * Draws against values: their mean weight is the integral of f by 64 x 64 midpoints a side (off by
- * less than 0.5 % of it where it has a crease), their density sums to what is not absorbed (off by
- * cells that the midpoints do not divide: none). DRAWS of them have a known variance. The albedo,
- * by which paths are ended at random, is the sum over the middles of the cells that draws go by.
+ * Checks samples against values. The mean weight is the integral of f by 64 x 64 midpoints a side,
+ * with an error below 0.5 % where f has a crease. The pdf integrates to 1, exactly, because the
+ * midpoints divide the cells. The variance of DRAWS samples is known. The albedo, used for Russian
+ * roulette, is the sum over the midpoints of the cells that sampling uses.
  */
-static void check(const char *text)
+static void check_material(const char *text)
 {
     enum { SIDE = 64, COARSE = 16, CELLS = 8, DRAWS = 4000 };
     struct subject s = subject_of(text, "l.cal", functions);
@@ -105,22 +106,22 @@ static void check(const char *text)
 static void test_metfunc(void **state)
 {
     (void)state;
-    check(METFUNC);
+    check_material(METFUNC);
 }
 
 static void test_transfunc(void **state)
 {
     (void)state;
-    check(TRANSFUNC);
+    check_material(TRANSFUNC);
 }
 
 static void test_brtdfunc(void **state)
 {
     (void)state;
-    check(BRTDFUNC);
+    check_material(BRTDFUNC);
 }
 
-/* All that BRTDfunc has: mirrored, straight, lobes, and spread evenly under a pattern. */
+/* All parts of BRTDfunc: mirrored, straight, lobes, and diffuse under a pattern. */
 static void test_parts(void **state)
 {
     struct subject s = subject_of("void colorfunc p 4 .9 .8 .7 . 0 0\np BRTDfunc m 10 .1 .1 .05 .1 "
@@ -138,14 +139,14 @@ static void test_parts(void **state)
     subject_done(&s);
 }
 
-/* Shares are those of trans: what is spread evenly each way, and tints. */
+/* Shares are those of trans: the diffuse share on each side, and tints. */
 static void test_shares(void **state)
 {
     struct subject s = subject_of(TRANSFUNC, "l.cal", functions);
     const struct orl_vec3 n = s.hit.normal, back = orl_neg(n);
     (void)state;
     assert_true(fabs(orl_material_diffuse(s.material, &s.hit).r - .9 * .8 * .4) < 1e-12);
-    const double lobe = 9 / (2 * ORL_PI); /* at its middle, but for 1 + .3 x */
+    const double lobe = 9 / (2 * ORL_PI); /* at the lobe's middle, without the factor 1 + .3 x */
     const double mirrored = orl_scatter_eval_lobes(s.material, &s.hit, n, n).g;
     assert_true(fabs(mirrored - .2 * lobe * (1 + .3 * n.x)) < 1e-9);
     const double through = orl_scatter_eval_lobes(s.material, &s.hit, back, n).g;
@@ -155,13 +156,13 @@ static void test_shares(void **state)
 }
 
 /*
- * rtrace's values from 200 directions over a plane, lit by a sun of .05 degrees from five: sums by
- * channel, and by cos(i), to the digits that it prints.
+ * Values of rtrace from 200 directions over a plane, lit by a sun of .05 degrees from five: sums
+ * by channel, and by cos(i), to the printed digits.
  */
 enum { SUNS = 5, EYES = 200 };
 struct values {
     const char *text, *resource, *content;
-    double side; /* where eyes are: 1 before, -1 behind */
+    double side; /* side of the eyes: 1 in front, -1 behind */
     double sums[SUNS][6];
 };
 static const struct values traced[] = {
@@ -279,7 +280,7 @@ static void test_refused(void **state)
     }
 }
 
-/* A lobe of a degree is warned of, and no accuracy is promised by it. */
+/* A job with an accuracy goal is refused if a lobe is only one degree wide. */
 static void test_narrow(void **state)
 {
     static const struct orl_sensor sensor = {{0, 0, 2}, {0, 0, -1}};

@@ -1,7 +1,8 @@
 /*
- * Glossy and transmitting reflectors: trans, and the grained plastic2, metal2, trans2. For each,
- * from the normal to grazing and from both sides: draws against densities, weights against values
- * in both ways of transport, reciprocity, energy, and what Radiance's numbers mean.
+ * Glossy and transmitting reflectors: trans, and the anisotropic plastic2, metal2, trans2. For
+ * each, from the normal to grazing and from both sides: samples against pdfs, weights against
+ * values in both transport directions, reciprocity, energy, and the meaning of Radiance's
+ * parameters.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +18,8 @@
 
 static const struct orl_hit anywhere = {.normal = {0, 0, 1}, .front = true};
 
-/* The quadrature's error in a bin: the sharper the lobe, the larger; see test_scatter.c. */
+/* The last number is the quadrature's error in a bin: the sharper the lobe, the larger; see
+ * test_scatter.c. */
 struct kind {
     const char *text;
     double slack;
@@ -54,7 +56,7 @@ static void test_draws(void **state)
     }
 }
 
-/* What is only Lambertian is known so well that the test is two-sided. */
+/* For purely Lambertian surfaces the exact value is known, so the test is two-sided. */
 static void test_even_draws(void **state)
 {
     struct subject s = subject_of("void trans m 0 0 7 .9 .9 .9 0 0 .5 0\n", NULL, NULL);
@@ -76,9 +78,9 @@ static void test_reciprocity(void **state)
 }
 
 /*
- * No lobe sends out more than it gets, at any angle and any roughness, grazing included: the mean
- * weight of a white one is at most 1. Its draws' weights are at most 2, so that the mean of n is
- * known to 2 sqrt(1 / n) = 0.45 %; 4 of them.
+ * No lobe reflects more than it receives, at any angle and any roughness, grazing included: the
+ * mean weight of a white one is at most 1. Weights are at most 2, so that the mean of n has an
+ * uncertainty of 2 sqrt(1 / n) = 0.45 %; the tolerance is 4 of these.
  */
 static void test_energy(void **state)
 {
@@ -99,7 +101,7 @@ static void test_energy(void **state)
                 assert_true(t.most <= 2);
                 assert_true(t.glossy.g <= 1 + 4 * sqrt(t.squares / subject_draws()));
                 assert_true(t.glossy.g > 0.3);
-                /* Hardly anything is lost where it is narrow. */
+                /* Narrow lobes lose hardly any light. */
                 assert_true(r > 1 || steep[i] > 61 || t.glossy.g > 0.97);
             }
             subject_done(&s);
@@ -107,7 +109,8 @@ static void test_energy(void **state)
     }
 }
 
-/* rt/normal.c: of what is not mirrored, trans lets A6 through, and A7 of that without spreading. */
+/* rt/normal.c: trans transmits A6 of the light that is not mirrored, and A7 of that without
+ * scattering. */
 static void test_shares(void **state)
 {
     struct subject s = subject_of("void trans m 0 0 7 .8 .6 .4 .1 0 .7 .3\n", NULL, NULL);
@@ -132,7 +135,8 @@ static void test_shares(void **state)
     subject_done(&rough);
 }
 
-/* With one roughness both ways the grain does not matter: the same values as the plain type. */
+/* With equal roughness along both axes the anisotropy direction does not matter: values equal the
+ * plain type's. */
 static void test_round_grain(void **state)
 {
     static const char *const pairs[3][2] = {
@@ -164,9 +168,9 @@ static void test_round_grain(void **state)
 }
 
 /*
- * A grain that hardly differs across is hardly different: no jump between the two formulas. And
- * values at the mirrored and the straight direction, in closed form: 1 / (4 pi a b cos^2) and
- * 1 / (pi a b cos).
+ * Slightly different roughnesses give slightly different values: there is no jump between the two
+ * formulas. Values at the mirrored and the straight direction have closed forms: 1 / (4 pi a b
+ * cos^2) and 1 / (pi a b cos).
  */
 static void test_peaks(void **state)
 {
@@ -195,7 +199,7 @@ static void test_peaks(void **state)
     subject_done(&b);
 }
 
-/* A lobe is long across the grain's smooth way: 0.4 along, 0.05 across, seen from the normal. */
+/* A lobe is long across the surface's smooth axis: 0.4 along, 0.05 across, seen from the normal. */
 static void test_grain_direction(void **state)
 {
     struct subject s = subject_of("void metal2 m 4 1 0 0 . 0 6 .9 .9 .9 1 .4 .05\n", NULL, NULL);
@@ -210,7 +214,7 @@ static void test_grain_direction(void **state)
     subject_done(&s);
 }
 
-/* A grain that stands on the surface means nothing: both roughnesses are averaged. */
+/* An anisotropy direction along the normal is ignored: both roughnesses are averaged. */
 static void test_standing_grain(void **state)
 {
     struct subject s = subject_of("void metal2 m 4 .2 -.7 .5 . 0 6 .9 .9 .9 1 .3 .1\n", NULL, NULL);
@@ -221,9 +225,9 @@ static void test_standing_grain(void **state)
 }
 
 /*
- * What Radiance 6.1a's rtrace (-ab 0 -ds 0 -st 0 -ss 0) sees of a horizontal surface in the sun, in
- * the green channel, looked at along -eye. It adds the sun's width to the roughness: 0.3 %. Of
- * transmitted lobes the shape differs (ward.h): at half a lobe's width off the axis by 1 %.
+ * Values of Radiance 6.1a's rtrace (-ab 0 -ds 0 -st 0 -ss 0) for a horizontal surface in the sun,
+ * green channel, seen along -eye. rtrace adds the sun's width to the roughness: 0.3 %. The shape
+ * of transmitted lobes differs (ward.h): by 1 % at half a lobe's width off the axis.
  */
 static void test_as_radiance_has_it(void **state)
 {

@@ -1,7 +1,7 @@
 /*
- * Mixtures of unlike materials, and sums of such (WGMDfunc): draws against densities, weights
- * against values in both ways of transport, reciprocity, and every part as the sum of both by their
- * shares.
+ * Mixtures of unlike materials, and sums of materials (WGMDfunc): samples against pdfs, weights
+ * against values in both transport directions, reciprocity, and every component as the weighted
+ * sum of both.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,11 +19,11 @@
     "void metal b 0 0 5 .9 .8 .7 .9 .15\nvoid trans t 0 0 7 .8 .8 .8 .05 .15 .6 .4\n"              \
     "void mirror r 0 0 3 .8 .8 .8\n"
 
-/* The quadrature's error in a bin: see test_scatter.c. */
+/* The last number is the quadrature's error in a bin: see test_scatter.c. */
 static const struct kind {
     const char *text;
     double slack;
-    bool directed; /* its shares depend on the eye's direction */
+    bool directed; /* true if its shares depend on the eye's direction */
 } kinds[] = {
     {TWO "void mixfunc m 4 p g .3 . 0 0\n", 0.003, false},
     {TWO "void mixfunc m 4 p b .6 . 0 0\n", 0.004, false},
@@ -67,7 +67,7 @@ static void test_draws(void **state)
     }
 }
 
-/* 30 % plastic, 70 % glass: what is known of each, and the means of draws. */
+/* 30 % plastic, 70 % glass: known values of each, and means of samples. */
 static void test_shares(void **state)
 {
     struct subject s = subject_of(kinds[0].text, NULL, NULL);
@@ -94,7 +94,8 @@ static void test_shares(void **state)
     subject_done(&glass);
 }
 
-/* Where the eye looks at 60 degrees half is paint, half steel; photon maps keep nothing of it. */
+/* The mix depends on the eye's direction: at 60 degrees half is paint, half steel. Its diffuse
+ * part is 0, so photon maps store none of it. */
 static void test_directed(void **state)
 {
     struct subject s = subject_of(kinds[4].text, NULL, NULL);
@@ -115,7 +116,8 @@ static void test_directed(void **state)
     subject_done(&s);
 }
 
-/* WGMDfunc: every part is where its own material has it; sides differ in what they scatter. */
+/* WGMDfunc: every component equals that of its own material; the sides differ in their diffuse
+ * part. */
 static void test_sum(void **state)
 {
     struct subject s = subject_of(
@@ -139,7 +141,7 @@ static void test_sum(void **state)
     subject_done(&s);
 }
 
-/* What is all void lets all through, and mirrors nothing. */
+/* A mixture of void and void transmits all light and mirrors none. */
 static void test_void(void **state)
 {
     struct subject s = subject_of(TWO "void mixfunc m 4 p void 0 . 0 0\n", NULL, NULL);

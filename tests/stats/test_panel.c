@@ -1,10 +1,10 @@
 /*
- * Surfaces described by a BSDF, with what the material adds: diffuse parts, and the straight light
- * of an aBSDF. Draws follow orl_scatter_pdf, their mean weight is the integral of f (and of the
- * straight share), light and eye agree, and nothing gains energy.
+ * Surfaces described by a BSDF, with the material's additions: diffuse parts, and the straight
+ * light of an aBSDF. Samples follow orl_scatter_pdf, their mean weight is the integral of f (and
+ * of the straight share), light and eye transport agree, and nothing gains energy.
  *
- * Chi-square over cells of equal projected solid angle on both sides; thresholds as in
- * test_bsdf_sampling.c: 1e-3 for the file, shared out over its comparisons.
+ * The test is a chi-square over cells of equal projected solid angle on both sides; thresholds as
+ * in test_bsdf_sampling.c: 1e-3 for the file, divided by its number of comparisons.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -80,7 +80,7 @@ static double uniform(struct orl_random *random)
     return orl_random_uniform(random);
 }
 
-static struct orl_vec3 place(double u, double v, bool front)
+static struct orl_vec3 square_to_direction(double u, double v, bool front)
 {
     const double cosine = sqrt(1 - u), sine = sqrt(u), azimuth = 2 * ORL_PI * v;
     return orl_v3(sine * cos(azimuth), sine * sin(azimuth), front ? cosine : -cosine);
@@ -89,7 +89,7 @@ static struct orl_vec3 place(double u, double v, bool front)
 static struct orl_vec3 any_direction(struct orl_random *random)
 {
     const double u = uniform(random), v = uniform(random);
-    return place(u, v, uniform(random) < 0.5);
+    return square_to_direction(u, v, uniform(random) < 0.5);
 }
 
 static int cell_of(struct orl_vec3 d)
@@ -99,19 +99,19 @@ static int cell_of(struct orl_vec3 d)
     return ((d.z > 0) * SIDE + (i < SIDE ? i : SIDE - 1)) * SIDE + (j < SIDE ? j : SIDE - 1);
 }
 
-/* Upper tail of chi-square, by Wilson and Hilferty. */
+/* Returns the upper tail of chi-square, by Wilson and Hilferty. */
 static double tail(double x, int degrees)
 {
     const double k = degrees, z = (cbrt(x / k) - (1 - 2 / (9 * k))) / sqrt(2 / (9 * k));
     return 0.5 * erfc(z / sqrt(2));
 }
 
-/* Cells, and beside them what went straight or nowhere, which the pdf leaves out. */
+/* Counts per cell, and light that went straight or nowhere, which the pdf leaves out. */
 struct tally {
     double expected[CELLS], counted[CELLS];
-    double integral;                  /* of the pdf */
-    double straight;                  /* draws */
-    struct orl_rgb scattered, passed; /* mean weights */
+    double integral;                  /* integral of the pdf */
+    double straight;                  /* number of straight samples */
+    struct orl_rgb scattered, passed; /* mean weights of scattered and of straight samples */
     struct orl_rgb f;                 /* integral of f |cos| */
 };
 
@@ -131,7 +131,7 @@ static void expect(const struct orl_material *m, enum orl_transport transport,
         for (int k = 0; k < FINE * FINE; k++) {
             const double u = cell / SIDE % SIDE + (k / FINE + uniform(random)) / FINE;
             const double v = cell % SIDE + (k % FINE + uniform(random)) / FINE;
-            const struct orl_vec3 d = place(u / SIDE, v / SIDE, cell >= SIDE * SIDE);
+            const struct orl_vec3 d = square_to_direction(u / SIDE, v / SIDE, cell >= SIDE * SIDE);
             sum += orl_scatter_pdf(m, &hit, given, transport, ORL_LOBE_ALL, d) / fabs(d.z);
             t->f = orl_rgb_add(t->f, orl_rgb_scale(f_of(m, transport, given, d), share));
         }
@@ -140,8 +140,8 @@ static void expect(const struct orl_material *m, enum orl_transport transport,
     }
 }
 
-static void count(const struct orl_material *m, enum orl_transport transport, struct orl_vec3 given,
-                  struct orl_random *random, struct tally *t)
+static void count_samples(const struct orl_material *m, enum orl_transport transport,
+                          struct orl_vec3 given, struct orl_random *random, struct tally *t)
 {
     for (int i = 0; i < DRAWS; i++) {
         const struct orl_scatter s =
@@ -160,7 +160,8 @@ static void count(const struct orl_material *m, enum orl_transport transport, st
     }
 }
 
-/* Cells expecting fewer than ten draws are one cell; so is what went straight. */
+/* Cells with fewer than ten expected samples are pooled into one; straight samples form one cell.
+ */
 static double p_value(const struct tally *t)
 {
     double expected = 0, counted = 0, x = 0;
@@ -193,8 +194,8 @@ static void assert_near(const char *what, struct orl_rgb a, struct orl_rgb b, do
         fail_msg("%s: (%g %g %g) against (%g %g %g)", what, a.r, a.g, a.b, b.r, b.g, b.b);
 }
 
-static void check(const struct panel *panel, enum orl_transport transport,
-                  struct orl_random *random)
+static void check_panel(const struct panel *panel, enum orl_transport transport,
+                        struct orl_random *random)
 {
     static struct tally t;
     for (int g = 0; g < GIVEN; g++) {
@@ -203,12 +204,12 @@ static void check(const struct panel *panel, enum orl_transport transport,
         const bool light = transport == ORL_TRANSPORT_LIGHT;
         t = (struct tally){.integral = 0};
         expect(m, transport, given, random, &t);
-        count(m, transport, given, random, &t);
+        count_samples(m, transport, given, random, &t);
         const double p = p_value(&t);
         if (p < 1e-3 / COMPARISONS)
             fail_msg("%s, transport %d, direction %d: p = %g", panel->what, transport, g, p);
-        /* Weights are constant in luma but for data rescaled by direction: 4 sigma of a binomial,
-         * and half a per cent for the jitter of the integral. */
+        /* Weights are constant in luma, except for data rescaled by direction. The slack is 4
+         * sigma of a binomial, and half a percent for the jitter of the integral. */
         const double slack = 4 * 0.5 / sqrt(DRAWS) + 0.005;
         assert_near(panel->what, t.scattered, t.f, slack);
         const struct orl_rgb straight =
@@ -225,12 +226,13 @@ static void draws_follow_the_pdf(void **state)
     const struct panel *panels = *state;
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 7);
     for (int i = 0; i < PANELS; i++) {
-        check(&panels[i], ORL_TRANSPORT_LIGHT, &random);
-        check(&panels[i], ORL_TRANSPORT_EYE, &random);
+        check_panel(&panels[i], ORL_TRANSPORT_LIGHT, &random);
+        check_panel(&panels[i], ORL_TRANSPORT_EYE, &random);
     }
 }
 
-/* Of light from anywhere, no channel leaves with more than it came; what would gain has just 1. */
+/* For light from any direction, no channel gains energy; data that would gain is rescaled to
+ * exactly 1. */
 static void nothing_gains(void **state)
 {
     const struct panel *panels = *state;
@@ -244,7 +246,7 @@ static void nothing_gains(void **state)
         }
 }
 
-/* Radiance's meaning of the three colours: reflection of the front, of the back, and through. */
+/* Radiance's three colours are reflection of the front, of the back, and transmission. */
 static void additions_are_on_their_sides(void **state)
 {
     const struct panel *panels = *state;
@@ -262,7 +264,7 @@ static void additions_are_on_their_sides(void **state)
                 orl_rgb_add(orl_rgb_scale(m->through, 1 / ORL_PI), orl_gray(even)), 1e-7);
 }
 
-/* A BSDF that is no aBSDF scatters its peak. */
+/* A BSDF that is not an aBSDF scatters its peak. */
 static void without_the_a_nothing_goes_straight(void **state)
 {
     const struct panel *panels = *state;

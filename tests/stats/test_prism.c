@@ -1,7 +1,7 @@
 /*
- * Prisms: where rays go against Snell's law at the two faces of a wedge, light against eyes by
- * quadrature, draws against shares, rtrace's values, sunlight through a window of it in closed
- * form, and what is refused.
+ * Prisms: ray directions against Snell's law at the two faces of a wedge, light against eye
+ * transport by quadrature, samples against shares, rtrace's values, sunlight through a prism
+ * window in closed form, and refusals.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,13 +20,13 @@
 #include "support/subject.h"
 
 /*
- * Glass of index A1 with a flat front (+z) and a back that leans by A2 (radians) about x; A3 of
- * the light gets through. By Snell's law in vectors: a face's normal q, outside direction d, inside
- * i: tangents are d - (d.q) q and n times shorter inside.
+ * Glass of index A1 with a flat front (+z) and a back tilted by A2 (radians) about x; A3 of the
+ * light gets through. Snell's law in vectors, for a face's normal q, outside direction d and
+ * inside direction i: the tangent of d is d - (d.q) q, and that of i is n times shorter.
  */
 static const char wedge[] =
     "qy = sin(A2); qz = cos(A2); sq(x) : x*x; root(x) = if(x, sqrt(x), 0);\n"
-    "fall = if(-Dz, 1, 0);\n" /* in by the flat front */
+    "fall = if(-Dz, 1, 0);\n" /* enters through the flat front */
     "ix = Dx/A1; iy = Dy/A1; iz = -root(1 - sq(ix) - sq(iy));\n"
     "k = iy*qy + iz*qz; tx = ix; ty = iy - k*qy; tz = iz - k*qz;\n"
     "out = 1 - A1*A1*(tx*tx + ty*ty + tz*tz);\n"
@@ -47,7 +47,7 @@ static struct orl_vec3 world(const struct subject *s, struct orl_vec3 v)
     return orl_to_world(&s->frame, v);
 }
 
-/* The wedge's answer to a direction of travel in its own frame (front +z): false where it has
+/* Computes the wedge's outgoing direction in its own frame (front +z). Returns false if there is
  * none. */
 static bool by_snell(struct orl_vec3 d, struct orl_vec3 *ret_out)
 {
@@ -67,7 +67,7 @@ static bool by_snell(struct orl_vec3 d, struct orl_vec3 *ret_out)
     return through;
 }
 
-/* The prism of a text, in its own axes. */
+/* Returns the prism of a text, in its own axes. */
 static struct subject prism_of(const char *text)
 {
     struct subject s = subject_of(text, "w.cal", wedge);
@@ -102,16 +102,16 @@ static void test_snell(void **state)
     subject_done(&s);
 }
 
-/* Any function of both directions, smooth. */
+/* An arbitrary smooth function of both directions. */
 static double seen_by(struct orl_vec3 light, struct orl_vec3 eye)
 {
     return (1 + light.x) * (1.5 + light.y * light.z) * (1 + .5 * eye.y) * (2 - eye.x);
 }
 
 /*
- * The same flux, counted by eyes' rays and by light's: of even radiance weighted by that function.
- * 160 000 midpoints a side over cells of even projected solid angle; ends are cut within a cell,
- * 1e-3.
+ * Eye rays and light rays give the same flux, for uniform radiance weighted by that function.
+ * Quadrature: 160 000 midpoints a side over cells of equal projected solid angle; the ends are cut
+ * within a cell, an error of 1e-3.
  */
 static void test_both_ways(void **state)
 {
@@ -125,7 +125,7 @@ static void test_both_ways(void **state)
                 const int row = i / SIDE, column = i % SIDE;
                 const double r2 = (row + .5) / SIDE, phi = 2 * ORL_PI * (column + .5) / SIDE;
                 const double r = sqrt(r2), z = sqrt(1 - r2);
-                /* Light in front when side is 0, and so the eye behind. */
+                /* Light is in front when side is 0, and so the eye is behind. */
                 const bool front = (side == 0) == (transport == ORL_TRANSPORT_LIGHT);
                 const struct orl_vec3 from = orl_v3(r * cos(phi), r * sin(phi), front ? z : -z);
                 struct orl_scatter ways[ORL_PRISM_WAYS];
@@ -142,7 +142,7 @@ static void test_both_ways(void **state)
     subject_done(&s);
 }
 
-/* Two ways: draws choose by their shares, and weigh the same. */
+/* A prism with two outgoing rays: samples choose by their shares, and have equal weights. */
 static void test_two_ways(void **state)
 {
     struct subject s = prism_of("void prism2 m 9 c2 px py pz .5 Dx Dy Dz w.cal 0 3 1.5 .2 .8\n");
@@ -170,10 +170,10 @@ static void test_two_ways(void **state)
     "b polygon n 0 0 12 0 4 0 0 4 3 4 4 3 4 4 0\n"
 
 /*
- * Sun from above by a skylight that is the wedge. Along its deflected beam the irradiance is that
- * of the sun times the share and the stretch of solid angles, by differences of Snell's law; on the
- * floor by the cosine. Photons: 300 000, of which some 600 count for a sensor, evenly spread; the
- * disc is 0.5 degrees.
+ * Sun from above through a skylight made of the wedge. Across its deflected beam the irradiance is
+ * that of the sun times the share and the stretch of solid angles, by differences of Snell's law;
+ * on the floor also times the cosine. 300 000 photons, of which some 600 contribute to a sensor,
+ * uniformly; the disc is 0.5 degrees.
  */
 static void test_sun(void **state)
 {
@@ -210,7 +210,7 @@ static void test_sun(void **state)
     scene_run_lx(&run, lx);
     if (!(fabs(lx[0] / expected - 1) < .02))
         fail_msg("%g lx, not %g", lx[0], expected);
-    assert_true(lx[1] < .01 * expected); /* the beam is elsewhere */
+    assert_true(lx[1] < .01 * expected); /* the beam does not reach this sensor */
 }
 
 static void test_refused(void **state)

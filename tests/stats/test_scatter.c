@@ -1,5 +1,5 @@
 /*
- * Materials: glass by Fresnel, energy, and draws that follow what is evaluated (support/subject.h).
+ * Materials: glass by Fresnel, energy, and samples against evaluated values (support/subject.h).
  * Seeds are fixed.
  */
 #include <setjmp.h>
@@ -25,7 +25,7 @@ static const struct orl_hit anywhere = {.normal = {0, 0, 1}, .front = true};
 #define CLEAR "void glass m 0 0 4 1 1 1 1.52\n"
 #define TINTED "void glass m 0 0 4 .96 .96 .96 1.52\n"
 
-/* A pane met at the angle of this cosine. */
+/* Returns the transmittance of a pane at the incidence angle of this cosine. */
 static struct orl_rgb straight_at(const struct orl_material *pane, double cosine)
 {
     const struct orl_hit hit = {.normal = {0, 0, 1}};
@@ -38,7 +38,8 @@ static struct orl_rgb mirrored_at(const struct orl_material *pane, double cosine
     return orl_material_mirrored(pane, &hit, orl_v3(sqrt(1 - cosine * cosine), 0, cosine));
 }
 
-/* Fresnel at two surfaces, all passes summed, polarisations averaged: the numbers to six digits. */
+/* Fresnel at two surfaces, all passes summed, polarisations averaged: expected values have six
+ * digits. */
 static void test_slab(void **state)
 {
     static const double angle[6] = {0, 30, 45, 60, 75, 85};
@@ -54,7 +55,7 @@ static void test_slab(void **state)
     subject_done(&tinted);
 }
 
-/* To 90 degrees and there: T falls to 0, R rises to 1, nothing is gained, all is finite. */
+/* Up to and at 90 degrees: T falls to 0, R rises to 1, nothing is gained, all is finite. */
 static void test_glass_to_grazing(void **state)
 {
     struct subject clear = subject_of(CLEAR, NULL, NULL), tinted = subject_of(TINTED, NULL, NULL);
@@ -77,7 +78,8 @@ static void test_glass_to_grazing(void **state)
     subject_done(&tinted);
 }
 
-/* A choice of probability p and weight a/p has standard error a sqrt((1-p)/p/n); 4 of them. */
+/* A choice of probability p and weight a/p has standard error a sqrt((1-p)/p/n); the tolerance is
+ * 4 of these. */
 static void assert_share(double mean, double share, double p)
 {
     assert_true(fabs(mean - share) <= 4 * share * sqrt((1 - p) / p / subject_draws()) + 1e-12);
@@ -99,7 +101,7 @@ static void test_glass_draws(void **state)
         assert_share(drawn.straight.b, t.b, p);
         assert_share(drawn.mirror.r, r.r, 1 - p);
         assert_share(drawn.mirror.b, r.b, 1 - p);
-        /* One way only: no choice, no noise. */
+        /* Only one choice, so there is no noise. */
         const struct tally back = subject_draw(&s, from, ORL_TRANSPORT_EYE, ORL_LOBE_REFLECTED, 2);
         assert_true(fabs(back.mirror.g - r.g) < 1e-9 && orl_rgb_max(back.straight) == 0);
     }
@@ -127,7 +129,7 @@ static void test_diffuse_and_mirror(void **state)
         assert_share(t.mirror.r, m.r, 1 - p);
         assert_share(t.mirror.b, m.b, 1 - p);
     }
-    /* As Radiance has it: plastic's highlight is white, metal's is coloured. */
+    /* Radiance's rule: plastic's highlight is white, metal's is coloured. */
     assert_true(fabs(orl_material_diffuse(plastic.material, &anywhere).r - .54) < 1e-12);
     assert_true(fabs(orl_reflector_specular(plastic.material, &anywhere).b - .1) < 1e-12);
     assert_true(fabs(orl_material_diffuse(metal.material, &anywhere).b - .12) < 1e-12);
@@ -136,7 +138,8 @@ static void test_diffuse_and_mirror(void **state)
     subject_done(&metal);
 }
 
-/* Diffuse draws by the cosine: mean cosine 2/3 (variance 1/18), none below, both sides alike. */
+/* Diffuse samples follow the cosine: mean cosine 2/3 (variance 1/18), none below the surface, both
+ * sides alike. */
 static void test_cosine_law(void **state)
 {
     struct subject s = subject_of("void plastic m 0 0 5 .5 .5 .5 0 0\n", NULL, NULL);
@@ -182,11 +185,10 @@ static void test_absorbers(void **state)
     subject_done(&white);
 }
 
-/* ---- Lobes ------------------------------------------------------------------------------------
- */
+/* ---- Lobes ----------------------------------------------------------------------------------- */
 
-/* Ward's lobe, narrow and wide, from the normal to grazing, of a surface that mirrors nearly all.
- */
+/* Ward's lobe, narrow and wide, from the normal to grazing, on a surface that mirrors nearly all
+ * light. */
 static void test_ward(void **state)
 {
     static const double angles[] = {0, 45, 80, 88};
@@ -203,7 +205,7 @@ static void test_ward(void **state)
     }
 }
 
-/* Weights of rough draws are bounded, so that no photon flares up. */
+/* Weights of samples of rough surfaces are bounded, to avoid fireflies. */
 static void test_ward_weights(void **state)
 {
     struct subject s = subject_of("void metal m 0 0 5 .9 .9 .9 1 .2\n", NULL, NULL);
@@ -226,12 +228,12 @@ static void test_reciprocity(void **state)
     subject_done(&s);
 }
 
-/* ---- BSDFs, in both ways of transport ---------------------------------------------------------
- */
+/* ---- BSDFs, in both transport directions ----------------------------------------------------- */
 
 /*
- * Light and eye each follow the same f: what one evaluates forwards, the other draws backwards. The
- * data is piecewise constant with steps inside bins: 2 % of a bin is allowed for the quadrature.
+ * Light and eye transport follow the same f: one evaluates it forwards, the other samples it
+ * backwards. The data is piecewise constant with steps inside bins: 2 % of a bin is allowed for
+ * the quadrature.
  */
 static void test_bsdf_transport(void **state)
 {
@@ -255,7 +257,7 @@ static void test_bsdf_transport(void **state)
     }
 }
 
-/* A uniform pane is reciprocal: drawn from either end the mean weight is pi f, with no noise. */
+/* A uniform pane is reciprocal: sampled from either end the mean weight is pi f, without noise. */
 static void test_uniform_bsdf(void **state)
 {
     char xml[2048];

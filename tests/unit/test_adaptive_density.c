@@ -1,9 +1,9 @@
 /*
- * Bandwidths that fit the light: as quiet as all photons allow where light is even, as sharp as
- * the narrowest disc beside an edge, nearer to the truth than a fixed bandwidth in a dip, and not
- * off where light falls off towards a wall.
+ * Adaptive bandwidths of density estimates. Where light is uniform, they have the low variance of
+ * all photons. Beside an edge they are as sharp as the narrowest disc. In a dip they have less
+ * bias than a fixed bandwidth, and they are unbiased where light falls off towards a wall.
  *
- * Photons fall at random (Poisson), n in a disc scatter by 1 / sqrt(n). The narrowest disc that an
+ * Photons fall at random (Poisson); n in a disc scatter by 1 / sqrt(n). The narrowest disc that an
  * estimate starts from holds 128 on average: 8.8 %.
  */
 #include <setjmp.h>
@@ -42,10 +42,11 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Density over the square from -1 to 1, by place; at most 1. */
+/* Density over the square from -1 to 1; at most 1. */
 typedef double density_at(double x, double y);
 
-/* Photons of flux 1 by that density, so that irradiance is it times count / 4. Classes in turn. */
+/* Builds a map of photons of flux 1 with that density, so that irradiance is density times count /
+ * 4. The photons' classes alternate. */
 static struct orl_photon_map *rain(density_at *density, size_t count, uint64_t seed, int classes)
 {
     const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
@@ -88,13 +89,14 @@ static struct orl_adaptive_density adapt_to(const struct orl_photon_map *map)
     return adapt;
 }
 
-static double ask(const struct orl_adaptive_density *adapt, double x, double y, size_t count)
+static double estimate_irradiance(const struct orl_adaptive_density *adapt, double x, double y,
+                                  size_t count)
 {
     const struct orl_density_query query = query_at(x, y);
     return orl_adaptive_density_estimate(adapt, &query, search).irradiance.g / ((double)count / 4);
 }
 
-/* ---- Even light ------------------------------------------------------------------------------ */
+/* ---- Uniform light --------------------------------------------------------------------------- */
 
 static double even(double x, double y)
 {
@@ -105,9 +107,9 @@ static double even(double x, double y)
 
 /*
  * 144 discs side by side, hardly overlapping, of 10 maps. The mean of 1440 nearly independent
- * estimates scatters by 2.2 % / sqrt 1440; four times that is allowed. Rings that disagree by
- * chance narrow the bandwidth now and then: no more than twice the least variance, which is
- * sqrt 2 of 2.2 %, may come of it.
+ * estimates scatters by 2.2 % / sqrt 1440; the tolerance is four times that. Rings that disagree
+ * by chance narrow the bandwidth now and then: the variance may be at most twice the least one,
+ * that is sqrt 2 of 2.2 %.
  */
 static void test_even(void **state)
 {
@@ -119,8 +121,8 @@ static void test_even(void **state)
         struct orl_photon_map *map = rain(even, COUNT, seed, 1);
         struct orl_adaptive_density adapt = adapt_to(map);
         for (int i = 0; i < SIDE * SIDE; i++) {
-            const double off = ask(&adapt, 1.7 * ((i % SIDE) / (SIDE - 1.0) - 0.5),
-                                   1.7 * ((i / SIDE) / (SIDE - 1.0) - 0.5), COUNT) -
+            const double off = estimate_irradiance(&adapt, 1.7 * ((i % SIDE) / (SIDE - 1.0) - 0.5),
+                                                   1.7 * ((i / SIDE) / (SIDE - 1.0) - 0.5), COUNT) -
                                1;
             sum += off;
             squares += off * off;
@@ -143,10 +145,10 @@ static double edge(double x, double y)
 }
 
 /*
- * One to ten at x = 0. Further from the edge than the narrowest disc is wide (128 photons of the
- * dark side, or 128 of the bright side) each side reads its own, within five times 8.8 %. On the
- * dark side the search's own disc reaches over the edge and is then narrower, by the share of
- * 2048 photons found there; the narrowest disc with it.
+ * One to ten at x = 0. Each side has its own value, within five times 8.8 %, at points further
+ * from the edge than the narrowest disc is wide (128 photons of that side). On the dark side the
+ * search disc reaches over the edge and is then narrower, by the share of 2048 photons found
+ * there; the narrowest disc shrinks with it.
  */
 static void test_edge(void **state)
 {
@@ -157,8 +159,8 @@ static void test_edge(void **state)
     (void)state;
     for (int i = 0; i < 20; i++) {
         const double y = -0.8 + 0.08 * i;
-        const double left = ask(&adapt, -1.1 * bright, y, COUNT),
-                     right = ask(&adapt, 1.1 * dark, y, COUNT);
+        const double left = estimate_irradiance(&adapt, -1.1 * bright, y, COUNT),
+                     right = estimate_irradiance(&adapt, 1.1 * dark, y, COUNT);
         if (!(fabs(left - 1) < 5 * 0.088 && fabs(right - 0.1) < 5 * 0.088 * 0.1))
             fail_msg("beside the edge: %.3f and %.3f", left, right);
     }
@@ -174,11 +176,12 @@ static double dip(double x, double y)
 }
 
 /*
- * A hollow in the light: within r of its middle the mean is 0.1 + 7.5 r^2. 2048 photons take r^2 =
- * 0.0527 there, and read 3.95 times too much; on a sixteenth of that, where the estimate starts, it
- * is 0.25. To be seen against the scatter of the first ring, some 100 photons, a difference has to
- * be about a third, so that the mean over 40 maps ends between: at most a quarter of the former. Of
- * that up to a third is taken out again as the light's curve: a sixth.
+ * A dip in the light: within r of its middle the mean is 0.1 + 7.5 r^2. 2048 photons take r^2 =
+ * 0.0527 there, and are 3.95 times too high; on a sixteenth of that, where the estimate starts,
+ * the bias is 0.25.
+ * A difference of about a third is needed to stand out against the scatter of the first ring, some
+ * 100 photons. The mean over 40 maps therefore ends between: at most a quarter of the former. The
+ * correction for the light's curvature removes up to a third of that: a sixth remains.
  */
 static void test_dip(void **state)
 {
@@ -189,7 +192,7 @@ static void test_dip(void **state)
         struct orl_photon_map *map = rain(dip, COUNT, seed, 1);
         struct orl_adaptive_density adapt = adapt_to(map);
         const struct orl_density_query query = query_at(0, 0);
-        adaptive += ask(&adapt, 0, 0, COUNT) / 0.1 / MAPS - 1.0 / MAPS;
+        adaptive += estimate_irradiance(&adapt, 0, 0, COUNT) / 0.1 / MAPS - 1.0 / MAPS;
         fixed +=
             orl_density_estimate(map, &query, search).irradiance.g / (COUNT / 4.0) / 0.1 / MAPS -
             1.0 / MAPS;
@@ -209,12 +212,12 @@ static double slope(double x, double y)
 }
 
 /*
- * 2048 photons beside an edge, half a disc, and in a corner, a quarter, have their middle 0.42 of
- * the radius (0.28, 0.5) off the point, where there is more light: the mean over them is too high
- * by a quarter and by nine tenths. A plane is what the light is. It scatters by 1.9 and 2.9 times
- * 2.2 %, half as much again where rings disagree by chance, and the mean of 24 maps by a fifth of
- * that: three times as much is allowed. And of the mean, which is 8 and 12 deviations off, a share
- * of 1 / (1 + 8^2) is kept.
+ * 2048 photons beside an edge (half a disc) and in a corner (a quarter) have their centroid 0.42
+ * of the radius (0.28, 0.5) off the point, on the brighter side: the mean over them is too high by
+ * a quarter and by nine tenths. The estimate fits a plane, which is exact here. It scatters by 1.9
+ * and 2.9 times 2.2 %, half as much again where rings disagree by chance, and the mean of 24 maps
+ * by a fifth of that: the tolerance is three times as much. A share of 1 / (1 + 8^2) of the plain
+ * mean, which is 8 and 12 deviations off, is kept.
  */
 static void test_slope(void **state)
 {

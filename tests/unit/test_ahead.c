@@ -1,7 +1,7 @@
 /*
- * What is left of a run, and when it is thought to end, on clocks of the test's own: stages that
- * take other times than foreseen, stages that tell nothing, estimates that waver; and what a
- * job for a deadline does with its time.
+ * Estimates of a run's remaining time and its end, on simulated clocks: stages that take other
+ * times than predicted, stages without reports, fluctuating estimates; and the use of time by jobs
+ * with a deadline.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,8 +23,9 @@ struct moment {
     enum orl_stage stage;
 };
 
-/* A run whose stages take those times, evenly, looked at `count` times. */
-static void follow(const double real[ORL_STAGE_COUNT], struct moment *ret_moments, size_t count)
+/* Simulates a run whose stages take those times, at constant speed, sampled `count` times. */
+static void simulate_run(const double real[ORL_STAGE_COUNT], struct moment *ret_moments,
+                         size_t count)
 {
     double all = 0, told = 0, before = 0;
     struct orl_eta eta = {0};
@@ -59,8 +60,8 @@ static void follow(const double real[ORL_STAGE_COUNT], struct moment *ret_moment
 enum { MOMENTS = 200 };
 
 /*
- * A machine k times as slow as was thought, or as fast: from a fifth of the photons on it is known,
- * to what 0.2 s of trust are beside 0.8 s foreseen: a fifth of the way from k to 1.
+ * A machine k times slower or faster than predicted. From a fifth of the photons on, the speed is
+ * known up to the prior: 0.2 s of trust beside 0.8 s predicted are a fifth of the way from k to 1.
  */
 static void test_any_machine(void **state)
 {
@@ -73,7 +74,7 @@ static void test_any_machine(void **state)
             real[i] = foreseen[i] * (i >= ORL_STAGE_PHOTONS ? k : 1);
             all += real[i];
         }
-        follow(real, m, MOMENTS);
+        simulate_run(real, m, MOMENTS);
         for (int i = 0; i < MOMENTS; i++) {
             if (m[i].stage < ORL_STAGE_PHOTONS ||
                 (m[i].stage == ORL_STAGE_PHOTONS && m[i].fraction < 0.2))
@@ -82,7 +83,7 @@ static void test_any_machine(void **state)
                   m[i].eta > m[i].left / 1.6 - 0.02 * all))
                 fail_msg("pace %.2f at %.2f s: %.2f s thought, %.2f s left", k, m[i].elapsed,
                          m[i].eta, m[i].left);
-            /* It does not rise by more than a tenth of the whole. */
+            /* The estimate does not rise by more than a tenth of the whole. */
             if (m[i].eta > least + 0.1 * all)
                 fail_msg("pace %.2f at %.2f s: from %.2f up to %.2f s", k, m[i].elapsed, least,
                          m[i].eta);
@@ -91,20 +92,20 @@ static void test_any_machine(void **state)
     }
 }
 
-/* Photons that take thirteen times what was thought, and rendering that does not. */
+/* Photons take thirteen times the predicted time; rendering takes the predicted time. */
 static void test_photons_without_yield(void **state)
 {
     const double real[ORL_STAGE_COUNT] = {0.2, 0.05, 0.1, 54, 1, 10};
     struct moment m[MOMENTS];
     (void)state;
-    follow(real, m, MOMENTS);
+    simulate_run(real, m, MOMENTS);
     for (int i = 0; i < MOMENTS; i++)
         if (m[i].stage > ORL_STAGE_PHOTONS || m[i].fraction > 0.2)
             assert_true(m[i].eta < m[i].left + 8 * 10.5 && m[i].eta > 0.4 * m[i].left - 1);
 }
 
-/* A stage of two phases, of which the first is thought to be half of it and is a tenth: what is
- * left is known again as soon as the second goes on. */
+/* A stage of two phases: the first is predicted to be half of the stage but is a tenth. The
+ * remaining time is right again once the second phase progresses. */
 static void test_phases(void **state)
 {
     struct orl_ahead ahead = {.stage = ORL_STAGE_RENDER, .phase_from = 0.5, .phase_to = 1};
@@ -115,12 +116,13 @@ static void test_phases(void **state)
         ahead.in_stage_s = 1 + 9 * done;
         assert_true(fabs(orl_ahead_left_s(&ahead) - 9 * (1 - done)) < 1e-9);
     }
-    /* Its first bit takes ten times as long as others: what is said stays of the right order. */
+    /* The first percent takes ten times as long as others: the estimate keeps the right order of
+     * magnitude. */
     ahead.fraction = 0.5 + 0.5 * 0.01;
     ahead.in_phase_s = 0.1;
     ahead.in_stage_s = 1.1;
     assert_true(fabs(orl_ahead_left_s(&ahead) - 1) < 1);
-    /* What was set up before the first phase is not what it goes by. */
+    /* The setup before the first phase does not count towards the speed. */
     ahead = (struct orl_ahead){.stage = ORL_STAGE_PHOTONS, .phase_to = 1, .foreseen_s = {0}};
     ahead.foreseen_s[ORL_STAGE_PHOTONS] = 1;
     for (double done = 0.001; done < 1; done *= 1.5) {
@@ -129,15 +131,15 @@ static void test_phases(void **state)
         ahead.in_stage_s = 0.1 + done;
         assert_true(fabs(orl_ahead_left_s(&ahead) - (1 - done)) < 0.15);
     }
-    /* After the phase comes as much as a part of what was before it. */
+    /* The time after the phase is predicted by the share of the stage done before it. */
     ahead = (struct orl_ahead){.stage = ORL_STAGE_RENDER, .phase_to = 0.8};
     ahead.fraction = 0.4;
     ahead.in_stage_s = ahead.in_phase_s = 4;
     assert_true(fabs(orl_ahead_left_s(&ahead) - 6) < 1e-9);
 }
 
-/* Where a pilot has told how fast the machine is in a scene, all that comes is foreseen by
- * that, as its root. */
+/* If a pilot has measured the machine's speed in a scene, the predicted render time is
+ * proportional to the root of the measured ray time. */
 static void test_a_slow_machine(void **state)
 {
     const struct orl_run_env env = {.crew = NULL};
@@ -157,7 +159,8 @@ static void test_a_slow_machine(void **state)
     assert_true(render_s[0] > 0 && fabs(render_s[1] / render_s[0] - sqrt(2)) < 1e-9);
 }
 
-/* Of a map that jobs before have read only rays are to be paid; a half of it in between. */
+/* For a map that earlier jobs have read only rays cost time; a map read by half costs half of the
+ * difference. */
 static void test_a_map_that_was_read(void **state)
 {
     const struct orl_run_env env = {.crew = NULL};
@@ -172,7 +175,8 @@ static void test_a_map_that_was_read(void **state)
         orl_run_guess_costs(&run);
         orl_run_know_reads(&run, 0.5 * i);
         render_s[i] = run.cost_s[ORL_STAGE_RENDER];
-        /* Unread, the first sensors are most of it; read, all take the same. */
+        /* For an unread map the first sensors take most of the time; for a read one, all take the
+         * same. */
         const double tenth = orl_run_sensors_time(&run, 0.1);
         assert_true(i == 2 ? fabs(tenth - 0.1) < 1e-12 : tenth > 0.15);
     }
@@ -180,8 +184,8 @@ static void test_a_map_that_was_read(void **state)
     assert_true(fabs(render_s[1] - 0.5 * (render_s[0] + render_s[2])) < 1e-9);
 }
 
-/* After photons as foreseen the first bit of rendering takes five times what others do: that is
- * not taken for all of them. */
+/* After photons as predicted, the first part of rendering takes five times as long as others: the
+ * estimate does not extrapolate from it. */
 static void test_a_slow_beginning(void **state)
 {
     struct orl_ahead ahead = {.stage = ORL_STAGE_RENDER, .phase_to = 1};
@@ -196,14 +200,14 @@ static void test_a_slow_beginning(void **state)
     }
 }
 
-/* A stage that tells nothing for twelve seconds: what is told moves all the same, and never all the
- * way. */
+/* A stage without a report for twelve seconds: the reported progress still increases and never
+ * reaches the end. */
 static void test_a_silent_stage(void **state)
 {
     const double real[ORL_STAGE_COUNT] = {12, 0.05, 0.1, 4, 1, 10};
     struct moment m[MOMENTS];
     (void)state;
-    follow(real, m, MOMENTS);
+    simulate_run(real, m, MOMENTS);
     for (int i = 1; i < MOMENTS; i++)
         assert_true(m[i].share >= m[i - 1].share && m[i].share < 1);
     for (int i = 1; i < MOMENTS && m[i].elapsed < 4; i++)
@@ -211,7 +215,7 @@ static void test_a_silent_stage(void **state)
     assert_true(m[20].share > 0.05);
 }
 
-/* What was thought from the start is told as a share of time. */
+/* If the initial estimate is right, progress is the share of time. */
 static void test_share_of_time(void **state)
 {
     double share = 0;
@@ -222,8 +226,8 @@ static void test_share_of_time(void **state)
     }
 }
 
-/* A first round finds out that there is ten times as much to do, or a tenth: what is told goes on
- * at once, neither back nor by a leap, and gets to the end with the run. */
+/* A first round shows that the work is ten times as much as estimated, or a tenth. Progress
+ * continues at once, without a jump or a step back, and ends with the run. */
 static void test_found_out_late(void **state)
 {
     (void)state;
@@ -242,7 +246,7 @@ static void test_found_out_late(void **state)
     }
 }
 
-/* Between two reports the rest goes down with the clock; it never says that all is over. */
+/* Between two reports the remaining time decreases with the clock; it never reaches zero. */
 static void test_between_reports(void **state)
 {
     struct orl_eta eta = {0};
@@ -254,13 +258,13 @@ static void test_between_reports(void **state)
     assert_true(fabs(orl_eta_s(&eta, 100) - 10) < 1e-9);
     assert_true(fabs(orl_eta_s(&eta, 104) - 6) < 1e-9);
     assert_true(fabs(orl_eta_s(&eta, 160) - 1) < 1e-9);
-    orl_eta_take(&eta, (double)NAN, 104); /* is no news */
+    orl_eta_take(&eta, (double)NAN, 104); /* NaN is ignored */
     assert_true(fabs(orl_eta_s(&eta, 104) - 6) < 1e-9);
 }
 
 /*
- * Estimates that waver by 15 % either way, looked at twenty times a second: what is said rises in
- * hardly any look, and stays within 1.5 of the truth.
+ * Estimates that fluctuate by 15 % either way, read twenty times a second: the displayed time
+ * rises in at most one reading of fifty, and stays within a factor of 1.5 of the truth.
  */
 static void test_wavering(void **state)
 {
@@ -283,7 +287,7 @@ static void test_wavering(void **state)
     assert_true(rises * 50 <= looks);
 }
 
-/* News of another order are told at once. */
+/* Changes by an order of magnitude are shown at once. */
 static void test_news(void **state)
 {
     struct orl_eta eta = {0};
@@ -297,7 +301,8 @@ static void test_news(void **state)
 
 /* ---- Deadlines ------------------------------------------------------------------------------- */
 
-/* A job whose rounds take what its pace says, but for a factor; returns the seconds it took. */
+/* Simulates a job whose rounds take the time of its pace model, times a factor. Returns the
+ * seconds it took. */
 static double spend(const struct orl_work *work, double fixed_s, double sample_s, double slower,
                     double deadline, struct orl_deadline_next *ret_last)
 {
@@ -319,7 +324,7 @@ static double spend(const struct orl_work *work, double fixed_s, double sample_s
     return 0;
 }
 
-/* Sensors: rounds of any size; what is left at last is crumbs. */
+/* Sensors allow rounds of any size; only a small rest of the time is left. */
 static void test_a_deadline_is_used(void **state)
 {
     const struct orl_work work = {
@@ -334,8 +339,8 @@ static void test_a_deadline_is_used(void **state)
     }
 }
 
-/* Rounds that begin with something fixed, and take other times than the first one told: nine tenths
- * of the time are used, or no round fits into what is left. */
+/* Rounds with a fixed cost, whose times differ from the first round's: nine tenths of the time are
+ * used, or no round fits into the rest. */
 static void test_whatever_rounds_take(void **state)
 {
     const struct orl_work work = {
@@ -355,7 +360,8 @@ static void test_whatever_rounds_take(void **state)
             }
 }
 
-/* A round that leaves crumbs is the last one, and what is said goes by it, not by the deadline. */
+/* A round that leaves too little for another is the last one, and the remaining time follows it,
+ * not the deadline. */
 static void test_what_is_left_of_a_deadline(void **state)
 {
     (void)state;
@@ -366,8 +372,8 @@ static void test_what_is_left_of_a_deadline(void **state)
 }
 
 /*
- * Views by photon maps take as long each round: 9 s go into 30 three times, 19 s once. What is left
- * then is not "used up".
+ * Rounds of views by photon maps have a constant time: 9 s fit three times into 30, 19 s once. The
+ * time left then does not count as "used up".
  */
 static void test_no_room(void **state)
 {
@@ -387,8 +393,8 @@ static void test_no_room(void **state)
 }
 
 /*
- * Views by photon maps whose photons take a third of their rendering or more: by rounds of fewer
- * and of more of them nine tenths of the time are used, wherever two rounds fit at all.
+ * Views by photon maps whose photons take at least a third of their rendering time. Rounds of
+ * fewer and of more photons use nine tenths of the time, if two rounds fit at all.
  */
 static void test_views_by_maps(void **state)
 {
@@ -427,9 +433,9 @@ static void test_views_by_maps(void **state)
 }
 
 /*
- * Views that are rendered as a whole, so long that no second round fits: the first one's photons
- * fill 85 % of the time as costs are thought to be, or as many are made as views are worth; what is
- * thought a tenth too low ends in time all the same.
+ * Views rendered as a whole, so slow that no second round fits. The first round's photons fill 85
+ * % of the time by the predicted costs, up to the number of photons that views can use. A
+ * prediction that is a tenth too low still ends in time.
  */
 static void test_only_round(void **state)
 {
@@ -459,9 +465,9 @@ static void test_only_round(void **state)
 }
 
 /*
- * Views by a final gather, whose rays go by samples as their photons do: nine tenths of any time
- * are used that holds two of the smallest rounds, whether a fifth more or less of a round goes by
- * samples than is thought; or what is left holds no other round, and that is less than a fifth.
+ * Views by final gathering, whose rays and photons both scale with samples. Nine tenths of the
+ * time are used if it holds two of the smallest rounds, for a prediction a fifth too high or too
+ * low. Otherwise the rest holds no other round and is less than a fifth.
  */
 static void test_views_by_rays(void **state)
 {

@@ -1,5 +1,4 @@
-/* The disk space that a year's job is estimated to take holds the files that grow with its seats.
- */
+/* The estimated disk space of an annual job is enough for the files that grow with its seats. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,8 +17,8 @@
 
 enum { SEATS = 2, HOURS = 8784 };
 
-/* Values with as many characters as there are. */
-static void fill(struct orl_seat_hours *hours)
+/* Fills in values with the maximum number of characters. */
+static void fill_hours(struct orl_seat_hours *hours)
 {
     for (int i = 0; i < HOURS; i++) {
         hours->dgp[i] = hours->low[i] = hours->high[i] = 0.9876F;
@@ -43,12 +42,12 @@ static void test_glare(void **state)
     struct orl_seat seats[SEATS];
     struct orl_seat_hours hours[SEATS];
     (void)state;
-    memset(name, '"', sizeof name - 1); /* doubled in a table */
+    memset(name, '"', sizeof name - 1); /* each quote is doubled in a table */
     for (int i = 0; i < SEATS; i++) {
         seats[i] = (struct orl_seat){.name = name};
         hours[i] = (struct orl_seat_hours){
             .dgp = values[i][0], .low = values[i][1], .high = values[i][2], .eye_lx = values[i][3]};
-        fill(&hours[i]);
+        fill_hours(&hours[i]);
     }
     for (uint32_t i = 0; i < HOURS; i++) {
         steps[i] = (struct orl_annual_step){.month = 12, .day = 31, .hour = 23.4567};

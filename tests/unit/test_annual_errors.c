@@ -1,6 +1,6 @@
 /*
- * Errors of a year's metrics: where a sensor changes sides, shares of areas against binomial
- * tables, how often intervals hold the truth.
+ * Errors of annual metrics: thresholds at which a sensor changes sides, shares of areas against
+ * binomial tables, coverage of intervals.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -31,7 +31,7 @@ static double draw_normal(struct orl_random *random)
 
 enum { COLUMNS = 60 };
 
-/* Sixty steps, all of which count, and twenty more that are dark. */
+/* Sixty steps that all count, and twenty more that are dark. */
 static struct orl_annual_period short_period(uint32_t columns[COLUMNS])
 {
     for (uint32_t i = 0; i < COLUMNS; i++)
@@ -39,7 +39,7 @@ static struct orl_annual_period short_period(uint32_t columns[COLUMNS])
     return (struct orl_annual_period){columns, COLUMNS, 1, COLUMNS + 20};
 }
 
-/* Of every kind that grows: at its crossing the bound is met, a hair before it is not. */
+/* Every increasing metric meets the bound at its crossing, and does not just below it. */
 static void test_crossings(void **state)
 {
     static const struct {
@@ -79,7 +79,7 @@ static void test_crossings(void **state)
     }
 }
 
-/* Met exactly, with an error: at least passes, more than does not. */
+/* At exactly the bound, with an error: "at least" passes, "more than" does not. */
 static void test_crossings_at_zero(void **state)
 {
     float value = 1000, error = 10;
@@ -98,7 +98,7 @@ static void test_crossings_at_zero(void **state)
     assert_true(isinf(orl_annual_crossing(&above, 2, &period, &light, scratch)));
 }
 
-/* Student's t of 15 degrees, from tables: 5, 2.5 and 0.5 % are above. */
+/* Student's t of 15 degrees of freedom, from tables: upper tails of 5, 2.5 and 0.5 %. */
 static void test_students_t(void **state)
 {
     (void)state;
@@ -110,9 +110,9 @@ static void test_students_t(void **state)
     assert_near(orl_student_above(INFINITY), 0, 1e-15);
 }
 
-/* Ten sensors at the bound. The ends are found as if each were 0.35 standard errors behind it, or
- * before: then one passes by a chance of 0.366, and P(< 1) = 0.010, P(< 2) = 0.071. Areas of 1 and
- * 2 that differ. */
+/* Ten sensors at the bound. The interval's ends assume each sensor 0.35 standard errors beyond the
+ * bound, or before it: each then passes with probability 0.366, and P(< 1) = 0.010, P(< 2) =
+ * 0.071. The areas differ: 1 and 2. */
 static void test_shares_of_coins(void **state)
 {
     double crossing[12] = {0}, areas[12];
@@ -121,7 +121,7 @@ static void test_shares_of_coins(void **state)
     assert_int_equal(orl_annual_share(crossing, NULL, 10, true, NULL, &area, NULL), 0);
     assert_near(area.value.value, 100, 1e-12);
     assert_near(area.value.low, 10, 1e-12);
-    assert_near(area.value.high, 100, 1e-12); /* the value itself is never left out */
+    assert_near(area.value.high, 100, 1e-12); /* the interval includes the value itself */
     assert_int_equal(area.open, 10);
     for (int i = 0; i < 10; i++)
         crossing[i] = 1e-300;
@@ -140,7 +140,7 @@ static void test_shares_of_coins(void **state)
     assert_true(isnan(area.value.low) && isnan(area.value.high));
 }
 
-/* Areas that differ, against sums of all 2^12 outcomes; the grid of 2^14 places rounds to 1e-4. */
+/* Unequal areas, against sums over all 2^12 outcomes; the grid of 2^14 places rounds to 1e-4. */
 static void test_shares_of_unequal_areas(void **state)
 {
     enum { N = 12 };
@@ -164,7 +164,7 @@ static void test_shares_of_unequal_areas(void **state)
         above += sum > high + 1e-3 * total ? chance : 0;
     }
     assert_true(below <= 0.025 && above <= 0.025);
-    /* And they are no wider than they must be: 1 % of the area further in, more is outside. */
+    /* The ends are tight: with 1 % more of the area outside, the probability exceeds the limit. */
     double inside = 0;
     for (unsigned outcome = 0; outcome < 1U << N; outcome++) {
         double sum = 0, chance = 1;
@@ -178,9 +178,10 @@ static void test_shares_of_unequal_areas(void **state)
 }
 
 /*
- * How often a sensor's interval holds the truth, its error being of one factor (so much of it) and
- * of each hour's own. Of one factor alone it is to be 95 %, or more since DA is a number of hours;
- * of less it is to be no less. Of 400 repeats, 3.5 standard deviations of a binomial: 3.8 %.
+ * Measures how often a sensor's interval contains the truth. `common` is the share of the error
+ * common to all hours; the rest is independent per hour. With common errors only, coverage is 95
+ * %, or more because DA is a number of hours; otherwise it is no less. Tolerance for 400 repeats,
+ * 3.5 standard deviations of a binomial: 3.8 %.
  */
 static void check_coverage(const struct orl_annual_metric *metric, double common, uint64_t seed)
 {
@@ -223,13 +224,13 @@ static void test_intervals_of_sensors(void **state)
             check_coverage(&metrics[i], common[k], 100 * i + k);
 }
 
-/* A room whose sensors get less light the deeper they lie: the shares' intervals. */
+/* A room whose sensors get less light the deeper they lie: intervals of the shares. */
 enum { SENSORS = 150 };
 struct room {
     float truth[SENSORS * COLUMNS], seen[SENSORS * COLUMNS], errors[SENSORS * COLUMNS];
 };
 
-static void look(struct room *room, double common, struct orl_random *random)
+static void simulate_measurement(struct room *room, double common, struct orl_random *random)
 {
     for (int s = 0; s < SENSORS; s++) {
         const double factor = draw_normal(random);
@@ -272,7 +273,7 @@ static void test_intervals_of_shares(void **state)
         for (uint64_t repeat = 0; repeat < REPEATS; repeat++) {
             struct orl_random random =
                 orl_random_stream(31 + (uint64_t)c, ORL_PURPOSE_BENCH, repeat);
-            look(room, common[c], &random);
+            simulate_measurement(room, common[c], &random);
             assert_int_equal(orl_annual_figure_of(&figure, periods, &measured, &got, NULL), 0);
             assert_true(got.open > 0 && got.open < SENSORS / 2);
             held += got.value.low <= wanted.value.value && wanted.value.value <= got.value.high;
@@ -283,7 +284,7 @@ static void test_intervals_of_shares(void **state)
     free(room);
 }
 
-/* A whole area is 100 %, whatever its parts add up to, and n of 100 equal parts are n %. */
+/* A whole area is exactly 100 %, in spite of rounding, and n of 100 equal parts are n %. */
 static void test_all_of_an_area(void **state)
 {
     double crossing[300], areas[300];

@@ -1,7 +1,7 @@
 /*
- * Light of window groups that are in many combinations of states (annual/shades/window_parts.h):
- * work of four rooms with a group each is that of a run for each state, not for each group, and
- * what the groups add up to is what each room has alone.
+ * Light of window groups in many combinations of states (annual/shades/window_parts.h). The work
+ * for four rooms with one group each is that of one run per state, not per group, and the sum over
+ * groups equals the light of each room alone.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@ static const char materials[] =
     "void glass clear 0 0 3 .9 .9 .9\nvoid glass tinted 0 0 3 .3 .3 .3\n"
     "e polygon ground 0 0 12 -90 -90 -.3 90 -90 -.3 90 90 -.3 -90 90 -.3\n";
 
-/* A box with a window in the south; boxes stand a metre apart. */
+/* Writes a box with a window in the south; boxes stand a metre apart. */
 static size_t write_room(char *text, size_t size, int n)
 {
     const double x = 5.0 * n, e = x + 4, a = x + 1, b = x + 3;
@@ -47,7 +47,7 @@ struct street {
     struct orl_sensor sensors[ROOMS];
 };
 
-/* In each row another combination of states. */
+/* Each row has another combination of states. */
 static void build_street(struct street *s)
 {
     static char clear[] = "clear", tinted[] = "tinted";
@@ -83,7 +83,7 @@ static struct year_run run_of(const struct street *s)
                              .seed = 4};
 }
 
-/* Each sensor has paths of all light in either state. */
+/* Each sensor has paths of all light in both states. */
 static void test_work(void **state)
 {
     static struct street s;
@@ -103,7 +103,7 @@ static void test_work(void **state)
     orl_annual_done(&all);
 }
 
-/* Beside one room's own group, combinations of states are few: no sum is needed. */
+/* A room with only its own group has few combinations of states, so no sum is needed. */
 static void test_light(void **state)
 {
     static struct street s;

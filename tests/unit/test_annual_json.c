@@ -1,4 +1,4 @@
-/* A year's document: what is read, what is refused and how. */
+/* Annual documents: decoded values, refusals and their messages. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -131,7 +131,7 @@ static void test_shades(void **state)
     orl_annual_job_done(&job);
 }
 
-/* As little as there can be; sensors of a file, read in between those of other grids. */
+/* The shortest document; sensors of a file, inserted between those of other grids. */
 static void test_a_short_document(void **state)
 {
     static const struct orl_file file = {"0 0 1 0 0 1\n1 0 1 0 0 1\n", 24, NULL};
@@ -166,7 +166,7 @@ static void test_a_short_document(void **state)
     orl_annual_job_done(&job);
 }
 
-/* The good year, with one passage in place of another. */
+/* Decodes the valid document with one passage replaced by another. */
 static int read_changed(const char *from, const char *to, struct orl_annual_job *ret_job,
                         struct orl_error *err)
 {
@@ -177,7 +177,7 @@ static int read_changed(const char *from, const char *to, struct orl_annual_job 
     return read_year(text, ret_job, err);
 }
 
-/* What is decoded well, and contradicts itself. */
+/* Documents that decode but contradict themselves. */
 static void test_shades_that_cannot_be(void **state)
 {
     static const struct {

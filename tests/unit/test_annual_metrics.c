@@ -1,4 +1,4 @@
-/* Metrics of a year from arrays made by hand: thresholds met exactly, nights, leap years, areas. */
+/* Annual metrics from hand-made arrays: thresholds met exactly, nights, leap years, areas. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@ static void assert_near(double value, double wanted, double tolerance)
 
 /* ---- Sensors --------------------------------------------------------------------------------- */
 
-/* A year whose days have so many lit hours from 6:00 on. */
+/* A year whose days have this number of lit hours from 6:00 on. */
 struct year {
     struct orl_annual_period periods[ORL_WHEN_COUNT];
     uint32_t *step_of;
@@ -78,7 +78,7 @@ static double value_of(const struct year *year, enum orl_metric_kind kind, doubl
     return value.value;
 }
 
-/* Every occupied hour at one value: what is met exactly counts, but for more than. */
+/* Every occupied hour has one value: a threshold met exactly counts, except for "more than". */
 static void test_thresholds_met_exactly(void **state)
 {
     struct year year;
@@ -108,7 +108,7 @@ static void test_thresholds_met_exactly(void **state)
     free_year(&year);
 }
 
-/* Hours without a column count, as dark ones; the parts of UDI make up the whole. */
+/* Hours without a column count as dark; the parts of UDI sum to the whole. */
 static void test_nights_count(void **state)
 {
     struct year year;
@@ -133,7 +133,7 @@ static void test_nights_count(void **state)
     free_year(&year);
 }
 
-/* The share of one sensor with so many hours at a value: 0 or 100 %. */
+/* Returns the share for one sensor with that number of hours at a value: 0 or 100 %. */
 static double share_with(const struct year *year, struct orl_annual_figure figure, size_t hours,
                          float lx)
 {
@@ -223,7 +223,7 @@ static void test_averages_and_the_worst(void **state)
     assert_near(value.low, 75, 1e-9);
 }
 
-/* Daylight factors of 1, 2, 2 and 5 %, with errors of a tenth of the second and last. */
+/* Daylight factors of 1, 2, 2 and 5 %; the second and last have errors of a tenth. */
 static void test_daylight_factors(void **state)
 {
     const float overcast[4] = {100, 200, 200, 500}, errors[4] = {0, 20, 0, 50};
@@ -248,7 +248,7 @@ static void test_daylight_factors(void **state)
     figure.over = ORL_OVER_LEAST;
     assert_int_equal(orl_annual_figure_of(&figure, periods, &rows, &area, NULL), 0);
     assert_near(area.value.value, 1, 1e-6);
-    figure = (struct orl_annual_figure){ORL_OVER_SHARE, df, 2}; /* met exactly by two of them */
+    figure = (struct orl_annual_figure){ORL_OVER_SHARE, df, 2}; /* two of them meet it exactly */
     assert_int_equal(orl_annual_figure_of(&figure, periods, &rows, &area, NULL), 0);
     assert_near(area.value.value, 75, 1e-9);
     assert_near(area.value.low, 50, 1e-9);

@@ -1,5 +1,5 @@
-/* The page of a grid, of a year made by hand: nothing covers anything, the verdicts of the whole
- * building are there, warnings are in view, and no large part of it is blank. */
+/* The page of a grid, for a hand-made year. Nothing overlaps; verdicts of the whole building and
+ * warnings are visible; no large part of the page is blank. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@
 #include "support/room.h"
 #include "support/scratch.h"
 
-enum { NORTH, SOUTH }; /* two sensors, without a map; four, with one */
+enum { NORTH, SOUTH }; /* NORTH: two sensors, no map; SOUTH: four sensors, a map */
 
 struct year {
     const char *title;
@@ -72,7 +72,7 @@ static void take_rules(struct orl_annual_wishes *wishes, const char *name)
         wishes->rules[wishes->n_rules++] = first[i];
 }
 
-/* Places of the sensors of a room across by down metres in size. rules ends with NULL. */
+/* Builds the sensors of a room `across` by `down` metres. `rules` ends with NULL. */
 static void make_year(struct year *y, double across, double down, const char *const *rules)
 {
     memset(y, 0, sizeof *y);
@@ -101,7 +101,7 @@ static void free_year(struct year *y)
 }
 
 /* Draws the page of a grid; returns its SVG, which the caller frees. */
-static char *draw(const struct year *y, size_t grid)
+static char *draw_page(const struct year *y, size_t grid)
 {
     const struct orl_annual_page page = {.title = y->title,
                                          .request = &y->request,
@@ -122,7 +122,7 @@ static char *draw(const struct year *y, size_t grid)
 
 enum { MOST_TEXTS = 512 };
 
-/* A level text: its left end, its base line, its size. */
+/* A horizontal text: its left end, base line and size. */
 struct text {
     double x, y, width, height;
     char words[160];
@@ -151,7 +151,8 @@ static size_t list_texts(const char *svg, struct text *ret_texts)
     return n;
 }
 
-/* With four units between lines, and two between words of one line. */
+/* Returns true if texts are closer than four units between lines, or two between words of one
+ * line. */
 static bool touch(const struct text *a, const struct text *b)
 {
     return a->x < b->x + b->width + 2 && b->x < a->x + a->width + 2 &&
@@ -173,7 +174,7 @@ static void assert_texts_are_apart(const char *svg)
     }
 }
 
-static size_t count(const char *text, const char *part)
+static size_t count_substrings(const char *text, const char *part)
 {
     size_t n = 0;
     for (const char *at = strstr(text, part); at; at = strstr(at + 1, part))
@@ -200,7 +201,7 @@ static char *warnings[] = {
 
 static const char *const long_list[] = {"LEED", "EN 17037", NULL};
 
-/* Rooms wide, square and tall, with a full list of targets and without any. */
+/* Wide, square and tall rooms, with a full list of targets and without any: no texts overlap. */
 static void test_nothing_covers_anything(void **state)
 {
     static const double sizes[][2] = {{16, 4}, {6, 4}, {4, 4}, {3, 9}};
@@ -210,7 +211,7 @@ static void test_nothing_covers_anything(void **state)
         for (int list = 0; list < 2; list++) {
             struct year y;
             make_year(&y, sizes[i][0], sizes[i][1], list ? long_list : none);
-            char *page = draw(&y, SOUTH);
+            char *page = draw_page(&y, SOUTH);
             assert_non_null(strstr(page, "facing up"));
             assert_texts_are_apart(page);
             free(page);
@@ -229,14 +230,15 @@ static void test_numbers_of_the_scale_are_apart(void **state)
         make_year(&y, 6, 4, none);
         for (size_t k = 0; k < HAND_YEAR_SENSORS * y.result.n_columns; k++)
             y.result.total[k] = 9999 * factors[i];
-        char *page = draw(&y, NORTH);
+        char *page = draw_page(&y, NORTH);
         assert_texts_are_apart(page);
         free(page);
         free_year(&y);
     }
 }
 
-/* Only verdicts of all grids together have these values: 900 %, 901 % and so on. */
+/* Gives the verdicts of all grids together unique values: 900 %, 901 % and so on. Returns their
+ * number. */
 static size_t mark_verdicts_of_all(struct year *y)
 {
     size_t n = 0;
@@ -256,12 +258,12 @@ static void test_verdicts_of_the_building(void **state)
     const size_t n = mark_verdicts_of_all(&y);
     assert_true(n > 8);
     for (size_t grid = 0; grid < 2; grid++) {
-        char *page = draw(&y, grid), wanted[32];
+        char *page = draw_page(&y, grid), wanted[32];
         for (size_t i = 0; i < n; i++) {
             snprintf(wanted, sizeof wanted, ">%zu.0 %%<", 900 + i);
             assert_non_null(strstr(page, wanted));
         }
-        assert_int_equal(count(page, "sDA300/50 &gt;= 75 %"), 2);
+        assert_int_equal(count_substrings(page, "sDA300/50 &gt;= 75 %"), 2);
         assert_null(strstr(page, "in result.json"));
         assert_non_null(strstr(page, ">Targets, all grids together<"));
         assert_texts_are_apart(page);
@@ -270,7 +272,8 @@ static void test_verdicts_of_the_building(void **state)
     free_year(&y);
 }
 
-/* A reason that verdicts share is written once, and below those alone that it is of. */
+/* A reason shared by several verdicts is written once, and below only the verdicts it belongs to.
+ */
 static void test_reasons_are_written_once(void **state)
 {
     static const char *const leed[] = {"LEED", NULL};
@@ -283,17 +286,17 @@ static void test_reasons_are_written_once(void **state)
             snprintf(y.report.verdicts[i].note, ORL_VERDICT_NOTE, "%s", notes[n++ % 4]);
         else
             snprintf(y.report.verdicts[i].note, ORL_VERDICT_NOTE, "number %zu", i);
-    char *page = draw(&y, NORTH);
-    assert_int_equal(count(page, ">these 3: one<"), 1);
-    assert_int_equal(count(page, ">one<"), 0);
-    assert_int_equal(count(page, ">number "), 4);
+    char *page = draw_page(&y, NORTH);
+    assert_int_equal(count_substrings(page, ">these 3: one<"), 1);
+    assert_int_equal(count_substrings(page, ">one<"), 0);
+    assert_int_equal(count_substrings(page, ">number "), 4);
     assert_non_null(strstr(page, ">LEED v4.1, 1 point: sDA300/50 &gt;= 40 %: "));
     assert_texts_are_apart(page);
     free(page);
     free_year(&y);
 }
 
-/* A list that is too long for the page: rules lose their targets, and none is left out. */
+/* A list that is too long for the page: targets of rules are omitted, but no rule is. */
 static void test_many_rules(void **state)
 {
     static const char *const longer[] = {"LEED", "EN 17037", "BREEAM", "WELL", NULL};
@@ -304,11 +307,11 @@ static void test_many_rules(void **state)
     y.result.warnings = warnings;
     y.result.n_warnings = sizeof warnings / sizeof *warnings;
     for (size_t grid = 0; grid < 2; grid++) {
-        char *page = draw(&y, grid), wanted[96];
+        char *page = draw_page(&y, grid), wanted[96];
         for (size_t i = 0; i < y.wishes.n_rules; i++) {
             snprintf(wanted, sizeof wanted, ">%s: ", y.wishes.rules[i].name);
-            if (count(page, wanted) != 2)
-                fail_msg("%zu times '%s'", count(page, wanted), wanted);
+            if (count_substrings(page, wanted) != 2)
+                fail_msg("%zu times '%s'", count_substrings(page, wanted), wanted);
         }
         assert_null(strstr(page, " more, in result.json"));
         assert_non_null(strstr(page, ">values of the targets are in result.json<"));
@@ -319,7 +322,7 @@ static void test_many_rules(void **state)
     free_year(&y);
 }
 
-/* So many that there is no room even so: the rest is counted, and nothing runs off the page. */
+/* If even the shortened list does not fit, the rest is counted, and nothing leaves the page. */
 static void test_far_too_many_targets(void **state)
 {
     enum { MANY = 300 };
@@ -336,9 +339,9 @@ static void test_far_too_many_targets(void **state)
     free(y.report.verdicts);
     y.report.verdicts = verdicts;
     y.report.n_verdicts = 2 * MANY;
-    char *page = draw(&y, SOUTH), wanted[64];
+    char *page = draw_page(&y, SOUTH), wanted[64];
     snprintf(wanted, sizeof wanted, ">and %zu more, in result.json<",
-             2 * MANY - count(page, "sDA &gt;= 50 %"));
+             2 * MANY - count_substrings(page, "sDA &gt;= 50 %"));
     assert_non_null(strstr(page, wanted));
     assert_non_null(strstr(page, "facing up"));
     assert_texts_are_apart(page);
@@ -354,7 +357,7 @@ static void test_no_part_is_blank(void **state)
     struct year y;
     (void)state;
     make_year(&y, 6, 4, leed);
-    char *page = draw(&y, NORTH);
+    char *page = draw_page(&y, NORTH);
     const size_t n = list_texts(page, texts);
     qsort(texts, n, sizeof *texts, by_height);
     for (size_t i = 1; i < n; i++)
@@ -373,12 +376,12 @@ static void test_warnings_are_in_view(void **state)
     struct year y;
     (void)state;
     make_year(&y, 6, 4, long_list);
-    char *page = draw(&y, SOUTH);
+    char *page = draw_page(&y, SOUTH);
     assert_null(strstr(page, ">Warnings<"));
     free(page);
     y.result.warnings = warnings;
     y.result.n_warnings = sizeof warnings / sizeof *warnings;
-    page = draw(&y, SOUTH);
+    page = draw_page(&y, SOUTH);
     assert_non_null(strstr(page, ">Warnings<"));
     assert_non_null(strstr(page, "1 of 4 sensors lies outdoors"));
     assert_non_null(strstr(page, "a texture is missing"));
@@ -387,17 +390,17 @@ static void test_warnings_are_in_view(void **state)
     assert_null(strstr(page, "more warnings"));
     assert_texts_are_apart(page);
     free(page);
-    page = draw(&y, NORTH);
+    page = draw_page(&y, NORTH);
     assert_null(strstr(page, "outdoors"));
     assert_true(strstr(page, "2 of 2 sensors: ") < strstr(page, "a texture is missing"));
-    assert_non_null(strstr(page, "away from the surface<")); /* to its end, on another line */
+    assert_non_null(strstr(page, "away from the surface<")); /* the end, wrapped */
     assert_texts_are_apart(page);
     free(page);
     y.result.warnings = NULL;
     free_year(&y);
 }
 
-/* Long words are cut to the page's width, and it says where to read them. */
+/* Long words are cut to the page's width, with a note that says where to read them. */
 static void test_long_words_are_cut(void **state)
 {
     enum { LONG = 900 };
@@ -410,7 +413,7 @@ static void test_long_words_are_cut(void **state)
     y.title = words;
     y.result.warnings = one;
     y.result.n_warnings = 1;
-    char *page = draw(&y, SOUTH);
+    char *page = draw_page(&y, SOUTH);
     assert_non_null(strstr(page, ">result.json has the full warnings<"));
     assert_texts_are_apart(page);
     free(page);
@@ -418,7 +421,7 @@ static void test_long_words_are_cut(void **state)
     free_year(&y);
 }
 
-/* Many warnings, and long ones, leave the room to the rest, and are counted. */
+/* Many long warnings leave room for the rest of the page, and the omitted ones are counted. */
 static void test_many_warnings(void **state)
 {
     enum { MANY = 300, LONG = 900 };
@@ -432,11 +435,11 @@ static void test_many_warnings(void **state)
     make_year(&y, 6, 4, long_list);
     y.result.warnings = many;
     y.result.n_warnings = MANY;
-    char *page = draw(&y, SOUTH);
+    char *page = draw_page(&y, SOUTH);
     const char *more = strstr(page, "more warnings, in result.json<");
     assert_non_null(more);
-    assert_int_equal(count(page, "more warnings"), 1);
-    assert_non_null(strstr(page, "facing up")); /* the maps */
+    assert_int_equal(count_substrings(page, "more warnings"), 1);
+    assert_non_null(strstr(page, "facing up")); /* the maps are still there */
     assert_texts_are_apart(page);
     free(page);
     y.result.warnings = NULL;

@@ -1,4 +1,4 @@
-/* What a year is made of: directions in bins, skies in them, nodes of the sun, squares. */
+/* Components of an annual run: direction bins, binned skies, sun nodes, surface squares. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +24,8 @@ static struct orl_vec3 any_direction(struct orl_random *random)
     return orl_v3(level * cos(2 * ORL_PI * turn), level * sin(2 * ORL_PI * turn), z);
 }
 
-/* The whole sphere, once; horizontal planes get pi of the upper half. Rows are whole bins. */
+/* The bins cover the sphere once; the upper half gives horizontal planes pi. Rows are whole bins.
+ */
 static void test_bins(void **state)
 {
     static struct orl_bins bins;
@@ -40,7 +41,7 @@ static void test_bins(void **state)
     }
     assert_true(fabs(solid - 4 * ORL_PI) < 1e-9);
     assert_true(fabs(level - ORL_PI) < 1e-9);
-    /* Directions fall into bins as their solid angles are: a fifth of them above 0.6. */
+    /* Directions fall into bins in proportion to solid angle: a fifth of them above 0.6. */
     size_t high = 0;
     for (int i = 0; i < 100000; i++) {
         const struct orl_vec3 d = any_direction(&random);
@@ -49,7 +50,7 @@ static void test_bins(void **state)
         assert_true(d.z >= row->low - 1e-12 && d.z <= row->high + 1e-12);
         high += d.z > 0.6;
     }
-    assert_true(fabs((double)high - 20000) < 5 * 126.5); /* binomial */
+    assert_true(fabs((double)high - 20000) < 5 * 126.5); /* binomial deviation */
 }
 
 static const char sunny[] = "place p\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\n"
@@ -72,9 +73,9 @@ static struct orl_hours hours_of(const struct orl_bins *bins, const char *text, 
 }
 
 /*
- * A sky in bins gives a level plane what was measured, to single precision; and each bin is as
- * bright as the pattern is there: the mean over three degrees of height, within 3 % of the middle,
- * away from the horizon, where the pattern changes faster.
+ * A binned sky gives a horizontal plane the measured illuminance, to single precision. Each bin is
+ * as bright as the pattern there: the mean over three degrees of altitude is within 3 % of the
+ * middle. This excludes the horizon, where the pattern changes faster.
  */
 static void test_skies(void **state)
 {
@@ -122,7 +123,8 @@ static void test_skies(void **state)
     orl_hours_done(&hours);
 }
 
-/* At a node its weight is one; elsewhere weights sum to one, and what is linear stays so. */
+/* Checks that at a node its weight is one, and elsewhere weights sum to one and reproduce linear
+ * functions. */
 static void check_nodes(double latitude_deg, const struct orl_vec3 *suns, size_t n,
                         double within_deg)
 {
@@ -157,7 +159,7 @@ static void check_nodes(double latitude_deg, const struct orl_vec3 *suns, size_t
     orl_sun_nodes_done(&nodes);
 }
 
-/* Suns of a year, where they are up. */
+/* Suns of a year, while they are above the horizon. */
 static void test_nodes(void **state)
 {
     static const double latitudes[] = {38, -35, 0, 68, -80};
@@ -176,14 +178,15 @@ static void test_nodes(void **state)
                 if (sun.z > 0.01)
                     suns[n++] = sun;
             }
-        /* Beyond the polar circles the middle of a cell may lie off: where days end to be. */
+        /* Beyond the polar circles the middle of a cell may lie further off, where the polar day
+         * ends. */
         check_nodes(latitudes[l], suns, n, fabs(latitudes[l]) > 58 ? 3 : 0.5);
         free(suns);
     }
     check_nodes(89, NULL, 0, 1); /* polar night */
 }
 
-/* The squares of a surface have its area in all, each once; a point's square holds the point. */
+/* The squares of a surface partition its area; each point lies in its own square. */
 static void test_squares(void **state)
 {
     static const char text[] = "void plastic w 0 0 5 .5 .5 .5 0 0\n"

@@ -1,6 +1,6 @@
 /*
- * What is told of a year made by hand: rows of weather files as steps, grids, verdicts; the files
- * of it, read back byte by byte, and by NumPy where that is installed.
+ * The report of a hand-made year: rows of weather files as steps, grids, verdicts; the report's
+ * files, read back byte by byte, and by NumPy if it is installed.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -52,8 +52,8 @@ static void test_years(void **state)
     orl_annual_year_done(&year);
     /* Hours that were not measured, and a file that ends early. */
     result.steps[8].missing = true;
-    result.steps[5].missing = true;          /* of a night: dark for sure */
-    result.steps[29].sun_altitude_deg = 3.5; /* and dark: hard to believe */
+    result.steps[5].missing = true;          /* at night: certainly dark */
+    result.steps[29].sun_altitude_deg = 3.5; /* dark with the sun up: implausible */
     result.steps[12].sun_altitude_deg = 40;
     result.n_steps -= 24;
     assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
@@ -72,8 +72,8 @@ static void test_years(void **state)
     hand_year_free(&result);
 }
 
-/* The times of rows as files print them: the beginnings of steps, as Honeybee's, their ends or
- * their middles, by 1/6 h. */
+/* Printed times of rows are the beginnings of steps, as in Honeybee, their ends or their middles,
+ * in 1/6 h. */
 static void test_times_of_steps(void **state)
 {
     static const double firsts[] = {0, 1, 0.5};
@@ -100,7 +100,7 @@ static void test_times_of_steps(void **state)
     }
 }
 
-/* Threads share the sensors: the report is the same to the last bit. */
+/* Threads share the sensors: the report is the same to the last bit for any number of threads. */
 static void test_threads(void **state)
 {
     struct orl_annual_grid grids[2];
@@ -132,8 +132,8 @@ static void test_threads(void **state)
     orl_crew_stop(crew);
 }
 
-/* A file without rows at night gives a whole year. Beyond the polar circle days without a sunrise
- * have no rows at all. */
+/* A file without rows at night gives a whole year. Beyond the polar circles, days without a
+ * sunrise have no rows at all. */
 static void test_nights_left_out(void **state)
 {
     static const double latitudes[] = {0, 70};
@@ -164,8 +164,7 @@ static void test_nights_left_out(void **state)
 
 /* ---- Reports --------------------------------------------------------------------------------- */
 
-/* Sensors 0 to 5 have 100 to 600 lx in all occupied hours: 300 lx is met by four, the third just.
- */
+/* Sensors 0 to 5 have 100 to 600 lx in all occupied hours: four meet 300 lx, the third exactly. */
 static struct orl_window_group blinds = {
     .control = {.kind = ORL_SHADES_BY_SUN, .above_lx = 1000, .share_percent = 2}};
 
@@ -185,8 +184,8 @@ static void test_reports(void **state)
     assert_int_equal(
         orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err), 0);
     assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 3650, 0);
-    assert_near(report.values[2].value, 100, 0); /* DA300 of the third */
-    assert_near(report.values[2].low, 0, 0);     /* which two per cent less would end */
+    assert_near(report.values[2].value, 100, 0); /* DA300 of the third sensor */
+    assert_near(report.values[2].low, 0, 0);     /* two per cent less light gives 0 */
     assert_near(report.areas[0].value.value, 0, 0);
     assert_near(report.areas[1].value.value, 100, 0);
     assert_near(report.areas[1].value.low, 75, 0);
@@ -196,7 +195,8 @@ static void test_reports(void **state)
     assert_int_equal(report.n_verdicts, 1 + 4 * 3);
     assert_int_equal(report.verdicts[0].grid, 1);
     assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
-    /* 66.7 % of both together, or 50 if the third is too dark: over 40, perhaps 55, not 75. */
+    /* 66.7 % of both together, or 50 if the third is too dark: over 40, perhaps over 55, not over
+     * 75. */
     assert_int_equal(report.verdicts[1].grid, ORL_ALL_GRIDS);
     assert_int_equal(report.verdicts[1].verdict, ORL_VERDICT_PASS);
     assert_int_equal(report.verdicts[4].verdict, ORL_VERDICT_UNDECIDED);
@@ -215,8 +215,9 @@ static void test_reports(void **state)
     hand_year_free(&result);
 }
 
-/* Sensors have daylight factors of 1 to 6 %; 300 lx are 2 % of the median that is given, and 100
- * lx two thirds of one. By the weather, half the year's steps: all that are lit, 10 000 lx. */
+/* Sensors have daylight factors of 1 to 6 %; 300 lx are 2 % of the given median, and 100 lx two
+ * thirds of one. By the weather, the hours of half the year's steps count: all lit ones, with 10
+ * 000 lx. */
 static void test_daylight_factor(void **state)
 {
     const struct orl_annual_request request = {.n_sensors = HAND_YEAR_SENSORS};
@@ -251,7 +252,7 @@ static void test_daylight_factor(void **state)
     assert_near(report.median_diffuse_lx, 10000.5, 1e-9);
     assert_near(report.verdicts[1].target.figure.least, 100 * 300 / 10000.5, 1e-9);
     orl_annual_report_done(&report);
-    /* Half a year has no median of the year; a factor by itself does not depend on the weather. */
+    /* Half a year has no annual median; a daylight factor alone does not depend on the weather. */
     for (size_t i = 181 * 24; i < result.n_steps; i++)
         result.steps[i].missing = true;
     assert_int_equal(
@@ -266,10 +267,10 @@ static void test_daylight_factor(void **state)
     hand_year_free(&result);
 }
 
-/* A year of 365 days that begins on a Sunday has 260 days from Monday to Friday, one that begins on
- * a Monday, as where nothing is known, 261. The weather file says, unless the occupancy does. If
- * the file begins on 1 July, its second half is of the next year: 31 December is a Saturday here,
- * and so is the day before Sunday, 1 January. */
+/* A year of 365 days that begins on a Sunday has 260 days from Monday to Friday. One that begins
+ * on a Monday, the default, has 261. The weather file determines the weekday, unless the occupancy
+ * does. If the file begins on 1 July, its second half is of the next year: 31 December is a
+ * Saturday here, the day before Sunday, 1 January. */
 static void test_weekdays(void **state)
 {
     static const struct {
@@ -304,7 +305,7 @@ static void test_weekdays(void **state)
     hand_year_free(&result);
 }
 
-/* 52 560 rows of 10 minutes are a year, and a row every 5 minutes is refused. */
+/* 52 560 rows of 10 minutes are a year; a row every 5 minutes is refused. */
 static void test_short_steps(void **state)
 {
     static const struct {
@@ -341,7 +342,7 @@ static void test_short_steps(void **state)
     }
 }
 
-/* Grids of 1 and 3 by area: half of the sensors of the second weigh most. */
+/* Grids of areas 1 and 3: half of the sensors of the second have most of the weight. */
 static void test_areas_and_files_of_occupancy(void **state)
 {
     struct orl_annual_grid grids[2];
@@ -436,7 +437,7 @@ static void assert_holds(const char *name, const char *part)
     free(text);
 }
 
-/* NumPy sees the same numbers; not installed, it says nothing. */
+/* Compares with the numbers that NumPy reads; does nothing if NumPy is not installed. */
 static void ask_numpy(void)
 {
     char command[1024];
@@ -450,7 +451,7 @@ static void ask_numpy(void)
     assert_int_equal(system(command), 0);
 }
 
-/* The array of errors has the header and the size of that of values. */
+/* Checks that the array of errors has the header and the size of the array of values. */
 static void assert_errors_lie_beside(const struct orl_annual_result *result)
 {
     static const char *const names[] = {"hb/__static_apertures__/default/total/south.npy",
@@ -499,7 +500,7 @@ static void test_honeybees_folder(void **state)
     assert_errors_lie_beside(&result);
     ask_numpy();
     float *const se = result.se;
-    result.se = NULL; /* as of matrices */
+    result.se = NULL; /* results of matrices have no errors */
     assert_int_equal(
         orl_honeybee_write(scratch_path("bare"), &report, &result, NULL, NULL, NULL, NULL), 0);
     assert_int_equal(access(scratch_path("bare/__static_apertures__/default/total"), F_OK), 0);
@@ -538,12 +539,12 @@ static void test_tables(void **state)
                           "\"\"old\"\"\",\"standard error of south\"\n1,1,0.5,0,");
     /* hypot(2, 4) / 2, and the root of 6^2 + 8^2 + 10^2 + 12^2, by 4. */
     assert_holds("h.csv", "\n1,1,8.5,1,0.0000,0,0,10008,150,450,2.23607,4.63681\n");
-    assert_holds("h.csv", "\n1,1,12.5,0,0.0000,,,,,,,\n"); /* not measured: nobody's */
+    assert_holds("h.csv", "\n1,1,12.5,0,0.0000,,,,,,,\n"); /* not measured: no values */
     text = read_file("h.csv", &size);
     assert_int_equal(count_lines(text), 8761);
     free(text);
     float *const se = result.se;
-    result.se = NULL; /* as of matrices */
+    result.se = NULL; /* results of matrices have no errors */
     assert_int_equal(
         orl_annual_hours_csv(scratch_path("h.csv"), &request, &report, &result, NULL, NULL), 0);
     assert_holds("h.csv", ",\"south\"\n1,1,0.5,0,");
@@ -566,8 +567,8 @@ static void put_hour(struct orl_annual_result *result, size_t sensor, size_t day
     result->se[at] = se;
 }
 
-/* The only warning there is then, of errors; to be freed, as those of the result are. NULL: none.
- */
+/* Returns the only warning about errors, or NULL if there is none. The caller frees it; the
+ * result's warnings are freed here. */
 static char *warn_of_hours(const struct orl_annual_request *request,
                            struct orl_annual_result *result)
 {
@@ -607,7 +608,7 @@ static void assert_warns_not(const struct orl_annual_request *request,
         fail_msg("%s", said);
 }
 
-/* Hours count whose error is above 25 % of the light, and that may have 100 lx. */
+/* Hours count if their error is above 25 % of the light and they may have 100 lx. */
 static void test_hours_that_count(void **state)
 {
     struct orl_annual_grid grids[2];
@@ -640,7 +641,7 @@ static void test_hours_that_count(void **state)
     hand_year_free(&result);
 }
 
-/* More samples alone do not help where the sun is interpolated. */
+/* More samples alone do not help where the sun is interpolated, and the warning says so. */
 static void test_remedies(void **state)
 {
     struct orl_annual_grid grids[2];

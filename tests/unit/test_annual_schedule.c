@@ -1,4 +1,4 @@
-/* Which state window groups are in: rules of the clock, and controls by arrays made by hand. */
+/* States of window groups: time rules, and controls by hand-made arrays. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 
 static char name[] = "g", room[] = "room", desks[] = "Desks";
 
-/* Counts all sensors (rows of lx), and decides. */
+/* Decides the states with all sensors (rows of lx) counted. */
 static void decide(const struct orl_annual_request *request,
                    const struct orl_shade_control *control, const float *lx, size_t columns,
                    bool *ret_closed)
@@ -27,7 +27,8 @@ static void decide(const struct orl_annual_request *request,
     orl_shade_count_done(&count);
 }
 
-/* Of LM-83: more than 2 % of the points have 1000 lx or more; both bounds met exactly. */
+/* LM-83's trigger: more than 2 % of the points have 1000 lx or more; both bounds are met exactly.
+ */
 static void test_lm83(void **state)
 {
     enum { POINTS = 50, COLUMNS = 5 };
@@ -37,7 +38,7 @@ static void test_lm83(void **state)
     float direct[POINTS * COLUMNS] = {0};
     bool closed[COLUMNS];
     (void)state;
-    direct[0] = 5000; /* one of 50 is 2 %, and no more */
+    direct[0] = 5000; /* one of 50 is 2 %, and not more */
     direct[1] = direct[7 * COLUMNS + 1] = 1000;
     direct[2] = 1000;
     direct[9 * COLUMNS + 2] = nextafterf(1000, 0);
@@ -51,7 +52,7 @@ static void test_lm83(void **state)
     assert_false(closed[4]);
 }
 
-/* Any of several grids closes the blinds, or the one that is named; its name in either case. */
+/* Any of several grids closes the blinds, or only the named one; names ignore case. */
 static void test_grids(void **state)
 {
     struct orl_annual_grid grids[] = {{room, 0, 99}, {desks, 99, 1}};
@@ -62,7 +63,7 @@ static void test_grids(void **state)
     float direct[200] = {0};
     bool closed[2];
     (void)state;
-    direct[198] = 2000;                       /* the desk */
+    direct[198] = 2000;                       /* a sensor of the desk */
     direct[1] = direct[3] = direct[5] = 2000; /* 3 of 99 in the room */
     decide(&request, &control, direct, 2, closed);
     assert_true(closed[0] && closed[1]);
@@ -74,7 +75,7 @@ static void test_grids(void **state)
     assert_true(!closed[0] && closed[1]);
 }
 
-/* By illuminance one sensor is enough, and the bound counts. */
+/* With an illuminance control one sensor is enough, and a value equal to the bound counts. */
 static void test_illuminance(void **state)
 {
     struct orl_annual_grid grids[] = {{room, 0, 1}, {desks, 1, 2}};
@@ -88,7 +89,8 @@ static void test_illuminance(void **state)
     assert_true(!closed[0] && closed[1]);
 }
 
-/* The first rule that an hour lies in; over New Year and midnight; ends that count and do not. */
+/* The first rule that contains the hour applies; rules may span New Year and midnight; one end of
+ * a span is included, the other is not. */
 static void test_spans(void **state)
 {
     struct orl_shade_span spans[] = {{11, 2, 0, 24, 1}, {1, 12, 22, 6, 2}, {6, 6, 10, 14, 3}};
@@ -114,7 +116,7 @@ static void test_spans(void **state)
     memset(found, 9, sizeof found);
     assert_int_equal(orl_shades_schedule(&request, &result, found, NULL), 0);
     assert_memory_equal(found, wanted, sizeof wanted);
-    /* States are by the file's rows, whose last four are the first steps of the year. */
+    /* States follow the file's rows, whose last four are the first steps of the year. */
     struct orl_annual_result moved = result;
     moved.n_moved = 4;
     assert_int_equal(orl_shades_schedule(&request, &moved, found, NULL), 0);

@@ -1,4 +1,4 @@
-/* Which steps of a year count: leap years, occupancy by the clock and by files, daylight hours. */
+/* Steps of a year that count: leap years, occupancy by the clock and by files, daylight hours. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -82,7 +82,7 @@ static void test_occupancy_by_the_clock(void **state)
     free(marks);
 }
 
-/* A schedule as DAYSIM writes it, weekdays 8 to 17, of hours or of half hours; or one column. */
+/* Writes a schedule in DAYSIM's form, weekdays 8 to 17, by hours or half hours; or one column. */
 static char *write_schedule(const struct orl_annual_steps *steps, bool times, size_t lines)
 {
     char *text = malloc(32 * (lines + 3)), *at = text;
@@ -129,14 +129,14 @@ static void test_occupancy_files(void **state)
     }
     assert_int_equal(read_schedule(&halves, true, 17520, &halves, marks, &err), 0);
     assert_int_equal(count_marks(marks, 17520), 365 * 18);
-    /* A leap year's file for another year: the first day that is wrong is told. */
+    /* A leap year's file used for another year: the error names the first wrong day. */
     assert_int_equal(read_schedule(&leap, true, 8784, &hourly, marks, &err), ORL_ERR_RANGE);
     assert_int_equal(err.line, 4 + 59 * 24);
     assert_int_equal(orl_occupancy_read("x", "1\n2\nthree\n", 10, &hourly, marks, &err),
                      ORL_ERR_SYNTAX);
     assert_int_equal(err.line, 3);
     assert_int_equal(orl_occupancy_read("x", "1,2\n", 4, &hourly, marks, &err), ORL_ERR_SYNTAX);
-    /* A first row that is not finite is no heading. */
+    /* A first row that is not finite is not taken for a heading. */
     assert_int_equal(orl_occupancy_read("x", "nan\n1\n", 6, &hourly, marks, &err), ORL_ERR_RANGE);
     assert_int_equal(err.line, 1);
     assert_int_equal(orl_occupancy_read("x", "-inf\n1\n", 7, &hourly, marks, &err), ORL_ERR_RANGE);
@@ -149,7 +149,7 @@ static void test_occupancy_files(void **state)
     free(marks);
 }
 
-/* UTF-8's mark before the first number is not a line of words. */
+/* A UTF-8 byte order mark before the first number is not taken for a heading. */
 static void test_marked_occupancy_file(void **state)
 {
     char *text = malloc(3 + 2 * 8760 + 1);
@@ -171,7 +171,8 @@ static void test_marked_occupancy_file(void **state)
     free(marks);
 }
 
-/* Half of the year exactly, the earlier of equals: also where most of it is dark. */
+/* Daylight hours are exactly half of the year, the earlier of equal steps first; also where most
+ * of it is dark. */
 static void test_daylight_hours(void **state)
 {
     double *light = calloc(8784, sizeof *light);

@@ -1,7 +1,7 @@
 /*
- * The searches behind sunlight of a year (annual/sun/direction_tree.h, annual/panes/pane_tree.h):
- * they find what a loop over everything finds, draw without bias, and their work, counted in nodes
- * of the trees, grows with the logarithm of the number of suns, windows and mirrors.
+ * Searches for annual sunlight (annual/sun/direction_tree.h, annual/panes/pane_tree.h). They find
+ * the same as a loop over everything and sample without bias. Their work, counted in tree nodes,
+ * grows with the logarithm of the number of suns, windows and mirrors.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,7 +26,7 @@ static struct orl_vec3 any_direction(struct orl_random *random)
 
 /* ---- Suns ------------------------------------------------------------------------------------ */
 
-static void mark(void *ctx, uint32_t index)
+static void mark_sun(void *ctx, uint32_t index)
 {
     ((unsigned char *)ctx)[index]++;
 }
@@ -56,7 +56,7 @@ static void test_cones_hold_what_a_loop_finds(void **state)
         const double half = ORL_PI * pow(orl_random_uniform(&random), 2);
         const struct orl_cone cone = {any_direction(&random), cos(half)};
         unsigned char found[500] = {0};
-        orl_direction_tree_find(&tree, &cone, mark, found);
+        orl_direction_tree_find(&tree, &cone, mark_sun, found);
         for (size_t k = 0; k < 500; k++) {
             const double angle = acos(fmin(fmax(orl_dot(suns[k], cone.axis), -1), 1));
             if (fabs(angle - half) > 1e-6)
@@ -65,12 +65,12 @@ static void test_cones_hold_what_a_loop_finds(void **state)
     }
     orl_direction_tree_done(&tree);
     assert_int_equal(orl_direction_tree_init(&tree, direction_at, suns, NULL, 0), 0);
-    assert_int_equal(orl_direction_tree_find(&tree, &(struct orl_cone){{0, 0, 1}, -1}, mark, NULL),
-                     0);
+    assert_int_equal(
+        orl_direction_tree_find(&tree, &(struct orl_cone){{0, 0, 1}, -1}, mark_sun, NULL), 0);
     orl_direction_tree_done(&tree);
 }
 
-/* A cone that holds about eight suns, whatever their number. */
+/* Returns the work of a cone that holds about eight suns, for any number of suns. */
 static double work_of_cones(size_t n)
 {
     static struct orl_vec3 suns[MOST_SUNS];
@@ -80,7 +80,7 @@ static double work_of_cones(size_t n)
     size_t tested = 0;
     for (int i = 0; i < 200; i++) {
         const struct orl_cone cone = {any_direction(&random), 1 - 16.0 / (double)n};
-        tested += orl_direction_tree_find(&tree, &cone, mark, found);
+        tested += orl_direction_tree_find(&tree, &cone, mark_sun, found);
     }
     orl_direction_tree_done(&tree);
     return (double)tested / 200;
@@ -97,7 +97,8 @@ static void test_cones_cost_a_logarithm(void **state)
 
 /* ---- Panes ----------------------------------------------------------------------------------- */
 
-/* Panes all over a field of 40 m by 40 m, at any turn: together as large at any number. */
+/* Distributes panes over a field of 40 m by 40 m, at random orientations. Their total area is
+ * independent of their number. */
 static void make_panes(struct orl_window *panes, size_t n)
 {
     struct orl_random random = orl_random_stream(4, ORL_PURPOSE_ANNUAL, n);
@@ -169,7 +170,7 @@ static void count_pane(void *ctx, uint32_t item, double probability)
     drawn->count++;
 }
 
-/* The mean weight of each pane is 1; of those behind the place, it may be 0. */
+/* The mean weight of each pane is 1; for panes behind the place, it may be 0. */
 static void test_lots_have_no_bias(void **state)
 {
     enum { N = 60, TRIALS = 40000 };
@@ -204,7 +205,8 @@ static void test_lots_have_no_bias(void **state)
     orl_pane_tree_done(&tree);
 }
 
-/* Mean numbers at places all over the field and about it. */
+/* Returns mean numbers of visited nodes and sampled panes, at places all over the field and around
+ * it. */
 static void work_of_lots(size_t n, double *ret_looked, double *ret_drawn)
 {
     static struct orl_window panes[MOST_PANES];
@@ -236,9 +238,8 @@ static void test_lots_cost_a_logarithm(void **state)
         print_message("# of %4zu panes %5.1f are drawn, by %6.1f nodes\n", numbers[i], drawn[i],
                       looked[i]);
     }
-    /* Four times as many panes are two more levels for each that is drawn or that the roulette
-     * ends, and few more of those.
-     */
+    /* Four times as many panes add two tree levels per sampled or rejected pane, and hardly more
+     * such panes. */
     for (int i = 3; i < 6; i++) {
         assert_true(looked[i] - looked[i - 1] < 4 * drawn[i]);
         assert_true(drawn[i] < 1.8 * drawn[i - 1]);

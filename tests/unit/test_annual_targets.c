@@ -123,7 +123,7 @@ static enum orl_verdict judge(const char *text, double low, double high)
 
 static void test_verdicts(void **state)
 {
-    const double third = 100 * (11.0 / 20); /* 55 but for rounding */
+    const double third = 100 * (11.0 / 20); /* 55 up to rounding */
     (void)state;
     assert_int_equal(judge("sDA >= 55 %", 55, 60), ORL_VERDICT_PASS);
     assert_int_equal(judge("sDA >= 55 %", third, third), ORL_VERDICT_PASS);
@@ -147,7 +147,7 @@ static void test_verdicts(void **state)
     assert_int_equal(orl_verdict_both(ORL_VERDICT_UNKNOWN, ORL_VERDICT_FAIL), ORL_VERDICT_FAIL);
 }
 
-/* All targets of all rules can be read, and names find those they begin. */
+/* All targets of all rules parse, and a name finds the rules that begin with it. */
 static void test_rules(void **state)
 {
     static const struct {

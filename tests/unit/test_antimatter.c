@@ -1,6 +1,6 @@
 /*
- * Antimatter: rays against closed forms of holes, linings and what stays; light through a hole
- * against the same hole cut by hand; what is refused.
+ * Antimatter: ray hits against closed forms for holes, linings and remaining parts; light through
+ * a hole against the same hole cut by hand; refusals.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,8 +14,8 @@
 #include "scene/geometry/linings.h"
 #include "support/scene_text.h"
 
-/* A wall from x = 0 to .2, 4 wide and 3 high; a round hole of radius 1 through it, about (2, 1.5).
- */
+/* A wall from x = 0 to .2, 4 wide and 3 high, with a round hole of radius 1 through it, about (2,
+ * 1.5). */
 #define WALL                                                                                       \
     "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid plastic o 0 0 5 .2 .2 .2 0 0\n"                       \
     "!genbox w wall .2 4 3\n"
@@ -31,11 +31,11 @@ static double uniform(struct orl_random *random, double low, double high)
     return low + (high - low) * orl_random_uniform(random);
 }
 
-/* Where a ray from x = -1 that goes on by (1, v, w) is stopped: at the wall's outer face, or by the
- * hole's lining; false: it goes through. */
+/* Computes where a ray from x = -1 with direction (1, v, w) is stopped: at the wall's outer face,
+ * or by the hole's lining. Returns false if it goes through. */
 static bool expected_hit(double y, double z, double v, double w, double *ret_x)
 {
-    /* |p + t d| = 1 of the hole's cross-section, t counted from the face. */
+    /* Solves |p + t d| = 1 in the hole's cross-section, t counted from the face. */
     const double py = y + v - 2, pz = z + w - 1.5;
     const double a = v * v + w * w, b = py * v + pz * w, c = py * py + pz * pz - 1;
     *ret_x = c > 0 ? 0 : (-b + sqrt(b * b - a * c)) / a;
@@ -57,7 +57,7 @@ static void test_lined(void **state)
         struct orl_hit hit, again;
         double x;
         bool found;
-        /* What misses the wall, or its edges by a hair, says nothing. */
+        /* Rays that miss the wall, or pass close to an edge, are not checked. */
         const bool expected = expected_hit(y, z, v, w, &x);
         if (y + v < 0 || y + v > 4 || z + w < 0 || z + w > 3 || fabs(x - .2) < 1e-4 ||
             fabs(hypot(y + v - 2, z + w - 1.5) - 1) < 1e-4)
@@ -79,13 +79,14 @@ static void test_lined(void **state)
     orl_geometry_free(g);
 }
 
-/* Nothing of the volume is seen where it has no lining: rays go on to what stays, if anything. */
+/* A volume without a lining is invisible: rays go on to the remaining surfaces, if any. */
 static void test_unlined(void **state)
 {
     struct orl_geometry *g = scene_geometry(WALL ROUND("void"));
     struct orl_hit hit;
     (void)state;
-    /* Straight through; and slanting, into the wall by the hole's side, out by the back face. */
+    /* A straight ray passes; a slanted one enters the wall through the hole's side and leaves by
+     * the back face. */
     assert_false(orl_geometry_occluded(g, orl_sub(orl_v3(-1, 2, 1.5), g->center), orl_v3(1, 0, 0),
                                        INFINITY));
     const struct orl_vec3 slanting = orl_normalize(orl_v3(.2, .3, 0));
@@ -95,7 +96,7 @@ static void test_unlined(void **state)
     orl_geometry_free(g);
 }
 
-/* Other materials stay; a volume that ends where the wall does cuts both of its faces. */
+/* Other materials remain; a volume that ends flush with the wall cuts both of its faces. */
 static void test_what_stays(void **state)
 {
     struct orl_geometry *g =
@@ -111,7 +112,7 @@ static void test_what_stays(void **state)
     orl_geometry_free(g);
 }
 
-/* Two volumes that overlap are one hole: the one's lining is not there within the other. */
+/* Two overlapping volumes are one hole: the lining of one is absent inside the other. */
 static void test_overlapping(void **state)
 {
     struct orl_geometry *g = scene_geometry(
@@ -125,7 +126,8 @@ static void test_overlapping(void **state)
     orl_geometry_free(g);
 }
 
-/* Holes for the windows of a whole town, all of one antimatter: small in the box about them all. */
+/* Holes for the windows of a whole town with one antimatter: each is small in the common bounding
+ * box. */
 static void test_far_apart(void **state)
 {
     struct orl_geometry *g = scene_geometry(
@@ -160,9 +162,9 @@ static void test_far_apart(void **state)
          "w polygon l4 0 0 12 0 3 1 .2 3 1 .2 3 2 0 3 2\n"
 
 /*
- * An even sky by way of a hole into a dark box: the same by antimatter as by polygons cut by hand,
- * lining and all. Backward each sensor has a standard error of about 0.5 % (4 096 samples of a sky
- * of which a tenth is seen); by maps of 20 000 photons about 1 %.
+ * An even sky through a hole into a dark box: antimatter gives the same as polygons cut by hand,
+ * lining included. Backward, each sensor has a standard error of about 0.5 % (4 096 samples of a
+ * sky of which a tenth is seen); by maps of 20 000 photons about 1 %.
  */
 static void test_light(void **state)
 {
@@ -188,7 +190,7 @@ static void test_light(void **state)
     }
 }
 
-/* A pane that fills a window of the wall's outline is none of the hole's business. */
+/* The hole does not affect a pane that fills a window of the wall's outline. */
 static void test_pane_beside(void **state)
 {
     struct orl_geometry *g = scene_geometry(
@@ -205,16 +207,16 @@ static void test_pane_beside(void **state)
 }
 
 /*
- * A room with a shell about it, and a hole through both that ends a tenth of a metre inside of the
- * room and outside of the shell; whose surfaces look into the room or, as where OpenStudio writes
- * them, out of it.
+ * A room with a shell around it, and a hole through both that ends a tenth of a metre inside the
+ * room and outside the shell. Its surfaces face into the room or, as OpenStudio writes them, out
+ * of it.
  */
 #define INTO " -i"
 #define OUT_OF ""
 #define PANE "void glass p 0 0 3 .9 .9 .9\np polygon q 0 0 12 -.1 1 1 -.1 1 2 -.1 3 2 -.1 3 1\n"
-/* A pane with a thickness: its edges look on the lining, on whose place they lie. */
+/* A thick pane: its edges face the lining and coincide with it. */
 #define BLOCK "void glass p 0 0 3 .9 .9 .9\n!genbox p pane .02 2 1 | xform -t -.1 1 1\n"
-/* A pane of another hole, which goes down into the floor. */
+/* A pane of another hole, which extends down into the floor. */
 #define DOOR                                                                                       \
     "!genbox a door .4 .8 2.5 | xform -t -.3 .1 -.3\nvoid glass p 0 0 3 .9 .9 .9\n"                \
     "!genbox p pane .02 .78 2.38 | xform -t -.1 .11 -.19\n"
@@ -227,7 +229,7 @@ static void test_pane_beside(void **state)
 static const struct orl_sensor in_room[] = {
     {{1, 2, .8}, {0, 0, 1}}, {{3, 1, .8}, {0, 0, 1}}, {{1, 2, 1.5}, {-1, 0, 0}}};
 
-/* Runs it; returns how many of its warnings have those words. */
+/* Runs the scene; returns the number of warnings with those words. */
 static int shell_lx(const char *scene, enum orl_technique technique, const char *words,
                     double ret_lx[3])
 {
@@ -245,8 +247,8 @@ static int shell_lx(const char *scene, enum orl_technique technique, const char 
     return n;
 }
 
-/* By rays: from the middle of the hole sideways, where it has a lining; and straight into the
- * room, where it never has one. */
+/* Rays from the middle of the hole: sideways, where it has a lining; and straight into the room,
+ * where it never has one. */
 static void test_looking_out(void **state)
 {
     static const struct {
@@ -279,9 +281,9 @@ static void test_looking_out(void **state)
 }
 
 /*
- * By light. All black, it is that of the sky through the pane alone, whichever way the surfaces
- * look: each of 4 096 samples has a standard error of 0.7 %, and most are the same. Else a lining
- * that is left away is "void", to the digit.
+ * With black surfaces, the light is the sky's through the pane alone, for either orientation. Each
+ * value of 4 096 samples has a standard error of 0.7 %, and most are equal. Otherwise, a missing
+ * lining equals "void" to the digit.
  */
 static void test_light_looking_out(void **state)
 {
@@ -304,7 +306,8 @@ static void test_light_looking_out(void **state)
     }
 }
 
-/* Without a window, places say it: the warning names the antimatter, and where it stands. */
+/* If sensors are inside matter and there is no window, the warning names the antimatter and its
+ * place. */
 static void test_places_in_matter(void **state)
 {
     static const char words[] = "'a' ('hole.";

@@ -1,4 +1,5 @@
-/* Trees of a BSDF file that are put off and read side by side: the same BSDF, the same errors. */
+/* Trees of a BSDF file whose data blocks are deferred and parsed in parallel: the same BSDF and
+ * the same errors as in sequence. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,12 +12,12 @@
 #include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
 
-enum { FAR = 100000 }; /* lines before a block's data: beyond what is read at once */
+enum { FAR = 100000 }; /* lines before a block's data: beyond the first slice */
 
 static const char *const parts[] = {"Transmission Front", "Transmission Back", "Reflection Front",
                                     "Reflection Back"};
 
-/* A file of four blocks, one data text each, then the rest. */
+/* Returns a file of four blocks, one data text each, then the rest. */
 static struct text make_blocks(const char *const data[4], const char *rest)
 {
     struct text t;
@@ -31,7 +32,7 @@ static struct text make_blocks(const char *const data[4], const char *rest)
                 "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>\n<ScatteringData>\n",
                 parts[i]);
         for (int k = 0; k < FAR; k++)
-            fputs("             \n", t.stream); /* expat tells of line ends apart from text */
+            fputs("             \n", t.stream); /* expat reports line ends apart from text */
         fprintf(t.stream, "%s</ScatteringData></WavelengthDataBlock></WavelengthData>\n", data[i]);
     }
     fputs(rest, t.stream);
@@ -52,7 +53,7 @@ static int load(const struct text *t, uint32_t threads, const atomic_bool *cance
 
 #define WHOLE "</Layer>\n</Optical>\n</WindowElement>\n"
 
-/* Some amid expat's view, some not; the fourth goes on behind a comment and a reference. */
+/* Expat sees some blocks, not others; the fourth continues behind a comment and a reference. */
 static void each_block_comes_to_its_part(void **state)
 {
     static const char *const data[] = {"{.125}", "{.125}", "{0.0625}", "{.03<!-- -->12&#53;}"};
@@ -70,13 +71,13 @@ static void each_block_comes_to_its_part(void **state)
     free(t.data);
 }
 
-/* The first error of the file is the one that is told, whoever comes upon another before it. */
+/* The first error in the file is reported, whichever thread finds another one first. */
 static void the_first_error_is_told(void **state)
 {
     enum { LINES_BEFORE = 6, HEAD = 5, TAIL = 1 };
     static const struct {
         const char *data[4], *rest, *message;
-        int block; /* 0 to 3, or 4: behind them */
+        int block; /* 0 to 3; 4: behind them */
     } bad[] = {
         {{"{.1}", "{.1x}", "{.2 .3}", "{.1}"}, "</Wrong>", "'.1x' is not a number", 1},
         {{"{.1}", "{.1}", "{.2 .3}", "{.1}"}, "</Wrong>", "a grid of 2 values", 2},
@@ -112,7 +113,7 @@ static void a_cancelled_one_says_so(void **state)
     free(t.data);
 }
 
-/* The flag is set when the reader tells of a slice for that time. */
+/* Sets the flag when the reader reports slice number `at`. */
 struct trap {
     atomic_bool cancel;
     atomic_int calls;
@@ -127,8 +128,8 @@ static void step(void *ctx, size_t begin, size_t end)
         atomic_store(&trap->cancel, true);
 }
 
-/* Between any two slices, the last of a block and the first of the next among them: no line is
- * blamed for it. */
+/* Cancels between any two slices, also between the last of a block and the first of the next: the
+ * error names no line. */
 static void cancels_anywhere_blame_no_line(void **state)
 {
     static const char *const data[] = {"{.1}", "{.1}", "{.1}", "{.1}"};

@@ -19,7 +19,7 @@
 #include "support/cli.h"
 #include "support/panels.h"
 
-static struct orl_bsdf *make(const char *text, enum orl_bsdf_basis basis)
+static struct orl_bsdf *load_bsdf(const char *text, enum orl_bsdf_basis basis)
 {
     static const double cell[4] = {0, 1, 0, 1};
     const struct panel panel = {
@@ -35,11 +35,11 @@ static const char slab[] = "void dielectric d 0 0 5 1 1 1 1.5 0\n"
 static const char sheet[] = "void trans s 0 0 7 .5 .5 .5 0 0 .6 0\n"
                             "s polygon p 0 0 12 0 0 0 2 0 0 2 1 0 0 1 0\n";
 
-/* All is straight on or mirrored: to within a cell, of which 32 by 32 are at most 4.5 degrees
- * across at 48 degrees, and so its middle 2.3 from any place in it. */
+/* All light goes straight or is mirrored, to within a cell. The 32 by 32 cells are at most 4.5
+ * degrees across at 48 degrees, so a cell's middle is at most 2.3 degrees from any place in it. */
 static void a_slab_has_two_peaks(void **state)
 {
-    struct orl_bsdf *bsdf = make(slab, ORL_BSDF_TENSOR_TREE_4);
+    struct orl_bsdf *bsdf = load_bsdf(slab, ORL_BSDF_TENSOR_TREE_4);
     struct orl_bsdf_polar *polar = malloc(sizeof *polar);
     struct orl_bsdf_lobe peaks[ORL_BSDF_PEAKS];
     double r, t;
@@ -62,7 +62,7 @@ static void a_slab_has_two_peaks(void **state)
 
 static void an_even_sheet_has_none(void **state)
 {
-    struct orl_bsdf *bsdf = make(sheet, ORL_BSDF_TENSOR_TREE_4);
+    struct orl_bsdf *bsdf = load_bsdf(sheet, ORL_BSDF_TENSOR_TREE_4);
     struct orl_bsdf_polar *polar = malloc(sizeof *polar);
     struct orl_bsdf_lobe peaks[ORL_BSDF_PEAKS];
     (void)state;
@@ -73,10 +73,10 @@ static void an_even_sheet_has_none(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* A cell of a matrix is one peak, however wide. */
+/* A cell of a matrix is one peak, for any width. */
 static void a_plateau_is_one_peak(void **state)
 {
-    struct orl_bsdf *bsdf = make(slab, ORL_BSDF_KLEMS_FULL);
+    struct orl_bsdf *bsdf = load_bsdf(slab, ORL_BSDF_KLEMS_FULL);
     struct orl_bsdf_polar *polar = malloc(sizeof *polar);
     struct orl_bsdf_lobe peaks[ORL_BSDF_PEAKS];
     (void)state;
@@ -100,8 +100,8 @@ struct desk {
 static int set_up(void **state)
 {
     struct desk *d = calloc(1, sizeof *d);
-    d->bsdfs[0] = make(slab, ORL_BSDF_TENSOR_TREE_4);
-    d->bsdfs[1] = make(sheet, ORL_BSDF_KLEMS_QUARTER);
+    d->bsdfs[0] = load_bsdf(slab, ORL_BSDF_TENSOR_TREE_4);
+    d->bsdfs[1] = load_bsdf(sheet, ORL_BSDF_KLEMS_QUARTER);
     d->chart = (struct orl_bsdf_chart){.n_files = 2, .theta_deg = 48, .phi_deg = 70};
     for (int i = 0; i < 2; i++) {
         orl_bsdf_examine(d->bsdfs[i], &d->checks[i]);
@@ -123,7 +123,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-static void draw(const struct orl_bsdf_chart *chart, enum orl_canvas_kind kind, const char *path)
+static void draw_chart(const struct orl_bsdf_chart *chart, enum orl_canvas_kind kind,
+                       const char *path)
 {
     struct orl_error err = {0};
     if (orl_bsdf_chart_write(chart, kind, path, &err) < 0)
@@ -138,7 +139,7 @@ static void pictures_say_what_they_show(void **state)
     struct desk *d = *state;
     char path[96];
     snprintf(path, sizeof path, "%s/two.svg", d->folder);
-    draw(&d->chart, ORL_CANVAS_SVG, path);
+    draw_chart(&d->chart, ORL_CANVAS_SVG, path);
     char *text = cli_read_file(d->folder, "two.svg");
     for (size_t i = 0; i < sizeof said / sizeof *said; i++)
         if (!strstr(text, said[i]))
@@ -156,11 +157,11 @@ static void frames_are_of_one_size(void **state)
     for (int i = 0; i < 2; i++) {
         snprintf(pngs[i], sizeof pngs[i], "%s/%d.png", d->folder, i);
         d->chart.theta_deg = 40.0 * i;
-        draw(&d->chart, ORL_CANVAS_PNG, pngs[i]);
+        draw_chart(&d->chart, ORL_CANVAS_PNG, pngs[i]);
     }
     assert_int_equal(orl_animation_write(frames, 2, 0.5, all, &err), 0);
     d->chart.n_files = 1;
-    draw(&d->chart, ORL_CANVAS_PNG, pngs[1]);
+    draw_chart(&d->chart, ORL_CANVAS_PNG, pngs[1]);
     assert_int_equal(orl_animation_write(frames, 2, 0.5, all, &err), ORL_ERR_RANGE);
     assert_non_null(strstr(err.message, "another size"));
 }

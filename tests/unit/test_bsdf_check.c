@@ -1,4 +1,4 @@
-/* The check of a BSDF: figures against closed forms, and planted faults that must be found. */
+/* The check of a BSDF: values against closed forms, and deliberate faults that it must find. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,7 +10,7 @@
 #include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
 
-/* A tree file made of blocks: pairs of direction and data. */
+/* Returns a tree file made of blocks: pairs of direction and data. */
 static struct text tree_file(size_t n_blocks, const char *const (*blocks)[2])
 {
     struct text t;
@@ -30,7 +30,7 @@ static struct text tree_file(size_t n_blocks, const char *const (*blocks)[2])
     tree_file(sizeof((const char *const[][2]){__VA_ARGS__}) / sizeof(const char *[2]),             \
               (const char *const[][2]){__VA_ARGS__})
 
-/* Frees the text. */
+/* Checks the BSDF in the text, and frees the text. */
 static struct orl_bsdf_check examine(struct text t)
 {
     static struct orl_bsdf_check check;
@@ -41,7 +41,7 @@ static struct orl_bsdf_check examine(struct text t)
     return check;
 }
 
-/* The level of the first verdict that holds the words, or -1. */
+/* Returns the level of the first verdict that contains the words, or -1. */
 static int level_of(const struct orl_bsdf_check *check, const char *words)
 {
     for (size_t i = 0; i < check->n_verdicts; i++)
@@ -50,8 +50,7 @@ static int level_of(const struct orl_bsdf_check *check, const char *words)
     return -1;
 }
 
-/* ---- Figures -----------------------------------------------------------------------------------
- */
+/* ---- Values ---------------------------------------------------------------------------------- */
 
 static void a_uniform_surface_has_its_closed_forms(void **state)
 {
@@ -80,7 +79,8 @@ static void a_uniform_surface_has_its_closed_forms(void **state)
     assert_int_equal(c.worst, ORL_BSDF_OK);
 }
 
-/* Extremes over every cell of the data, with the direction they are at; the mean weighs cells. */
+/* Extremes are over every cell of the data, with their direction; the mean weights cells by size.
+ */
 static void extremes_are_over_all_cells(void **state)
 {
     /* By A: 4, 8, 12, 16 times the unit; every B alike. A.x is the high bit. */
@@ -95,15 +95,16 @@ static void extremes_are_over_all_cells(void **state)
     assert_close(c.extremes[1][0].most_phi_deg, 225, 1e-9);
     assert_close(c.extremes[1][0].most_theta_deg, 30, 1e-9);
     assert_close(c.extremes[0][0].most, 0, 0);
-    /* f(in, out) depends on in alone: the reverse of a pair of unequal cells is off by the
-     * difference. Mean over pairs of max(0, a - b), over the mean of a: (4+8+12+4+8+4)/16/10. */
+    /* f(in, out) depends on `in` alone, so reversing a pair of unequal cells changes the value by
+     * their difference. The expected figure is the mean over pairs of max(0, a - b), over the mean
+     * of a: (4+8+12+4+8+4)/16/10. */
     assert_close(c.irreciprocal_reflection[1], 0.25, 0.01);
     assert_close(c.irreciprocal_reflection[0], -1, 0);
     assert_close(c.irreciprocal_transmission, -1, 0);
     assert_int_equal(level_of(&c, "opaque"), ORL_BSDF_NOTE);
 }
 
-/* A clear pane in a tree of the given depth: light stays in its cell. */
+/* Writes a clear pane as a tree of the given depth: light stays in its cell. */
 static void write_pane(FILE *f, unsigned depth, double value)
 {
     if (depth == 0) {
@@ -132,7 +133,8 @@ static struct orl_bsdf_check examine_pane(unsigned depth, double transmittance)
     return examine(t);
 }
 
-/* The cell that the sun falls into against its disc, and the bound on DGP that follows. */
+/* The check compares the solid angle of the sun's cell with its disc, and derives a bound on DGP.
+ */
 static void a_clear_pane_smears_the_sun(void **state)
 {
     static const struct {
@@ -147,7 +149,8 @@ static void a_clear_pane_smears_the_sun(void **state)
         assert_close(c.normal.share, 1, 0.1);
         assert_close(c.strongest.share, 1, 0.1);
         assert_close(c.extremes[0][1].most, 0.9, 1e-6);
-        assert_close(c.irreciprocal_transmission, -1, 0); /* made by reciprocity: no evidence */
+        assert_close(c.irreciprocal_transmission, -1,
+                     0); /* filled in by reciprocity, so there is no evidence */
         assert_close(c.redirection[0][1].upward, 0, 0);
         assert_close(c.redirection[0][0].upward, 1, 0);
         assert_int_equal(level_of(&c, "aBSDF"), ORL_BSDF_NOTE);
@@ -174,8 +177,7 @@ static void a_klems_pane_smears_it_more(void **state)
     assert_close(c.normal.share, 1, 0.1);
 }
 
-/* ---- Planted faults ----------------------------------------------------------------------------
- */
+/* ---- Deliberate faults ----------------------------------------------------------------------- */
 
 static void energy_out_of_nothing_is_found(void **state)
 {
@@ -196,8 +198,8 @@ static double value_of(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct o
 }
 
 /*
- * In use, that file's values for light from outside are divided by 1.2, whichever way the light
- * goes and whichever direction a draw is given; what comes from inside, 0.886, stays as filed.
+ * In use, that file's values for light from outside are divided by 1.2, in both transport
+ * directions and for either given direction. Light from inside, 0.886, is not scaled.
  */
 static void energy_out_of_nothing_is_divided_out(void **state)
 {
@@ -225,7 +227,7 @@ static void energy_out_of_nothing_is_divided_out(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* A little noise in one direction is no fault. */
+/* A little noise in one direction is not a fault. */
 static void noise_is_only_a_warning(void **state)
 {
     const struct orl_bsdf_check c =
@@ -238,9 +240,9 @@ static void noise_is_only_a_warning(void **state)
 }
 
 /*
- * Slats: from outside, light that rises passes and light that falls is thrown back, and by
- * reciprocity the other way round from inside. Transmission Front in the grid's order A.x, A.y,
- * B.x, B.y: rising light (A.y = 1) leaves rising (B.y = 1).
+ * Slats. From outside, rising light passes and falling light is reflected; from inside it is the
+ * other way round, by reciprocity. Transmission Front in the grid's order A.x, A.y, B.x, B.y:
+ * rising light (A.y = 1) leaves rising (B.y = 1).
  */
 #define SLATS_PASS "{0 .01 0 .01 0 .5 0 .5 0 .01 0 .01 0 .5 0 .5}"
 #define OUTSIDE_BACK "{.3 0 .3 0 .02 0 .02 0 .3 0 .3 0 .02 0 .02 0}"
@@ -265,7 +267,8 @@ static void a_transmission_filed_under_the_wrong_side_is_found(void **state)
     assert_int_equal(level_of(&c, "front and back are swapped"), ORL_BSDF_WARNING);
 }
 
-/* The reflections exchanged: nothing in either is odd, but with the transmission they exceed 1. */
+/* The two reflections exchanged: each is plausible alone, but with the transmission they exceed 1.
+ */
 static void swapped_reflections_are_found(void **state)
 {
     const struct orl_bsdf_check c =
@@ -276,7 +279,7 @@ static void swapped_reflections_are_found(void **state)
     assert_int_equal(level_of(&c, "look swapped"), ORL_BSDF_FAULT);
 }
 
-/* Half a colour is none, and the loss of it is not silent. */
+/* An incomplete colour is not used, and a warning says so. */
 static void incomplete_colour_is_told(void **state)
 {
     struct text t;
@@ -318,10 +321,9 @@ static void a_black_surface_is_told(void **state)
     assert_close(c.normal.share, 0, 0);
 }
 
-/* ---- Dummy transmissions -----------------------------------------------------------------------
- */
+/* ---- Placeholder transmissions --------------------------------------------------------------- */
 
-/* Whatever stands in for the missing transmission, the check comes out as if it were not there. */
+/* For any placeholder of the missing transmission, the check gives the same as without it. */
 static void a_dummy_transmission_is_as_good_as_none(void **state)
 {
     static const struct {
@@ -350,7 +352,8 @@ static void a_dummy_transmission_is_as_good_as_none(void **state)
     }
 }
 
-/* A matrix that repeats its front; its reverse is another, but for the diagonal. */
+/* A matrix whose back transmission repeats the front. The true reverse is different, unless the
+ * matrix is diagonal. */
 static struct text klems_twice(bool diagonal)
 {
     static const char *const names[] = {"Transmission Front", "Transmission Back"};
@@ -368,7 +371,8 @@ static struct text klems_twice(bool diagonal)
     return t;
 }
 
-/* Where the reverse is the same, a copy says so truly. Different data are never dummies. */
+/* If the true reverse is the same data, the copy is right and kept. Different data are never
+ * placeholders. */
 static void true_transmissions_are_kept(void **state)
 {
     struct orl_bsdf_check c =

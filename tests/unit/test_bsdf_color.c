@@ -1,6 +1,4 @@
-/*
- * Colour of BSDFs: RGB by Radiance's primaries, luminance exactly Visible's, grey exactly grey.
- */
+/* Colour of BSDFs: RGB by Radiance's primaries, luminance equal to Visible's, grey exactly grey. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,8 +11,9 @@
 
 /*
  * Radiance's matrix from XYZ to RGB for primaries (.640 .330), (.290 .600), (.150 .060) and
- * equal-energy white, worked out apart from the code: the inverse of the columns x/y, 1, z/y of the
- * primaries, each times its luminance of white, which is what ORL_LUMA_R and so on are.
+ * equal-energy white. It is derived independently of the code: the inverse of the columns x/y, 1,
+ * z/y of the primaries, each times its luminance of white. Those luminances are ORL_LUMA_R and so
+ * on.
  */
 static const double to_rgb[3][3] = {{2.5653125, -1.1668497, -0.3984628},
                                     {-1.0220951, 1.9782618, 0.0438333},
@@ -46,7 +45,8 @@ static struct orl_vec3 any_direction(struct orl_random *random)
     return orl_v3(s * cos(phi), s * sin(phi), uniform(random) < 0.5 ? z : -z);
 }
 
-/* The luminance of cell pair (in, out) of a quarter basis, lopsided; X and Z differ by out. */
+/* Returns the luminance of cell pair (in, out) of a quarter basis, asymmetric; X and Z differ by
+ * out. */
 static double luminance(int in, int out)
 {
     return 0.02 + 0.2 * ((in * 7 + out * 3) % 11 == 0);
@@ -92,7 +92,7 @@ static void gray_in_colour_is_gray(void **state)
     text_open(&t);
     make_head(t.stream, "TensorTree4");
     make_block_head(t.stream, "CIE-u", "Transmission Front", NULL);
-    fputs("{.2105263}", t.stream); /* four nineteenths and nine: equal energy */
+    fputs("{.2105263}", t.stream); /* 4/19 and 9/19: equal energy */
     make_block_tail(t.stream);
     make_block_head(t.stream, "Visible", "Transmission Front", NULL);
     fputs(data[0], t.stream);
@@ -118,7 +118,7 @@ static void gray_in_colour_is_gray(void **state)
         orl_bsdf_unref(bsdf[k]);
 }
 
-/* Values against the matrix; luminance to the last digits. Tints are kept to 1/65535. */
+/* Values against the matrix; luminance to the last digits. Tints are stored to 1/65535. */
 static void values_are_radiances_rgb(void **state)
 {
     struct orl_bsdf *bsdf = load_text(matrix_file(3, "Reflection Back"));
@@ -139,7 +139,7 @@ static void values_are_radiances_rgb(void **state)
         colored += fabs(f.r - f.b) > 0.1 * y;
     }
     assert_true(colored > 1000);
-    /* The pole's cell, both ways. */
+    /* The pole's cell, in both directions. */
     const struct orl_vec3 up = orl_v3(0, 0, 1);
     assert_rgb(orl_bsdf_eval(bsdf, up, up),
                rgb_of(tristimulus(0, 0, 0), tristimulus(1, 0, 0), tristimulus(2, 0, 0)),
@@ -153,8 +153,8 @@ static void values_are_radiances_rgb(void **state)
 }
 
 /*
- * The albedo in colour is the integral of f in colour, and the mean weight of draws. The rank 4
- * file varies u' by outgoing and incident direction, in other cells than luminance.
+ * The albedo in colour is the integral of f in colour, and the mean weight of samples. In the rank
+ * 4 file u' varies by outgoing and incident direction, in other cells than luminance.
  */
 static void albedo_is_the_integral_in_every_channel(void **state)
 {
@@ -207,16 +207,17 @@ static void albedo_is_the_integral_in_every_channel(void **state)
                 drawn = orl_rgb_add(drawn, weight);
             }
             const struct orl_rgb albedo = orl_bsdf_albedo(bsdf[k], in, ORL_BSDF_BOTH);
-            /* 512 x 512 jittered points: a few cells' borders are missed by 1/512 each. */
+            /* 512 x 512 jittered points: the borders of a few cells are wrong by 1/512 each. */
             assert_rgb(orl_rgb_scale(sum, ORL_PI / (SIDE * SIDE)), albedo, 2e-3 * albedo.g);
-            /* A tint varies by half at most: 4 sigma of 20000 draws. */
+            /* A tint varies by half at most: 4 sigma of 20000 samples. */
             assert_rgb(orl_rgb_scale(drawn, 1.0 / 20000), albedo, 0.015 * albedo.g);
         }
         orl_bsdf_unref(bsdf[k]);
     }
 }
 
-/* Red light's green and blue are 0, not nearly; colours beyond RGB are counted and keep Y. */
+/* Green and blue of red light are exactly 0; colours outside the RGB gamut are counted and keep Y.
+ */
 static void a_dark_channel_is_exactly_dark(void **state)
 {
     /* u', v' of the red primary: 4x / (-2x + 12y + 3), 9y / the same. */
@@ -242,7 +243,7 @@ static void a_dark_channel_is_exactly_dark(void **state)
     orl_bsdf_unref(beyond);
 }
 
-/* Luminance below 1 may still be more red than there was: no channel gains. */
+/* A luminance below 1 may still give more red than arrived: no channel may gain energy. */
 static void no_channel_gains(void **state)
 {
     const double d = -2 * 0.64 + 12 * 0.33 + 3;

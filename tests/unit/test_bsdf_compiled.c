@@ -1,4 +1,4 @@
-/* BSDFs kept in files as they lie in memory: they answer as from XML, or are refused. */
+/* Compiled BSDF files (the in-memory layout): they evaluate as the XML does, or are refused. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,8 @@
 
 static const unsigned char content[ORL_COMPILED_DIGEST] = {1, 2, 3};
 
-/* Values of one part in each channel: of a tree of either rank, or a matrix. */
+/* Returns a file with values of one component in each channel: a tree of either rank, or a matrix.
+ */
 static struct text make_colored_file(const char *structure, const char *basis)
 {
     static const char *const of_trees[] = {"Visible", "CIE-u", "CIE-v"};
@@ -69,7 +70,7 @@ static void write_to(const struct orl_bsdf *bsdf, const char *path)
     assert_int_equal(size, bytes);
 }
 
-/* ---- The same answers ------------------------------------------------------------------------ */
+/* ---- Equal values ---------------------------------------------------------------------------- */
 
 struct answers {
     struct orl_rgb f, albedo, straight, weight[2];
@@ -77,8 +78,8 @@ struct answers {
     double pdf[2], part;
 };
 
-static struct answers ask(const struct orl_bsdf *bsdf, struct orl_vec3 in, struct orl_vec3 out,
-                          const double u[3])
+static struct answers evaluate_all(const struct orl_bsdf *bsdf, struct orl_vec3 in,
+                                   struct orl_vec3 out, const double u[3])
 {
     struct answers a;
     memset(&a, 0, sizeof a);
@@ -101,7 +102,7 @@ static void assert_same_bsdf(const struct orl_bsdf *a, const struct orl_bsdf *b)
         const struct orl_vec3 in = direction(ax, ay, i % 2 ? 1 : -1);
         const struct orl_vec3 out = direction(bx, by, i / 2 % 2 ? 1 : -1);
         const double u[3] = {i % 97 / 97.0, i % 89 / 89.0, i % 83 / 83.0};
-        const struct answers x = ask(a, in, out, u), y = ask(b, in, out, u);
+        const struct answers x = evaluate_all(a, in, out, u), y = evaluate_all(b, in, out, u);
         assert_memory_equal(&x, &y, sizeof x);
     }
     memset(check, 0, sizeof check);
@@ -135,7 +136,7 @@ static void what_is_kept_answers_as_from_xml(void **state)
         write_to(bsdf, path);
         if (orl_bsdf_open(path, content, &kept, &err) < 0)
             fail_msg("%s", err.message);
-        unlink(path); /* what is open stays */
+        unlink(path); /* an open BSDF outlives its file */
         assert_same_bsdf(bsdf, kept);
         orl_bsdf_unref(bsdf);
         orl_bsdf_unref(orl_bsdf_ref(kept));

@@ -1,5 +1,5 @@
-/* Documents that ask for a BSDF of measurements: what they say, and what is refused, by its place.
- */
+/* Documents that request a BSDF fit of measurements: decoded values, and refusals with their
+ * place. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -77,7 +77,7 @@ static void what_is_wrong_is_told_with_its_place(void **state)
     }
 }
 
-/* A result with one scan that was left out and one that could not be. */
+/* A result with one scan that was left out and one that could not be fitted. */
 static void what_was_fitted_is_told(void **state)
 {
     char name[] = "a.txt", *names[] = {name};

@@ -1,4 +1,4 @@
-/* Measurements as files have them: both formats, sides and orientations, and what is refused where.
+/* Rows of measurement files: both formats, sides and orientations, and refusals with their place.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,7 +27,7 @@ static void assert_direction(double x, double y, double z, double ex, double ey,
         fail_msg("(%g, %g, %g) is not (%g, %g, %g)", x, y, z, ex, ey, ez);
 }
 
-/* upphi is 0 unless told: what lies at phi 0 is up. A DSF is divided by the cosine out. */
+/* upphi defaults to 0: the direction at phi 0 is up. A DSF is divided by the cosine. */
 static void pab_rows_are_turned_up_and_taken_by_side(void **state)
 {
     struct orl_fit_data data = {0};
@@ -54,7 +54,7 @@ static void pab_rows_are_turned_up_and_taken_by_side(void **state)
     orl_fit_data_done(&data);
 }
 
-/* The sample seen from behind: turned about the axis that is up, which stays up. */
+/* The sample seen from behind is turned about its up axis, which stays. */
 static void reversed_is_turned_about_what_is_up(void **state)
 {
     const struct orl_fit_reading reversed = {.reversed = true};
@@ -152,7 +152,7 @@ static enum orl_bsdf_fit_symmetry symmetry_of(const char *incidents, int *ret_co
     return symmetry;
 }
 
-/* As pabopto2bsdf has it, but for directions on axes alone. */
+/* The symmetry is derived as in pabopto2bsdf, except for directions on axes only. */
 static void azimuths_tell_the_symmetry(void **state)
 {
     static const struct {
@@ -182,7 +182,7 @@ static void azimuths_tell_the_symmetry(void **state)
     assert_int_equal(code, ORL_ERR_INVALID);
 }
 
-/* No line of a scene is of numbers alone. */
+/* Measurement files are distinguished from scenes, because no scene line has numbers only. */
 static void measurements_are_told_from_scenes(void **state)
 {
     static const struct {
@@ -199,7 +199,7 @@ static void measurements_are_told_from_scenes(void **state)
         {"120 90 nan\n", true},
         {"NaN -inf Infinity\n", true},
         {"120 90 n/a\n", true},
-        {"# lab\n#format: theta phi DSF\n", true}, /* cut off behind its header */
+        {"# lab\n#format: theta phi DSF\n", true}, /* cut off after its header */
         {"#format: ascii\nvoid plastic p 0 0 5 .5 .5 .5 0 0\n", false},
         {"nan plastic p 0 0 5 .5 .5 .5 0 0\n", false},
         {"10 20\n", false},
@@ -212,8 +212,8 @@ static void measurements_are_told_from_scenes(void **state)
             fail_msg("%s", files[i].text);
 }
 
-/* A first row that begins with a number that is not finite is a row of pab-opto's, and no line of a
- * CSV's columns: the error is about the number. */
+/* A first row that begins with a non-finite number is a row of pab-opto data, not a CSV header:
+ * the error is about the number. */
 static void first_rows_are_rows_of_numbers(void **state)
 {
     static const char *const texts[] = {"nan 0 1\n", "-inf 90 1\n", "30 90 NaN\n"};

@@ -20,7 +20,7 @@ static double cost_of(const struct orl_fit_flow *flows, size_t n, const float *c
     return sum;
 }
 
-/* To rounding: sums of at most MOST terms of at most 1. */
+/* Tolerance is the rounding of sums of at most MOST terms of at most 1. */
 static void assert_marginals(const struct orl_fit_flow *flows, size_t n, const double *supply,
                              size_t n_from, const double *demand, size_t n_to)
 {
@@ -36,7 +36,8 @@ static void assert_marginals(const struct orl_fit_flow *flows, size_t n, const d
         assert_true(fabs(in[j] - demand[j]) < 1e-12);
 }
 
-/* Masses of one size: some permutation is the best there is (Birkhoff). */
+/* Returns the least cost of a permutation. With equal masses some permutation is optimal
+ * (Birkhoff). */
 static double best_permutation(const float *cost, unsigned n, unsigned row, unsigned used)
 {
     double best = row == n ? 0 : INFINITY;
@@ -64,14 +65,14 @@ static void equal_masses_go_by_the_best_permutation(void **state)
         assert_int_equal(orl_fit_transport(masses, N, masses, N, cost, NULL, &flows, &n), 0);
         assert_marginals(flows, n, masses, N, masses, N);
         const double best = best_permutation(cost, N, 0, 0);
-        /* Arcs that would gain less than 1e-7 of the largest cost are not looked for. */
+        /* The solver skips arcs that would gain less than 1e-7 of the largest cost. */
         if (fabs(cost_of(flows, n, cost, N) - best) > 1e-6)
             fail_msg("seed %d: %g, not %g", (int)seed, cost_of(flows, n, cost, N), best);
         free(flows);
     }
 }
 
-static void fill(double *masses, double *places, size_t n, struct orl_random *random)
+static void fill_masses(double *masses, double *places, size_t n, struct orl_random *random)
 {
     double sum = 0, place = 0;
     for (size_t i = 0; i < n; i++) {
@@ -85,7 +86,7 @@ static void fill(double *masses, double *places, size_t n, struct orl_random *ra
     }
 }
 
-/* On a line with squared distances nothing overtakes: what comes first goes first. */
+/* Returns the cost of the plan in sorted order. On a line with squared distances it is optimal. */
 static double cost_in_order(const double *supply, const double *x, size_t n_from,
                             const double *demand, const double *y, size_t n_to)
 {
@@ -113,11 +114,11 @@ static void nothing_overtakes_on_a_line(void **state)
         double supply[MOST], demand[MOST], x[MOST], y[MOST];
         struct orl_fit_flow *flows;
         size_t n;
-        fill(supply, x, n_from, &random);
-        fill(demand, y, n_to, &random);
+        fill_masses(supply, x, n_from, &random);
+        fill_masses(demand, y, n_to, &random);
         float *cost = malloc(n_from * n_to * sizeof *cost);
         assert_non_null(cost);
-        /* Sinks in another order, so that the first plan is not the best at once. */
+        /* Sinks are in another order, so that the first plan is not already optimal. */
         for (size_t i = 0; i < n_from; i++)
             for (size_t j = 0; j < n_to; j++) {
                 const double off = x[i] - y[n_to - 1 - j];
@@ -131,7 +132,7 @@ static void nothing_overtakes_on_a_line(void **state)
         assert_marginals(flows, n, supply, n_from, turned, n_to);
         const double best = cost_in_order(supply, x, n_from, demand, y, n_to);
         const double found = cost_of(flows, n, cost, n_to);
-        /* Costs are floats: 6e-8 of each; and as above. */
+        /* Costs are floats: 6e-8 of each; and the skipped arcs as above. */
         if (fabs(found - best) > 1e-6)
             fail_msg("seed %d: %g, not %g", (int)seed, found, best);
         free(flows);

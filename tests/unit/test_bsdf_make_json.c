@@ -1,4 +1,4 @@
-/* Documents that ask for a panel's BSDF: what they say, and what is refused, by its place. */
+/* Documents that request a panel's BSDF: decoded values, and refusals with their place. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* BSDFs: what the files mean, whatever else is loaded and whoever asks. */
+/* The meaning of BSDF files; it does not depend on other loaded BSDFs or on the calling thread. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,8 +12,8 @@
 #include "fixtures/bsdf_make.h"
 
 /*
- * In the quadrants of the square: child bit i is axis i, A (the first two) is where the light
- * travels, B where it leaves.
+ * Values in the quadrants of the square: child bit i is axis i, A (the first two) is where the
+ * light travels, B where it leaves.
  */
 static void a_tree_numbers_its_children_by_axis(void **state)
 {
@@ -56,7 +56,8 @@ static void a_grid_runs_its_last_axis_fastest(void **state)
     orl_bsdf_unref(braces);
 }
 
-/* Light from the interior is the file's Transmission Back; the other way follows by reciprocity. */
+/* Light from the interior is the file's Transmission Back; the other direction follows by
+ * reciprocity. */
 static void a_missing_transmission_is_the_transpose(void **state)
 {
     struct orl_bsdf *bsdf =
@@ -82,8 +83,8 @@ static void a_missing_transmission_is_the_transpose(void **state)
 }
 
 /*
- * Of rank 3: bit 0 is A (1: near the normal is never reached, as sines end at the middle), bits 1
- * and 2 are B once A travels along +x. Whatever the two are turned by, the value stays.
+ * Rank 3: bit 0 is A, bits 1 and 2 are B once A travels along +x. A = 1, near the normal, is never
+ * reached, because sines end at the middle. A common rotation of both directions keeps the value.
  */
 static void a_tree_of_rank_3_turns_with_the_light(void **state)
 {
@@ -137,7 +138,8 @@ static void a_tree_of_rank_3_is_not_reversed(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* Values by Radiance 6.1a (SDevalBSDF, SDdirectHemi); it perturbs each by up to 3e-4 on purpose. */
+/* Values by Radiance 6.1a (SDevalBSDF, SDdirectHemi), which perturbs each by up to 3e-4 on
+ * purpose. */
 static void values_are_radiances(void **state)
 {
     static const struct {
@@ -237,7 +239,8 @@ static void the_klems_fixture_describes_itself(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* One cell of a full Klems matrix is 1, found from inside the cell and missed from outside. */
+/* One cell of a full Klems matrix is 1: directions inside the cell find it, those outside do not.
+ */
 static void the_full_klems_basis_has_its_cells_in_place(void **state)
 {
     struct text t;
@@ -330,7 +333,7 @@ static void negative_values_are_cut_and_counted(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* A leaf of 2e4 1/sr in a tree of 2^8: the integral is exact however small the cell. */
+/* A leaf of 2e4 1/sr in a tree of 2^8: the integral is exact even for the smallest cell. */
 static void the_deepest_tree_keeps_a_tall_peak(void **state)
 {
     struct text t;
@@ -355,12 +358,11 @@ static void the_deepest_tree_keeps_a_tall_peak(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* ---- Many at once ------------------------------------------------------------------------------
- */
+/* ---- Threads --------------------------------------------------------------------------------- */
 
 enum { SHARES = 8, DRAWS = 20000 };
 
-/* A share of the draws from BSDFs that all threads use at once. */
+/* One thread's share of the samples, from BSDFs that all threads use at once. */
 struct crowd {
     struct orl_bsdf *bsdf[3];
     double sums[SHARES];
@@ -384,7 +386,7 @@ static void draw_share(void *ctx, size_t share, uint32_t member)
     crowd->sums[share] = sum;
 }
 
-/* One BSDF serves any number of threads; nothing in it is made on the way. */
+/* Any number of threads can use one BSDF; nothing in it is built lazily. */
 static void threads_may_share_it(void **state)
 {
     static struct crowd alone, together;
@@ -405,7 +407,7 @@ static void threads_may_share_it(void **state)
     orl_crew_stop(crew[1]);
 }
 
-/* What a BSDF is does not depend on which others are loaded, or when. */
+/* A BSDF does not depend on which others are loaded, or when. */
 static void the_order_of_loading_does_not_matter(void **state)
 {
     static const char *const paths[2] = {"tests/fixtures/bsdf_lcp8.xml",

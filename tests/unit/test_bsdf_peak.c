@@ -1,6 +1,6 @@
 /*
- * What goes straight through, for aBSDF: found where there is a peak and nowhere else, and what is
- * straight and what is scattered sum to what the file declares.
+ * Peak extraction for aBSDF: a peak is found exactly where there is one, and its straight and
+ * scattered light sum to the file's transmission.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,7 +24,8 @@ static struct orl_vec3 any_direction(struct orl_random *random)
     return orl_v3(s * cos(phi), s * sin(phi), uniform(random) < 0.5 ? z : -z);
 }
 
-/* Cell k of a hemisphere of `side` cells an axis, by the map of Shirley and Chiu, turned about. */
+/* Returns the centre of cell k of a hemisphere with `side` cells per axis, by the map of Shirley
+ * and Chiu, rotated by `turn`. */
 static struct orl_vec3 cell_centre(int k, int side, double turn)
 {
     const double a = (k % side + 0.5) * 2 / side - 1, b = (k / side % side + 0.5) * 2 / side - 1;
@@ -35,8 +36,8 @@ static struct orl_vec3 cell_centre(int k, int side, double turn)
 }
 
 /*
- * The integral over the transmitted hemisphere of what is not straight: a sum over cells, exactly.
- * Of rank 3 the cells turn with the light.
+ * Integrates the light that is not straight over the transmitted hemisphere: an exact sum over
+ * cells. In rank 3 the cells rotate with the light.
  */
 static double scattered(const struct orl_bsdf *bsdf, struct orl_vec3 in, int side, bool turns)
 {
@@ -80,10 +81,11 @@ static void a_peak_of_rank_three_is_found(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* A file of its own making with a matrix: one cell of the other side, and the same everywhere. */
+/* Returns a file with a matrix in its own basis: one cell of the other side, and a constant
+ * elsewhere. */
 static struct text clear_matrix(double straight, double spread)
 {
-    /* Klems Quarter, as in core/bsdf/basis.c, by its definition. */
+    /* Klems Quarter by its definition, as in core/bsdf/basis.c. */
     static const double edges[] = {0, 9, 27, 45, 63, 90};
     static const int cells[] = {1, 8, 12, 12, 8};
     double omega[41];
@@ -122,7 +124,7 @@ static void a_matrixs_straight_cell_is_its_peak(void **state)
     orl_bsdf_unref(bsdf);
 }
 
-/* What only scatters, or whose lobes are broad, has no peak: aBSDF is BSDF. */
+/* BSDFs that only scatter, or have broad lobes, have no peak: aBSDF equals BSDF. */
 static void broad_lobes_are_no_peak(void **state)
 {
     struct orl_random random = orl_random_stream(3, ORL_PURPOSE_BENCH, 0);
@@ -140,9 +142,9 @@ static void broad_lobes_are_no_peak(void **state)
 }
 
 /*
- * Draws, given either direction: the mean weight of those that go straight is the straight share of
- * the direction the light comes from, that of all the total. By counts of constant weights: four
- * standard deviations of a binomial.
+ * For either given direction, the mean weight of straight samples is the straight share of the
+ * light's direction, and that of all samples is the total. Tolerance: four standard deviations of
+ * a binomial, because weights are constant.
  */
 static void check_draws(const struct orl_bsdf *bsdf, bool adjoint)
 {
@@ -188,7 +190,7 @@ static void draws_go_straight_as_often_as_they_should(void **state)
     }
 }
 
-/* A red pane's straight light is as red as the rest. */
+/* A red pane's straight light has the colour of the rest. */
 static void the_peak_has_its_colour(void **state)
 {
     struct orl_bsdf *bsdf = load_text(make_tinted_file(4, 0.15, 0.05, 0.45, 0.52));

@@ -1,5 +1,4 @@
-/* Polar maps of a BSDF against its albedo: cells hold all of the light, and it goes where it
- * should. */
+/* Polar maps of a BSDF against its albedo: cells hold all of the light, at the right places. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -54,9 +53,9 @@ static void test_uniform(void **state)
 }
 
 /*
- * Of matrices and trees. Sixteen points a cell miss where a border of the data crosses it: of a
- * border a cell is wrong by at most 1/8 of its two values' difference, either way by chance, which
- * over the hundreds of cells that borders cross comes to far less than 3 % of the light.
+ * Matrices and trees. Sixteen points per cell are inexact where a border of the data crosses it: a
+ * cell is wrong by at most 1/8 of the difference of its two values, with random sign. Over the
+ * hundreds of cells on borders that is far less than 3 % of the light.
  */
 static void test_all_of_the_light(void **state)
 {
@@ -82,7 +81,7 @@ static void test_all_of_the_light(void **state)
     }
 }
 
-/* A cell is where it says: its value is f of the direction in its middle, where f is even there. */
+/* A cell's value is f at the direction of its middle, where f is uniform. */
 static void test_places(void **state)
 {
     static struct orl_bsdf_polar polar;

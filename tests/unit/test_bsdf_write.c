@@ -1,4 +1,4 @@
-/* BSDF files as they are written: what is read again is what was written, to the last bit. */
+/* Written BSDF files: reading returns the written data to the last bit. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,8 +15,8 @@
 
 static const char *const bases[] = {"LBNL/Klems Full", "LBNL/Klems Half", "LBNL/Klems Quarter"};
 
-/* Values over twelve decades, and some zeroes. */
-static void fill(struct orl_matrix *matrix, const char *name, uint64_t seed)
+/* Fills in values over twelve decades, with some zeros. */
+static void fill_matrix(struct orl_matrix *matrix, const char *name, uint64_t seed)
 {
     struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, 0);
     struct orl_basis basis;
@@ -52,7 +52,7 @@ static void matrices_come_back_bit_for_bit(void **state)
         struct orl_document d = {.structure = ORL_STRUCTURE_MATRIX, .thickness_m = 0.012};
         strcpy(d.name, "a <panel> of \"mine\"");
         for (int part = 0; part < ORL_PART_COUNT; part++) {
-            fill(&d.parts[part].matrix, bases[b], 10 * b + (uint64_t)part);
+            fill_matrix(&d.parts[part].matrix, bases[b], 10 * b + (uint64_t)part);
             d.parts[part].present = true;
         }
         struct orl_bsdf *bsdf = write_and_read(&d, "x -- y --> z <--\n---\nend");
@@ -66,7 +66,7 @@ static void matrices_come_back_bit_for_bit(void **state)
     }
 }
 
-/* Colours within the triangle come back as their tints, which are shares in 16 bits. */
+/* Colours within the gamut are read back as their tints, which are shares in 16 bits. */
 static void colours_come_back_as_their_tints(void **state)
 {
     struct orl_random random = orl_random_stream(7, ORL_PURPOSE_BENCH, 0);
@@ -108,7 +108,7 @@ static void values_are_the_shortest_that_read_the_same(void **state)
     }
 }
 
-/* Names and comments are strangers': whatever bytes they have, the file is XML. */
+/* Names and comments are untrusted: with any bytes in them the file is valid XML. */
 static void texts_are_characters(void **state)
 {
     static const struct {
@@ -126,7 +126,7 @@ static void texts_are_characters(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct orl_document d = {.structure = ORL_STRUCTURE_MATRIX};
         snprintf(d.name, sizeof d.name, "%s", cases[i].text);
-        fill(&d.parts[0].matrix, bases[2], 7);
+        fill_matrix(&d.parts[0].matrix, bases[2], 7);
         d.parts[0].present = true;
         struct orl_bsdf *bsdf = write_and_read(&d, cases[i].text);
         assert_string_equal(bsdf->info.name, cases[i].read);

@@ -1,4 +1,4 @@
-/* BSDF files as text: numbers in every form, and what is wrong with those that mean nothing. */
+/* BSDF files as text: numbers in every form, and error messages for invalid ones. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 /* ---- Text --------------------------------------------------------------------------------------
  */
 
-/* Numbers in every form, and cut anywhere: expat hands out character references one by one. */
+/* Numbers in every form, split anywhere: expat passes character references one by one. */
 static void numbers_read_the_same_in_every_form(void **state)
 {
     static const char *const forms[] = {"{0.125}",
@@ -37,7 +37,7 @@ static void numbers_read_the_same_in_every_form(void **state)
     }
 }
 
-/* Amid a block of data there is a quicker way to read them: it finds the same, or nothing. */
+/* The scanner, a faster reader for blocks of data, finds the same numbers, or none. */
 static void numbers_are_the_same_to_the_scanner(void **state)
 {
     static const char *const numbers[] = {
@@ -67,9 +67,10 @@ static void numbers_are_the_same_to_the_scanner(void **state)
     }
 }
 
-enum { FAR = 100000 }; /* lines of data before what is looked for: beyond the first slice */
+enum { FAR = 100000 }; /* lines of data before the place in question: beyond the first slice */
 
-/* Data so far in that most of them bypass expat mean the same, with whatever is amid them. */
+/* Data far into the file mostly bypass expat and are read the same, with any markup between them.
+ */
 static void data_far_in_read_the_same(void **state)
 {
     static const char *const forms[] = {
@@ -93,8 +94,8 @@ static void data_far_in_read_the_same(void **state)
     }
 }
 
-/* A file is read in slices of 64 KiB or more; padding moves the border over every byte of the data.
- */
+/* A file is read in slices of 64 KiB or more; padding moves the slice border over every byte of
+ * the data. */
 static void a_number_may_lie_across_a_slice(void **state)
 {
     const char *data = "{1.25e-1 .2 .3 .4 .5 .1 .2 .3 .4 .1 .2 .3 .1 .1 .1 0.0625e1}";
@@ -151,7 +152,7 @@ static void a_number_may_lie_across_a_slice(void **state)
 static const struct bad_file {
     const char *text;
     int code, line;
-    const char *primitive, *message; /* part of them */
+    const char *primitive, *message; /* parts of the error */
 } bad_files[] = {
     {"", ORL_ERR_SYNTAX, 1, "", "XML"},
     {"no xml", ORL_ERR_SYNTAX, 1, "", "XML"},
@@ -227,12 +228,12 @@ static void a_bad_file_says_what_and_where(void **state)
         assert_int_equal(err.code, code);
         assert_string_equal(err.file, "bad.xml");
         assert_null(bsdf);
-        /* The detail is optional. */
+        /* The err argument is optional. */
         assert_int_equal(orl_bsdf_load_xml("x", bad->text, strlen(bad->text), &bsdf, NULL), code);
     }
 }
 
-/* Expat does not see all lines, but errors count them: amid the data and behind them. */
+/* Expat does not see all lines, but errors count them: amid the data and after it. */
 static void errors_far_in_have_their_line(void **state)
 {
     static const struct {
@@ -278,7 +279,7 @@ static void elements_may_not_nest_without_end(void **state)
     free(t.data);
 }
 
-/* Cut short anywhere, a file is refused; it never half loads. */
+/* A file cut short anywhere is refused; it never loads in part. */
 static void a_cut_file_is_refused(void **state)
 {
     struct text t = make_tree_file(2);
@@ -291,7 +292,7 @@ static void a_cut_file_is_refused(void **state)
     free(t.data);
 }
 
-/* Bytes changed at random: whatever loads can be asked anything and answers finite numbers. */
+/* Bytes changed at random: every BSDF that loads evaluates to finite numbers. */
 static void a_spoilt_file_never_does_harm(void **state)
 {
     static const char bytes[] = "012345678901234567890-e.{} \n<n&";
@@ -326,7 +327,7 @@ static void a_spoilt_file_never_does_harm(void **state)
     free(whole.data);
 }
 
-/* NaN and unnormalised directions are answered, by whatever number, without a fault. */
+/* NaN and unnormalised directions return some number, without a fault. */
 static void strange_directions_do_no_harm(void **state)
 {
     static const double odd[] = {NAN, INFINITY, -INFINITY, 0, -0.0, 1e300, 1};

@@ -1,4 +1,4 @@
-/* The checksum of stored files: what it must tell apart. */
+/* The checksum of stored files: the changes that it must detect. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -13,7 +13,7 @@
 
 enum { SIZE = 1000 };
 
-static void fill(unsigned char data[SIZE])
+static void fill_data(unsigned char data[SIZE])
 {
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
     for (size_t i = 0; i < SIZE; i++)
@@ -32,7 +32,7 @@ static void every_bit_counts(void **state)
 {
     unsigned char data[SIZE], copy[SIZE];
     (void)state;
-    fill(data);
+    fill_data(data);
     memcpy(copy, data, SIZE);
     assert_true(same(data, SIZE, copy, SIZE));
     for (size_t bit = 0; bit < (size_t)8 * SIZE; bit++) {
@@ -42,12 +42,12 @@ static void every_bit_counts(void **state)
     }
 }
 
-/* The same bit twice, in words near each other and apart. */
+/* Flips the same bit in two words, adjacent or far apart. */
 static void two_bits_do_not_cancel(void **state)
 {
     unsigned char data[SIZE], copy[SIZE];
     (void)state;
-    fill(data);
+    fill_data(data);
     for (size_t bit = 0; bit < 512; bit++) {
         for (size_t apart = 8; apart <= 512; apart += 8) {
             memcpy(copy, data, SIZE);
@@ -58,7 +58,7 @@ static void two_bits_do_not_cancel(void **state)
     }
 }
 
-/* Zeros at the end count. */
+/* Zeros at the end change the checksum. */
 static void length_counts(void **state)
 {
     const unsigned char zeros[SIZE] = {0};
@@ -72,7 +72,7 @@ static void swapped_blocks_are_told(void **state)
 {
     unsigned char data[SIZE], copy[SIZE];
     (void)state;
-    fill(data);
+    fill_data(data);
     for (size_t word = 8; word <= 128; word += 8) {
         memcpy(copy, data, SIZE);
         memcpy(copy, data + word, 8);
@@ -86,7 +86,7 @@ static void pieces_are_the_whole(void **state)
     unsigned char data[SIZE], whole[ORL_CHECKSUM_BYTES], pieces[ORL_CHECKSUM_BYTES];
     struct orl_checksum sum;
     (void)state;
-    fill(data);
+    fill_data(data);
     orl_checksum_of(data, SIZE, whole);
     orl_checksum_init(&sum);
     for (size_t at = 0; at < SIZE; at += 192)
@@ -95,7 +95,7 @@ static void pieces_are_the_whole(void **state)
     assert_memory_equal(whole, pieces, sizeof whole);
 }
 
-/* Files outlive the program that wrote them: as xxHash has it, the seed 0. */
+/* Values are those of xxHash with seed 0, because files outlive the program that wrote them. */
 static void it_stays_what_it_is(void **state)
 {
     static const unsigned char wanted[ORL_CHECKSUM_BYTES] = {0x99, 0xaa, 0x06, 0xd3, 0x01, 0x47,

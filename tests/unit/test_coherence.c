@@ -1,4 +1,4 @@
-/* Coherence of sums whose result is known, and the intervals that follow from it. */
+/* Coherence of errors with known results, and the intervals derived from it. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,8 +19,8 @@ static void assert_near(double value, double wanted, double within)
         fail_msg("%.9g, not %.9g", value, wanted);
 }
 
-/* Hours with 200 lx, each with a standard error of 1 %; their sums are half in each of two tiles.
- * All of other sources is 0. */
+/* Hours with 200 lx, each with a standard error of 1 %; half of the sums is in each of two tiles.
+ * Other error sources are 0. */
 static struct orl_error_sums sums[TILES * ORL_ERROR_BANDS];
 static float total[HOURS], between[HOURS];
 static uint32_t columns[HOURS], node[HOURS];
@@ -31,7 +31,7 @@ static struct orl_error_sums *band_of(size_t tile)
     return &sums[tile * ORL_ERROR_BANDS + (size_t)orl_error_band(200)];
 }
 
-static void begin(void)
+static void reset_sums(void)
 {
     memset(sums, 0, sizeof sums);
     for (uint32_t i = 0; i < HOURS; i++) {
@@ -49,17 +49,17 @@ static double found(void)
     return (double)orl_coherence_of(sums, TILES, 1, total, between, &cells);
 }
 
-/* Batches that deviate by the same in all hours; the same of lots. */
+/* Batches that deviate equally in all hours give a coherence of 1; so do lots. */
 static void test_common_errors(void **state)
 {
     (void)state;
-    begin();
+    reset_sums();
     for (size_t tile = 0; tile < TILES; tile++)
         for (int b = 0; b < ORL_ANNUAL_BATCHES; b++)
             band_of(tile)->batches[b] =
                 (float)(0.01 * sqrt(ORL_ANNUAL_BATCHES - 1.0) * (b % 2 ? 1 : -1) * HOURS / TILES);
     assert_near(found(), 1, 1e-6);
-    begin();
+    reset_sums();
     for (size_t tile = 0; tile < TILES; tile++)
         for (int lot = 0; lot < ORL_SUN_MAP_LOTS; lot++)
             band_of(tile)->lots[lot] =
@@ -67,11 +67,11 @@ static void test_common_errors(void **state)
     assert_near(found(), 1, 1e-6);
 }
 
-/* Batches whose deviations in one tile are undone in the other add nothing. */
+/* Batches whose deviations cancel between two tiles give none. */
 static void test_errors_that_cancel(void **state)
 {
     (void)state;
-    begin();
+    reset_sums();
     for (int b = 0; b < ORL_ANNUAL_BATCHES; b++) {
         band_of(0)->batches[b] = b % 2 ? 1 : -1;
         band_of(1)->batches[b] = b % 2 ? -1 : 1;
@@ -79,17 +79,17 @@ static void test_errors_that_cancel(void **state)
     assert_near(found(), 0, 1e-6);
 }
 
-/* The sum of n independent errors has the square root of n times the error of one. Errors between
- * the same nodes are one error: here four cells of four hours. Bands of illuminance are summed one
- * by one. */
+/* The sum of n independent errors has sqrt(n) times the error of one. Errors between the same
+ * nodes are one error: here four cells of four hours. Bands of illuminance are summed one by one.
+ */
 static void test_independent_errors(void **state)
 {
     (void)state;
-    begin();
+    reset_sums();
     for (size_t tile = 0; tile < TILES; tile++)
         band_of(tile)->squares = 0.01 * 0.01 * HOURS / TILES;
     assert_near(found(), 1 / sqrt(HOURS), 1e-6);
-    begin();
+    reset_sums();
     for (int i = 0; i < HOURS; i++)
         between[i] = 0.01F;
     assert_near(found(), 1 / sqrt(4), 1e-6);
@@ -104,8 +104,8 @@ static void test_independent_errors(void **state)
     assert_near(found(), 0, 0);
 }
 
-/* A year of two hours at 200 lx, of which one has sun: errors of that one count by the coherence,
- * in intervals, with factors made before, and where thresholds are crossed. */
+/* A year of two hours at 200 lx, one with sun: the coherence scales the errors of that hour, in
+ * intervals, with precomputed factors, and at thresholds. */
 static void test_intervals(void **state)
 {
     const float lx[] = {200, 200}, errors[] = {20, 20}, coherence = 0.5F;

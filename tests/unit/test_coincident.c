@@ -1,6 +1,6 @@
 /*
- * Polygons in one place: what a ray meets is what Radiance's rule says, point by point and from
- * either side, for thousands of random heaps of them; and what is said about it.
+ * Coincident polygons: ray hits follow Radiance's rule, point by point and from either side, for
+ * thousands of random stacks; and the warnings about them.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +17,7 @@
 #include "light/world.h"
 #include "support/scene_text.h"
 
-/* In order of definition. */
+/* Materials in order of definition. */
 #define MATERIALS                                                                                  \
     "void glass pane 0 0 3 .9 .9 .9\nvoid plastic early 0 0 5 .5 .5 .5 0 0\n"                      \
     "void trans sheet 0 0 7 .5 .5 .5 0 0 .5 0\nvoid plastic late 0 0 5 .3 .3 .3 0 0\n"             \
@@ -47,7 +47,7 @@ static struct orl_world *load(const char *text)
     return scene_world(text, NULL, NULL, NULL);
 }
 
-/* ---- Random heaps ---------------------------------------------------------------------------- */
+/* ---- Random stacks --------------------------------------------------------------------------- */
 
 static double area_of(const struct shape *s)
 {
@@ -59,7 +59,8 @@ static double area_of(const struct shape *s)
     return sum;
 }
 
-/* Stars; rectangles of whole numbers, which share edges and corners; and the one before again. */
+/* Returns a star, a rectangle with integer corners (which shares edges and corners with others),
+ * or a copy of the previous shape. */
 static struct shape random_shape(struct orl_random *random, const struct shape *before)
 {
     struct shape s = {.n = 4};
@@ -106,7 +107,7 @@ static void write_heap(const struct shape *shapes, int n, char *text)
     }
 }
 
-/* Whether the point is inside; *near when it is too close to the outline to tell. */
+/* Returns true if the point is inside; sets *near if it is too close to the outline to decide. */
 static bool is_in(const struct shape *s, const double p[2], bool *near)
 {
     bool in = false;
@@ -121,14 +122,14 @@ static bool is_in(const struct shape *s, const double p[2], bool *near)
     return in;
 }
 
-/* Whom a ray from above or below meets there; -1: nobody. */
+/* Returns the index of the shape that a ray from above or below hits there, or -1. */
 static int expected(const struct shape *shapes, int n, const double p[2], bool from_above,
                     bool *near)
 {
     int best = -1;
     for (int i = 0; i < n; i++) {
         if (!is_in(&shapes[i], p, near) || kinds[shapes[i].kind].class == 0)
-            continue; /* what void modifies is not there */
+            continue; /* surfaces of void are absent */
         const int mine[3] = {kinds[shapes[i].kind].class, shapes[i].up == from_above,
                              kinds[shapes[i].kind].order};
         int better = best < 0;
@@ -137,7 +138,7 @@ static int expected(const struct shape *shapes, int n, const double p[2], bool f
                                    kinds[shapes[best].kind].order};
             if (mine[k] < theirs[k])
                 break;
-            better = mine[k] > theirs[k] || k == 2; /* all alike: the later surface */
+            better = mine[k] > theirs[k] || k == 2; /* equal precedence: the later surface */
         }
         if (better)
             best = i;
@@ -189,9 +190,9 @@ static void test_heaps(void **state)
     }
 }
 
-/* ---- What is said ---------------------------------------------------------------------------- */
+/* ---- Warnings -------------------------------------------------------------------------------- */
 
-/* How many of the warnings have that in them. */
+/* Returns the number of warnings that contain the words. */
 static int said(const struct orl_world *world, const char *words)
 {
     int n = 0;
@@ -220,14 +221,15 @@ static void test_words(void **state)
                                  "floor at scene.rad:8: there light meets floor"),
                      1);
     assert_int_equal(said(world, "polygon window at scene.rad:7 lies wholly in one place"), 2);
-    /* The ground around the floor; no window; what faces the other way stays. */
+    /* The ground around the floor remains, the window does not; surfaces that face the other way
+     * stay. */
     assert_int_equal(world->scene->description.n_surfaces, 5);
     assert_true(fabs(world->geometry->facets[0].area - (324 - 16)) < 1e-6);
     assert_int_equal(world->scene->description.n_opposed, 2);
     orl_world_free(world);
 }
 
-/* Walls back to back of one paint, tiles side by side, a box on a floor: not a word. */
+/* No warnings: walls of one paint back to back, tiles side by side, a box on a floor. */
 static void test_nothing_to_say(void **state)
 {
     static char text[1 << 16];
@@ -244,7 +246,7 @@ static void test_nothing_to_say(void **state)
     orl_world_free(world);
 }
 
-/* A ground below a floor of many tiles: few words, and little time. */
+/* A ground below a floor of many tiles gives few warnings, in a short time. */
 static void test_many(void **state)
 {
     enum { SIDE = 70 };
@@ -272,7 +274,7 @@ static void test_many(void **state)
 
 #define POSTS 12
 
-/* Rails and posts of one paint, or of one under two names: a line for all of them. */
+/* Rails and posts of one paint, or of one paint under two names: one line for all of them. */
 static void test_one_paint(void **state)
 {
     static char text[1 << 14];
@@ -290,7 +292,7 @@ static void test_one_paint(void **state)
     orl_world_free(world);
 }
 
-/* What faces opposite ways is told where its paints differ, or its sides. */
+/* Surfaces that face opposite ways give a warning if their paints or their sides differ. */
 static void test_opposed(void **state)
 {
     static const struct {
@@ -310,7 +312,8 @@ static void test_opposed(void **state)
     }
 }
 
-/* Round surfaces, rings and proxies are not settled: it is said, and not of neighbours. */
+/* Curved surfaces, rings and proxies are not resolved: a warning says so, but not for adjacent
+ * ones. */
 static void test_open(void **state)
 {
     static const struct {
@@ -352,8 +355,8 @@ static void test_open(void **state)
     }
 }
 
-/* Two panes closer than surfaces are told apart are one to light, which makes a difference. Exact
- * duplicates, which Radiance takes as one, too, do not. */
+/* Two panes closer than the resolution of surfaces act as one pane, with a warning. Exact
+ * duplicates, which Radiance also takes as one, give none. */
 static void test_double_panes(void **state)
 {
     static const struct {
@@ -361,7 +364,7 @@ static void test_double_panes(void **state)
         int told, alike;
     } cases[] = {
         {"12 0 0 1e-4 4 0 1e-4 4 4 1e-4 0 4 1e-4", 1, 0},
-        {"12 0 0 1e-4 0 4 1e-4 4 4 1e-4 4 0 1e-4", 1, 0}, /* looks the other way */
+        {"12 0 0 1e-4 0 4 1e-4 4 4 1e-4 4 0 1e-4", 1, 0}, /* faces the other way */
         {"12 0 0 0 4 0 0 4 4 0 0 4 0", 0, 1},
         {"12 0 0 .01 4 0 .01 4 4 .01 0 4 .01", 0, 0},
     };
@@ -384,7 +387,8 @@ static void test_double_panes(void **state)
     }
 }
 
-/* Proxies: two that look one way are one too many; a pair, or what they stand for, is not. */
+/* Proxies: two that face the same way give a warning; a pair, or a proxy with the geometry it
+ * stands for, does not. */
 static void test_proxies(void **state)
 {
     static const char square[] = "0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n",

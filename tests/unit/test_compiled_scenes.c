@@ -1,6 +1,6 @@
 /*
- * What oconv and obj2mesh compile, read by instance and mesh: files made here, byte by byte, as the
- * formats have it.
+ * Output of oconv and obj2mesh, read by instance and mesh: files made here, byte by byte, in their
+ * documented formats.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -26,7 +26,7 @@ struct bytes {
     size_t size;
 };
 
-static void put(struct bytes *b, const void *data, size_t size)
+static void put_bytes(struct bytes *b, const void *data, size_t size)
 {
     assert_true(b->size + size <= sizeof b->data);
     memcpy(b->data + b->size, data, size);
@@ -37,7 +37,7 @@ static void put_int(struct bytes *b, int64_t value, unsigned bytes)
 {
     for (unsigned i = bytes; i-- > 0;) {
         const unsigned char byte = (unsigned char)((uint64_t)value >> 8 * i);
-        put(b, &byte, 1);
+        put_bytes(b, &byte, 1);
     }
 }
 
@@ -51,14 +51,14 @@ static void put_number(struct bytes *b, double value)
 
 static void put_string(struct bytes *b, const char *text)
 {
-    put(b, text, strlen(text) + 1);
+    put_bytes(b, text, strlen(text) + 1);
 }
 
 static void put_header(struct bytes *b, const char *format, int magic)
 {
     char text[100];
     const int n = snprintf(text, sizeof text, "#?RADIANCE\nsome program\nFORMAT=%s\n\n", format);
-    put(b, text, (size_t)n);
+    put_bytes(b, text, (size_t)n);
     put_int(b, magic + 4, 2); /* numbers of primitives take four bytes */
     put_string(b, "-1");
     put_string(b, "-1");
@@ -91,8 +91,8 @@ static void put_primitive(struct bytes *b, int modifier, int type, const char *n
 
 static const double gray[5] = {.5, .25, .125, 0, 0}, ball[4] = {1, 2, 3, .5};
 
-/* A material, one that is the same by another name, and a ball of that; frozen, with an octree of
- * one node and its leaves. */
+/* Writes a frozen octree: a material, an equal one with another name, and a ball of that; the
+ * octree has one node and its leaves. */
 static void make_frozen(struct bytes *b)
 {
     put_header(b, "Radiance_octree", 283);
@@ -120,7 +120,7 @@ static void make_named(struct bytes *b, const char *name)
     put_int(b, 0, 1);
 }
 
-/* A place along an edge of the cube from -1 to 7. */
+/* Writes a place along an edge of the cube from -1 to 7. */
 static void put_place(struct bytes *b, double x)
 {
     put_int(b, (int64_t)((x + 1) / 8 * 4294967296.0), 4);
@@ -135,11 +135,11 @@ static void put_corner(struct bytes *b, double x, double y, double z)
 
 enum { POINTS = 1, NORMALS = 2, PLACES = 4 };
 
-/* Up, towards x, and up and away from y: as 32 bits have them. */
+/* Encoded directions of 32 bits: up, towards x, and up and away from y. */
 static const int64_t directions[3] = {24, 16, 24 | 8191LL << 5 | 2};
 
-/* A square of two triangles, the first in a patch of three corners; of the second, two corners are
- * in that patch and one in another. */
+/* Writes a square of two triangles. The first is in a patch of three corners; the second has two
+ * corners in that patch and one in another. */
 static void make_mesh(struct bytes *b, int flags)
 {
     put_header(b, "Radiance_tmesh", 319);
@@ -167,7 +167,7 @@ static void make_mesh(struct bytes *b, int flags)
     for (int i = 0; i < 3; i++)
         put_int(b, i, 1);
     put_int(b, 1, 2);
-    put_int(b, 0, 2); /* all of the first material */
+    put_int(b, 0, 2); /* all triangles use the first material */
     put_int(b, 0, 2);
     put_int(b, 0, 2);
     put_int(b, 1, 1);
@@ -177,16 +177,17 @@ static void make_mesh(struct bytes *b, int flags)
     put_int(b, 0, 2);
     put_int(b, 0, 2);
     put_int(b, 0, 2);
-    put_int(b, 1, 2); /* joins two */
+    put_int(b, 1, 2); /* joins two patches */
     put_int(b, 0, 4);
     put_int(b, 2, 4);
     put_int(b, 0, 1);
     put_int(b, 0, 2);
 }
 
-enum { SIDE = 9 }; /* corners of a cushion's side */
+enum { SIDE = 9 }; /* corners along one side of a cushion */
 
-/* A cushion of 128 triangles in one patch, with places, and normals of the three directions. */
+/* Writes a cushion of 128 triangles in one patch, with texture coordinates, and normals of the
+ * three directions. */
 static void make_cushion(struct bytes *b)
 {
     b->size = 0;
@@ -203,7 +204,7 @@ static void make_cushion(struct bytes *b)
     put_int(b, POINTS | NORMALS | PLACES, 1);
     put_int(b, SIDE * SIDE, 2);
     for (int i = 0; i < SIDE * SIDE; i++) {
-        const double x = i % SIDE / 8.0, y = i / SIDE / 8.0; /* of 8 steps */
+        const double x = i % SIDE / 8.0, y = i / SIDE / 8.0; /* 8 steps from 0 to 1 */
         put_corner(b, x, y, 1 + x * (1 - x) + y * (1 - y));
     }
     for (int i = 0; i < SIDE * SIDE; i++)
@@ -227,7 +228,7 @@ static void make_cushion(struct bytes *b)
 
 /* ---- Reading --------------------------------------------------------------------------------- */
 
-static bool parse_apart; /* each place has surfaces of its own */
+static bool parse_apart; /* true: each place gets surfaces of its own */
 
 static int parse(const char *scene, const struct bytes *compiled, size_t size, const char *other,
                  struct orl_description *ret, struct orl_error *err)
@@ -290,7 +291,8 @@ static void test_frozen(void **state)
     orl_description_done(&d);
 }
 
-/* In the places of markers, by replmarks: where Radiance 6.1's replmarks and xform put the ball. */
+/* Instances in the places of markers, by replmarks, match the ball placed by Radiance 6.1's
+ * replmarks and xform. */
 static void test_markers(void **state)
 {
     static const char scene[] =
@@ -315,7 +317,7 @@ static void test_markers(void **state)
                  "mesh");
 }
 
-/* Names inside are its own: red outside stays what it was, and is not seen inside. */
+/* Names inside an octree are local: red outside is unchanged, and not visible inside. */
 static void test_names_inside(void **state)
 {
     struct bytes b = {.size = 0};
@@ -381,7 +383,7 @@ static void test_mesh(void **state)
     expect_point(d.surfaces[1].vertices[1], 1, 1, 2);
     expect_point(d.surfaces[1].vertices[2], 0, 1, 2);
     orl_description_done(&d);
-    /* Mirrored, its front goes where the mirror takes it. */
+    /* The mirror transformation also moves the front side. */
     d = parse_well("void plastic own 0 0 5 .7 .7 .7 0 0\nown mesh m 2 b.bin -mz 0 0\n", &b, "");
     expect_point(d.surfaces[0].normal, 0, 0, -1);
     assert_true(fabs(material_of(&d, 1)->color.r - .7) < 1e-8);
@@ -409,7 +411,7 @@ static void test_smooth_mesh(void **state)
     orl_description_done(&d);
 }
 
-/* Of the two triangles the second has a corner without a place. */
+/* A corner of the second triangle lacks texture coordinates. */
 static void test_places(void **state)
 {
     struct bytes b = {.size = 0};
@@ -440,9 +442,9 @@ static void test_places(void **state)
 }
 
 /*
- * Smoothed and patterned by its coordinates, in places that are turned, mirrored and scaled: kept
- * once it has the colours and normals that surfaces of its own have in each. Places of corners are
- * rounded to 2e-9 of the cube in the file alone.
+ * A smoothed mesh, patterned by its texture coordinates, in places that are rotated, mirrored and
+ * scaled. Stored once, it has the colours and normals that separate surfaces have in each place.
+ * Coordinates of corners are rounded to 2e-9 of the cube in the file only.
  */
 static void test_meshes_in_places(void **state)
 {
@@ -505,7 +507,7 @@ static void test_meshes_in_places(void **state)
     }
 }
 
-/* Cut anywhere, or with any byte changed, it is refused with its name, or is another scene. */
+/* A file cut anywhere, or with any byte changed, is refused with its name, or is another scene. */
 static void test_damaged(void **state)
 {
     void (*const make[2])(struct bytes *) = {make_frozen, NULL};

@@ -1,4 +1,4 @@
-/* Positions and directions that no scene can have are refused in the same words by all readers. */
+/* All readers refuse impossible positions and directions in the same words. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,7 +42,7 @@ static void test_limits(void **state)
     assert_int_equal(orl_check_direction(orl_v3(1e12, 0, 0), "", &err), 0);
 }
 
-/* The text with the word in place of its "%s". */
+/* Returns the text with the word in place of its "%s". */
 static void fill_in(const char *text, const char *word, char ret_text[256])
 {
     const char *gap = strstr(text, "%s");
@@ -82,7 +82,7 @@ static void job_done(union wish *wish)
     orl_job_done(&wish->job);
 }
 
-/* A document with one number to be filled in. */
+/* Checks that a document is refused with each invalid number in one place. */
 static void refuse_document(decoder *decode, union wish *wish, void (*done)(union wish *wish),
                             const char *format, const char *where)
 {

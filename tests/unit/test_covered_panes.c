@@ -1,5 +1,5 @@
-/* Panes that lie on a wall without a hole are warned of; those in holes, before blinds and on glass
- * are not. */
+/* Panes that lie on a wall without a hole give a warning; those in holes, in front of blinds and
+ * on glass do not. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -26,7 +26,7 @@
 #define PANE "p polygon pane 0 0 12 -1 0 1 1 0 1 1 0 2 -1 0 2\n"
 #define OUTER "p polygon outer 0 0 12 -1 -1e-4 1 1 -1e-4 1 1 -1e-4 2 -1 -1e-4 2\n"
 #define INNER "p polygon inner 0 0 12 -1 1e-4 1 1 1e-4 1 1 1e-4 2 -1 1e-4 2\n"
-/* Half of the pane's width. */
+/* A blind of half the pane's width. */
 #define BLIND "w polygon blind 0 0 12 -1 1e-4 1 0 1e-4 1 0 1e-4 2 -1 1e-4 2\n"
 #define SHUTTER "w polygon shutter 0 0 12 -1 .01 1 1 .01 1 1 .01 2 -1 .01 2\n"
 

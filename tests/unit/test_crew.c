@@ -1,6 +1,6 @@
 /*
- * Crews: every index is done once, whoever serves, comes late or stays away. Meant to be run under
- * ThreadSanitizer as well.
+ * Crews (thread teams): every index is done once, for any number of servers, late or absent. Meant
+ * to be run under ThreadSanitizer as well.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,15 +18,15 @@
 
 enum { MOST = 8 };
 
-/* What a loop leaves behind. Not atomic where one index is written by one member only. */
+/* Results of a loop. Members that only one thread writes are not atomic. */
 struct loop {
-    uint32_t *done; /* per index */
+    uint32_t *done; /* one per index */
     uint32_t per_member[MOST];
     uint32_t size;
     atomic_uint bad_member;
 };
 
-static void count(void *arg, size_t index, uint32_t member)
+static void count_index(void *arg, size_t index, uint32_t member)
 {
     struct loop *loop = arg;
     loop->done[index]++;
@@ -36,14 +36,14 @@ static void count(void *arg, size_t index, uint32_t member)
         atomic_fetch_add(&loop->bad_member, 1);
 }
 
-/* Runs a loop, and checks it; what members wrote is seen by the lead when it returns. */
+/* Runs a loop and checks that the lead sees all writes of the members when it returns. */
 static void check_loop(struct orl_crew *crew, size_t n)
 {
     struct loop loop = {.done = calloc(n + 1, sizeof *loop.done), .size = orl_crew_size(crew)};
     uint64_t sum = 0;
     assert_non_null(loop.done);
     atomic_init(&loop.bad_member, 0);
-    orl_crew_for(crew, n, count, &loop);
+    orl_crew_for(crew, n, count_index, &loop);
     for (size_t i = 0; i < n; i++)
         assert_int_equal(loop.done[i], 1);
     assert_int_equal(loop.done[n], 0);
@@ -69,7 +69,7 @@ static void test_every_index_once(void **state)
     }
 }
 
-/* Thousands of short loops, one after the other: no server joins the wrong one. */
+/* Thousands of short loops in sequence: no server joins the wrong one. */
 static void test_many_short_loops(void **state)
 {
     struct orl_crew *crew = orl_crew_start(4);
@@ -79,7 +79,7 @@ static void test_many_short_loops(void **state)
     orl_crew_stop(crew);
 }
 
-/* A crew of seven of which nobody else turns up: the lead does it all. */
+/* A crew of seven without any server: the lead does all the work. */
 static void test_absent_servers(void **state)
 {
     struct orl_crew *crew = orl_crew_new(7);
@@ -103,7 +103,7 @@ static void *serve(void *arg)
     return NULL;
 }
 
-/* Servers that come between loops, and one after the crew was dismissed: it returns at once. */
+/* Servers that arrive between loops, and one after the crew's dismissal, which returns at once. */
 static void test_late_servers(void **state)
 {
     struct orl_crew *crew = orl_crew_new(4);
@@ -123,7 +123,7 @@ static void test_late_servers(void **state)
     orl_crew_free(crew);
 }
 
-/* Dismissed while they wait and without any work ever: all return. */
+/* Servers dismissed while they wait, without any work: all return. */
 static void test_dismiss_idle(void **state)
 {
     (void)state;
@@ -146,7 +146,7 @@ static void cancel_in_the_middle(void *arg, size_t index, uint32_t member)
         atomic_store(&ending->cancel, true);
 }
 
-/* What is heeded ends loops that try, and no others; and it can be taken back. */
+/* A cancel flag ends only loops that check it; the flag can be removed again. */
 static void test_cancelled_loops(void **state)
 {
     struct orl_crew *crew = orl_crew_start(4);
@@ -169,7 +169,7 @@ static void test_cancelled_loops(void **state)
     orl_crew_stop(crew);
 }
 
-/* Sizes of 0 count as 1. */
+/* A crew of size 0 counts as 1. */
 static void test_size_zero(void **state)
 {
     struct orl_crew *crew = orl_crew_start(0);

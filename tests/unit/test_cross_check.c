@@ -1,7 +1,7 @@
 /*
- * The cross-check of sensors by plain path tracing (run/diagnostics/cross_check.c): values that are
- * right, too low and too high, in a room with a window and in one with a ball of glass besides.
- * Truths are from the oracle (support/brute.h).
+ * The cross-check of sensors by plain path tracing (run/diagnostics/cross_check.c): right, too low
+ * and too high values, in a room with a window and in one that also has a ball of glass. The true
+ * values are from the oracle (support/brute.h).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,7 +31,7 @@ static double now_s(void *ctx)
 }
 
 struct bench {
-    uint32_t paths; /* classes that the planner has found */
+    uint32_t paths; /* path classes that the planner has found */
     struct orl_crew *crew;
     struct orl_world *world;
     struct brute_value truth[PATH_SENSORS];
@@ -55,8 +55,8 @@ static void tear_down(struct bench *b)
     orl_crew_stop(b->crew);
 }
 
-/* Checks the truths times a factor, with intervals of 2 % to each side. */
-static struct orl_result check(struct bench *b, double factor, uint64_t seed)
+/* Checks the true values times a factor, with intervals of 2 % to each side. */
+static struct orl_result check_values(struct bench *b, double factor, uint64_t seed)
 {
     struct orl_job job;
     struct orl_error err = {0};
@@ -104,7 +104,7 @@ static void test_right_values(void **state)
     struct bench b = set_up("");
     (void)state;
     for (uint64_t seed = 1; seed <= 20; seed++) {
-        struct orl_result r = check(&b, 1, seed);
+        struct orl_result r = check_values(&b, 1, seed);
         assert_int_equal(r.cross_check.sensors_off, 0);
         assert_int_equal(r.n_warnings, 0);
         assert_null(r.doubts);
@@ -116,13 +116,13 @@ static void test_right_values(void **state)
     tear_down(&b);
 }
 
-/* Where enough paths are known, the interval then holds the truth: of some 80 intervals, 95 % each,
- * fewer than 87 % do so by chance once in a thousand times. */
+/* If enough paths are known, the interval contains the truth. Of some 80 intervals of 95 % each,
+ * fewer than 87 % do so once in a thousand times by chance. */
 static void check_wrong(struct bench *b, double factor)
 {
     size_t off = 0, held = 0;
     for (uint64_t seed = 1; seed <= 20; seed++) {
-        struct orl_result r = check(b, factor, seed);
+        struct orl_result r = check_values(b, factor, seed);
         for (int i = 0; i < PATH_SENSORS; i++)
             held += r.doubts && r.doubts[i] && r.interval_95_lx[i][0] <= b->truth[i].mean &&
                     b->truth[i].mean <= r.interval_95_lx[i][1];
@@ -154,17 +154,17 @@ static void test_values_too_high(void **state)
     tear_down(&b);
 }
 
-/* Paths miss what a ball of glass focuses: that they find less says nothing. */
+/* Path tracing misses light that a ball of glass focuses: lower values of paths are no evidence. */
 static void test_where_light_is_bent(void **state)
 {
     struct bench b = set_up(BALL);
     b.paths = 1U << ORL_PATHS_SKY_CURVED;
     (void)state;
-    struct orl_result r = check(&b, 2, 1);
+    struct orl_result r = check_values(&b, 2, 1);
     assert_int_equal(r.cross_check.sensors_off, 0);
     assert_int_equal(r.n_warnings, 0);
     orl_result_done(&r);
-    r = check(&b, 0.5, 1);
+    r = check_values(&b, 0.5, 1);
     assert_true(r.cross_check.sensors_off >= 3);
     orl_result_done(&r);
     tear_down(&b);

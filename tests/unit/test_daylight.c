@@ -1,6 +1,6 @@
 /*
- * Skies that jobs ask for: what they deliver against what they were given, by a quadrature of the
- * test's own; the programs' numbers; what is refused.
+ * Skies that jobs request: delivered flux against the request, by a quadrature of the test's own;
+ * values of Radiance's programs; refusals.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -29,7 +29,7 @@ static struct orl_sky_request request_at(double altitude, double azimuth)
                                     .direct_normal_lx = -1};
 }
 
-/* Noon-ish at a site in the east, as a document would have it. */
+/* Returns a request for about noon at an eastern site, as a document would have it. */
 static struct orl_sky_request request_by_time(void)
 {
     struct orl_sky_request request = request_at(0, 0);
@@ -44,7 +44,7 @@ static struct orl_sky_request request_by_time(void)
     return request;
 }
 
-static struct orl_daylight find(const struct orl_sky_request *request)
+static struct orl_daylight find_daylight(const struct orl_sky_request *request)
 {
     struct orl_daylight daylight = {0};
     struct orl_error err = {0};
@@ -54,7 +54,7 @@ static struct orl_daylight find(const struct orl_sky_request *request)
     return daylight;
 }
 
-/* Horizontal illuminance of the sky, by midpoints of equal flux: z^2 and azimuth. */
+/* Integrates the sky's horizontal illuminance, by midpoints of equal flux: z^2 and azimuth. */
 static double sky_lx(const struct orl_daylight *daylight)
 {
     enum { ROWS = 1600, COLUMNS = 720 };
@@ -82,11 +82,11 @@ static void assert_near(double value, double wanted, double relative, const char
         fail_msg("%s: %.8g, not %.8g (off by %.3g)", what, value, wanted, value / wanted - 1);
 }
 
-/* Each term of the budget: sky, sun, and ground lit by both. */
+/* Checks each term of the budget: sky, sun, and ground lit by both. */
 static double check_flux(const struct orl_sky_request *request, double diffuse_lx,
                          double direct_normal_lx, const char *what)
 {
-    const struct orl_daylight d = find(request);
+    const struct orl_daylight d = find_daylight(request);
     const int ground_at = d.pattern.kind == ORL_SKY_PEREZ ? 1 : 2;
     const double got = sky_lx(&d);
     const double total = diffuse_lx + direct_normal_lx * fmax(d.sun.z, 0);
@@ -98,8 +98,9 @@ static double check_flux(const struct orl_sky_request *request, double diffuse_l
 }
 
 /*
- * From overcast to clear, the sun from low to high: every bin of the model. A strong sun next to
- * the horizon is beyond it: such a sky is simplified, and says so, and still delivers.
+ * From overcast to clear, the sun from low to high: every bin of the model delivers its flux. A
+ * strong sun near the horizon is outside the model: such a sky is simplified with a warning, and
+ * still delivers.
  */
 static void test_perez_delivers_its_flux(void **state)
 {
@@ -116,7 +117,7 @@ static void test_perez_delivers_its_flux(void **state)
             request.first = directs[k];
             request.second = 12000;
             snprintf(what, sizeof what, "altitude %g, direct %g", altitudes[i], directs[k]);
-            const struct orl_daylight d = find(&request);
+            const struct orl_daylight d = find_daylight(&request);
             if (strstr(d.warnings, "no answer here")) {
                 assert_true(altitudes[i] == 3 && directs[k] >= 30000);
                 beyond++;
@@ -150,7 +151,7 @@ static void test_cie_delivers_its_flux(void **state)
     print_message("# CIE: at most %.4f %% off\n", 100 * worst);
 }
 
-/* A zenith that is given stays, whatever the flux. */
+/* A given zenith luminance is kept for any flux. */
 static void test_zenith_stays(void **state)
 {
     struct orl_sky_request request = request_at(0, 0);
@@ -160,24 +161,24 @@ static void test_zenith_stays(void **state)
     request.cie_type = ORL_SKY_OVERCAST;
     request.input = ORL_SKY_ZENITH_CD_M2;
     request.first = 5000;
-    const struct orl_daylight d = find(&request);
+    const struct orl_daylight d = find_daylight(&request);
     assert_near(efficacy * orl_sky_brightness(&d.pattern, orl_v3(0, 0, 1)), 5000, 1e-5, "zenith");
-    /* 7 pi / 9 of it, less what the blend with the ground takes. */
+    /* 7 pi / 9 of it, minus the loss by the blend with the ground. */
     assert_near(sky_lx(&d), 5000 * 7 * ORL_PI / 9, 5e-3, "flux");
     assert_near(efficacy * ORL_PI * d.pattern.a[2], 0.2 * sky_lx(&d), 1e-4, "ground");
 }
 
-/* The mode to compare with gendaylit: its own numbers, and what they lose. */
+/* The gendaylit mode returns gendaylit's own values, and reports the flux they lose. */
 static void test_gendaylit_mode(void **state)
 {
     struct orl_sky_request request = request_by_time();
     (void)state;
     request.first = 800;
     request.second = 120;
-    request.sun_method = ORL_SUN_RADIANCE; /* so that quadratures alone differ */
-    const struct orl_daylight flux = find(&request);
+    request.sun_method = ORL_SUN_RADIANCE; /* then only the quadratures differ */
+    const struct orl_daylight flux = find_daylight(&request);
     request.normalise = ORL_SKY_GENDAYLIT;
-    const struct orl_daylight same = find(&request);
+    const struct orl_daylight same = find_daylight(&request);
     struct orl_description text =
         scene_parse_text("!gendaylit 3 22 11.5 -a 38.42 -o -27.14 -m -30 -W 800 120\n"
                          "skyfunc glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n",
@@ -196,22 +197,23 @@ static void test_gendaylit_mode(void **state)
     assert_true(same.sun_radiance == flux.sun_radiance);
 }
 
-/* A longitude east of Greenwich: the sun is past its height an hour later than one to the west. */
+/* Longitude is positive east of Greenwich; a wrong sign gives a warning. */
 static void test_longitude_is_east(void **state)
 {
     struct orl_sky_request request = request_by_time();
     (void)state;
     request.first = 800;
     request.second = 120;
-    /* At 27.14 E and 38.42 N, GMT + 2: solar noon is at 12 h 18 min that day; before it, east. */
+    /* At 27.14 E and 38.42 N, GMT + 2, solar noon is at 12 h 18 min that day; before it, the sun
+     * is in the east. */
     request.hour = 12.2;
-    assert_true(find(&request).sun.x > 0);
+    assert_true(find_daylight(&request).sun.x > 0);
     request.hour = 12.4;
-    const struct orl_daylight after = find(&request);
+    const struct orl_daylight after = find_daylight(&request);
     assert_true(after.sun.x < 0);
     assert_true(after.warnings[0] == '\0');
     request.longitude_deg = -27.14;
-    assert_non_null(strstr(find(&request).warnings, "counted east"));
+    assert_non_null(strstr(find_daylight(&request).warnings, "counted east"));
 }
 
 static void test_black_skies_say_so(void **state)
@@ -222,24 +224,24 @@ static void test_black_skies_say_so(void **state)
     request.first = 800;
     request.second = 120;
     request.hour = 1.5;
-    d = find(&request);
+    d = find_daylight(&request);
     assert_true(d.black && strstr(d.warnings, "horizon"));
     request.hour = 11.5;
     request.first = request.second = 0;
-    d = find(&request);
+    d = find_daylight(&request);
     assert_true(d.black && strstr(d.warnings, "black"));
     request = request_at(-10, 0);
     request.model = ORL_SKY_BY_CIE;
     request.cie_type = ORL_SKY_CLEAR;
     request.input = ORL_SKY_DIFFUSE_LX;
     request.first = 1000;
-    d = find(&request);
+    d = find_daylight(&request);
     assert_true(d.black && strstr(d.warnings, "horizon"));
 }
 
 /*
- * Sunset by the clock, in steps of 2 s, of which the disc takes some 80: what is left of the sun,
- * facing it, falls to nothing without a jump, and the sky shines until then.
+ * Sunset by the clock, in steps of 2 s; the disc takes some 80 s. The irradiance facing the sun
+ * falls to zero without a jump, and the sky gives light until then.
  */
 static void test_sunset(void **state)
 {
@@ -252,7 +254,7 @@ static void test_sunset(void **state)
     request.second = 0;
     for (int i = 0; i < 300; i++) {
         request.hour = 18.32 + i / 1800.0; /* noon is at 12.3 h, half the day 6.1 h long */
-        const struct orl_daylight d = find(&request);
+        const struct orl_daylight d = find_daylight(&request);
         const double lx = d.black ? 0 : sun_normal_lx(&d);
         assert_true(lx <= before * (1 + 1e-9));
         assert_true(d.black == (lx == 0) && d.black == (d.warnings[0] != '\0'));
@@ -266,7 +268,7 @@ static void test_sunset(void **state)
     assert_true(most < 20000 * 2.0 / 60); /* the disc's widest part, 4 / pi of its mean */
 }
 
-/* The row's own hour, site and measures; nothing of the request but its date. */
+/* A weather row uses its own hour, site and measurements; from the request only the date. */
 static void test_weather_row_is_a_perez_sky(void **state)
 {
     static const char epw[] =
@@ -284,17 +286,17 @@ static void test_weather_row_is_a_perez_sky(void **state)
     assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), 0);
     perez.first = 800;
     perez.second = 120;
-    const struct orl_daylight b = find(&perez);
+    const struct orl_daylight b = find_daylight(&perez);
     assert_memory_equal(a.pattern.a, b.pattern.a, sizeof a.pattern.a);
     assert_true(a.sun_radiance == b.sun_radiance && a.warnings[0] == '\0');
-    asked.hour = 11.3; /* the same row, aloud */
+    asked.hour = 11.3; /* the same row, with a warning */
     assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), 0);
     assert_memory_equal(a.pattern.a, b.pattern.a, sizeof a.pattern.a);
     assert_non_null(strstr(a.warnings, "hour 11.5"));
     asked.hour = 12.5; /* not measured */
     assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), ORL_ERR_RANGE);
     assert_int_equal(err.line, 4);
-    asked.hour = 13.5; /* more than the sun has */
+    asked.hour = 13.5; /* more than the solar constant */
     assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), ORL_ERR_RANGE);
     assert_int_equal(err.line, 5);
     assert_non_null(strstr(err.hint, "W/m2"));
@@ -306,8 +308,8 @@ static void test_weather_row_is_a_perez_sky(void **state)
     orl_weather_done(&weather);
 }
 
-/* Direct normal light that a program got by a division by the sine of a low sun: the row is taken
- * with the most that the sun has, aloud. */
+/* Direct normal irradiance that a program got by dividing by the sine of a low sun: the row is
+ * accepted with the solar constant as the limit, and a warning. */
 static void test_too_much_of_a_low_sun(void **state)
 {
     static const char *const values[] = {"9998", "1367"};
@@ -342,7 +344,7 @@ static void test_scene_with_a_sky_is_refused(void **state)
     (void)state;
     request.first = 500;
     request.second = 100;
-    const struct orl_daylight d = find(&request);
+    const struct orl_daylight d = find_daylight(&request);
     struct orl_world *taken = scene_world(
         "void glow g 0 0 4 1 1 1 0\ng source heaven 0 0 4 0 0 1 180\n", NULL, NULL, NULL);
     struct orl_world *free_one = scene_world("# nothing\n", NULL, NULL, NULL);
@@ -383,7 +385,7 @@ static void test_bad_requests(void **state)
     r[n++].input = ORL_SKY_TYPICAL;
     r[n++].input = ORL_SKY_INDICES;
     r[n++].model = ORL_SKY_BY_WEATHER;
-    r[n++].model = ORL_SKY_BY_CIE; /* of no type */
+    r[n++].model = ORL_SKY_BY_CIE; /* no type given */
     r[n].month = 4;
     r[n++].day = 31;
     for (size_t i = 0; i < n; i++) {
@@ -395,7 +397,7 @@ static void test_bad_requests(void **state)
     }
 }
 
-/* Of glows the first shines; a light hides them; lights add up. Values as rtrace's. */
+/* If glows overlap, the first shines; a light hides them; lights add up. Values as rtrace's. */
 static void test_sources_over_one_another(void **state)
 {
     struct orl_world *world =
@@ -415,8 +417,8 @@ static void test_sources_over_one_another(void **state)
     orl_world_free(world);
 }
 
-/* A glow of negative radius is for views, and dark for all else, and what lies behind it, too.
- * rtrace -I: 0 lx where it comes first, 562.3 lx (179 pi) where it comes second. */
+/* A glow of negative radius is only visible directly; it is dark for all else, and hides what lies
+ * behind it. rtrace -I: 0 lx if it comes first, 562.3 lx (179 pi) if it comes second. */
 static void test_glows_that_light_nothing(void **state)
 {
     static const char *const scenes[] = {

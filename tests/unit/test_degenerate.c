@@ -1,8 +1,7 @@
 /*
- * Input that no renderer should make and some will: films of nothing, of what is no number, of the
- * largest and smallest there is, of one pixel or one row; sensors on a line, on one spot, alone, of
- * no number. Whatever is drawn or rated of them is whole and finite, or is refused; under
- * sanitizers nothing overflows on the way.
+ * Degenerate input: films that are empty, of NaN, of the largest and smallest values, of one pixel
+ * or one row; sensors on a line, on one spot, alone, at NaN. Every picture and index made of them
+ * is complete and finite, or refused; sanitizers find no overflow.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,7 +25,7 @@
 
 /* ---- Films ----------------------------------------------------------------------------------- */
 
-/* What all pixels are; or, where there are two, turn about. */
+/* The values of all pixels; two values alternate. */
 static const struct content {
     float a, b;
 } contents[] = {{0, 0},
@@ -115,7 +114,7 @@ static void color(const struct orl_film *film, const struct orl_view *view)
     }
 }
 
-/* Glare is a finite number, or there is none to be had. */
+/* Checks that glare indices are finite, or refused. */
 static void rate(const struct orl_film *film, const struct orl_view *view)
 {
     static const struct orl_glare_settings settings[] = {
@@ -172,7 +171,7 @@ static void test_films(void **state)
         }
 }
 
-/* Places that are not in the picture; a search so narrow that nothing is near anything. */
+/* Places outside the picture; a search radius too small for any neighbour. */
 static void test_settings(void **state)
 {
     static const uint32_t size[2] = {8, 4};
@@ -207,11 +206,11 @@ static struct orl_vec3 place_of(int kind, int i)
         return orl_v3(1, 1, 1);
     case 1: /* on a line */
         return orl_v3(0.3 * i, 1, 1);
-    case 2: /* on a line, askew, hardly apart */
+    case 2: /* on a sloping line, very close together */
         return orl_v3(1e-7 * i, 1e-7 * i, 1);
-    case 3: /* far off */
+    case 3: /* far away */
         return orl_v3(1e12 * (i % 2), 1e12 * (i % 3), 0);
-    case 4: /* a grid but for one, very far from square */
+    case 4: /* a grid except for one point, very far from square */
         return orl_v3(1e-3 * (i % 2), 100.0 * (i % 3), 1);
     default: /* two spots */
         return orl_v3(i % 2, 0, 0);

@@ -1,6 +1,6 @@
 /*
- * Density estimates: the right photons are found, uniform light comes back unbiased, nothing is
- * gathered through walls or off other surfaces, and leaf look-ups agree with plain estimates.
+ * Density estimates: the right photons are found, uniform light is unbiased, nothing is gathered
+ * through walls or from other surfaces, and leaf look-ups agree with plain estimates.
  *
  * With k-th nearest distance r, the estimate (k-1) flux / (pi r^2) of uniform photons has mean 1
  * and relative variance 1 / (k-2); tolerances follow from that.
@@ -43,7 +43,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* A growing list of photons, each of flux 1 unless said otherwise. */
+/* A growing list of photons, each of flux 1 unless stated otherwise. */
 struct shower {
     struct orl_photon *photons;
     size_t count;
@@ -66,7 +66,7 @@ static void land(struct shower *s, struct orl_vec3 at, struct orl_vec3 normal, d
                             .normal = orl_normal_encode(normal)};
 }
 
-/* count photons, uniform over the parallelogram at corner. */
+/* Adds count photons, uniform over the parallelogram at corner. */
 static void rain(struct shower *s, size_t count, struct orl_vec3 corner, struct orl_vec3 a,
                  struct orl_vec3 b, struct orl_vec3 normal)
 {
@@ -76,8 +76,8 @@ static void rain(struct shower *s, size_t count, struct orl_vec3 corner, struct 
     }
 }
 
-/* Writes, opens and frees the photons. */
-static struct orl_photon_map *settle(struct shower *s)
+/* Writes the photons to a file, opens it as a map and frees the list. */
+static struct orl_photon_map *open_shower_map(struct shower *s)
 {
     const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
     struct orl_photon_map *map = NULL;
@@ -92,8 +92,8 @@ static struct orl_photon_map *settle(struct shower *s)
     return map;
 }
 
-static struct orl_density ask(const struct orl_photon_map *map, struct orl_vec3 point,
-                              struct orl_vec3 normal, uint32_t k, double max_radius)
+static struct orl_density estimate_density(const struct orl_photon_map *map, struct orl_vec3 point,
+                                           struct orl_vec3 normal, uint32_t k, double max_radius)
 {
     const struct orl_density_query query = {
         .point = point, .normal = normal, .k = k, .max_radius = max_radius};
@@ -103,8 +103,7 @@ static struct orl_density ask(const struct orl_photon_map *map, struct orl_vec3 
 static const struct orl_vec3 zero = {0, 0, 0}, x_axis = {1, 0, 0}, y_axis = {0, 1, 0},
                              z_axis = {0, 0, 1}, down = {0, 0, -1};
 
-/* ---- The same photons as brute force ----------------------------------------------------------
- */
+/* ---- Comparison with brute force ------------------------------------------------------------- */
 
 struct neighbour {
     double distance2, flux;
@@ -116,7 +115,8 @@ static int compare_neighbours(const void *a, const void *b)
     return (x->distance2 > y->distance2) - (x->distance2 < y->distance2);
 }
 
-/* The estimate over all photons of the map, sorted; in cells, as the search has them. */
+/* Returns the estimate over all photons of the map, sorted, with places rounded to cells as in the
+ * search. */
 static struct orl_density brute_force(const struct orl_photon_map *map,
                                       const struct orl_density_query *q, struct neighbour *list)
 {
@@ -145,8 +145,8 @@ static struct orl_density brute_force(const struct orl_photon_map *map,
 }
 
 /*
- * A floor and a wall that meet, fluxes different for each photon. Radii agree within the rounding
- * of places to floats (2e-7 of 2 m); sums within what that does to the disc's area.
+ * A floor and a wall that meet, with a different flux per photon. Radii agree within the rounding
+ * of places to floats (2e-7 of 2 m); sums within the effect on the disc's area.
  */
 static void test_brute_force(void **state)
 {
@@ -160,7 +160,7 @@ static void test_brute_force(void **state)
             s.photons[i].flux[c] *= (float)(1 + orl_random_uniform(&s.random));
     struct orl_random random = s.random;
     struct neighbour *list = malloc(s.count * sizeof *list);
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     assert_non_null(list);
     for (int i = 0; i < 300; i++) {
         const double u = 2 * orl_random_uniform(&random), v = 2 * orl_random_uniform(&random);
@@ -191,13 +191,14 @@ static void test_few_photons(void **state)
         struct shower s = shower_new(n, 2);
         for (size_t i = 0; i < n; i++)
             land(&s, orl_v3(0.1 * (double)i, 0, 0), z_axis, 1);
-        struct orl_photon_map *map = settle(&s);
-        const struct orl_density many = ask(map, zero, z_axis, 64, reach);
+        struct orl_photon_map *map = open_shower_map(&s);
+        const struct orl_density many = estimate_density(map, zero, z_axis, 64, reach);
         assert_int_equal(many.found, n);
-        /* Fluxes are rounded to 1/256 at most, places to a cell. */
+        /* Fluxes are rounded to at most 1/256, places to a cell. */
         assert_true(fabs(many.irradiance.g - (double)n / area) <= (double)n / area / 256);
         for (uint32_t k = 1; k <= 4; k++) {
-            const struct orl_density d = ask(map, orl_v3(0.01, 0.02, 0), z_axis, k, reach);
+            const struct orl_density d =
+                estimate_density(map, orl_v3(0.01, 0.02, 0), z_axis, k, reach);
             assert_true(orl_rgb_is_finite(d.irradiance));
             assert_true(d.irradiance.r >= 0 && (n == 0) == (d.irradiance.r == 0));
         }
@@ -211,18 +212,18 @@ static void test_few_photons(void **state)
     }
 }
 
-/* A thousand photons on one spot: as bright as a cell's disc allows, but finite. */
+/* A thousand photons on one spot give the value of a cell-sized disc: finite. */
 static void test_coincident_photons(void **state)
 {
     struct shower s = shower_new(1000, 3);
     (void)state;
     for (int i = 0; i < 1000; i++)
         land(&s, orl_v3(0.25, 0.5, 1), z_axis, 1);
-    struct orl_photon_map *map = settle(&s);
-    const struct orl_density d = ask(map, orl_v3(0.25, 0.5, 1), z_axis, 64, 0.1);
+    struct orl_photon_map *map = open_shower_map(&s);
+    const struct orl_density d = estimate_density(map, orl_v3(0.25, 0.5, 1), z_axis, 64, 0.1);
     assert_int_equal(d.found, 63);
     assert_true(orl_rgb_is_finite(d.irradiance) && d.irradiance.r > 0);
-    assert_int_equal(ask(map, orl_v3(0.25, 0.5, 1), down, 64, 0.1).found, 0);
+    assert_int_equal(estimate_density(map, orl_v3(0.25, 0.5, 1), down, 64, 0.1).found, 0);
     orl_photon_map_free(map);
 }
 
@@ -230,8 +231,9 @@ static void test_coincident_photons(void **state)
  */
 
 /*
- * 400 discs that do not overlap, on a square of 4e5 photons: their mean is within 3 standard errors
- * of the true density, and their spread is what theory says (chi-square of 399, 4 sigma).
+ * 400 discs that do not overlap, on a square of 4e5 photons. Their mean is within 3 standard
+ * errors of the true density, and their spread is the theoretical one (chi-square of 399, 4
+ * sigma).
  */
 static void test_uniform_plane(void **state)
 {
@@ -240,11 +242,11 @@ static void test_uniform_plane(void **state)
     double sum = 0, sum2 = 0;
     (void)state;
     rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     for (int i = 0; i < QUERIES; i++) {
         const struct orl_vec3 at =
             orl_v3((i % SIDE + 0.5) / SIDE, (double)(i / SIDE) / SIDE + 0.025, 0);
-        const double e = ask(map, at, z_axis, K, 0.02).irradiance.r / COUNT;
+        const double e = estimate_density(map, at, z_axis, K, 0.02).irradiance.r / COUNT;
         sum += e;
         sum2 += (e - 1) * (e - 1);
     }
@@ -271,12 +273,12 @@ static void test_sphere(void **state)
         land(&s, orl_scale(n, 2), orl_neg(n), 1);
     }
     struct orl_random random = s.random;
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     for (int i = 0; i < QUERIES; i++) {
         const double z = 2 * orl_random_uniform(&random) - 1, r = sqrt(1 - z * z);
         const double phi = 2 * ORL_PI * orl_random_uniform(&random);
         const struct orl_vec3 n = orl_v3(r * cos(phi), r * sin(phi), z);
-        sum += ask(map, orl_scale(n, 2), orl_neg(n), K, 0.5).irradiance.r;
+        sum += estimate_density(map, orl_scale(n, 2), orl_neg(n), K, 0.5).irradiance.r;
     }
     const double expected = COUNT / (16 * ORL_PI);
     assert_true(fabs(sum / QUERIES / expected - 1) < 0.01);
@@ -286,14 +288,14 @@ static void test_sphere(void **state)
 /* ---- Other surfaces ---------------------------------------------------------------------------
  */
 
-/* Light on one sheet; the query lies on another. Nothing may be found within 14 cm. */
+/* Light is on one sheet and the query on another: the estimate finds nothing within 14 cm. */
 static void check_no_leak(struct orl_vec3 corner, struct orl_vec3 a, struct orl_vec3 b,
                           struct orl_vec3 lit, struct orl_vec3 point, struct orl_vec3 normal)
 {
     struct shower s = shower_new(100000, 6);
     rain(&s, 100000, corner, a, b, lit);
-    struct orl_photon_map *map = settle(&s);
-    const struct orl_density d = ask(map, point, normal, 64, 0.14);
+    struct orl_photon_map *map = open_shower_map(&s);
+    const struct orl_density d = estimate_density(map, point, normal, 64, 0.14);
     assert_int_equal(d.found, 0);
     assert_true(d.irradiance.r == 0);
     struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.14, NULL);
@@ -316,7 +318,7 @@ static void test_parallel_sheets(void **state)
     (void)state;
     check_no_leak(zero, x_axis, y_axis, z_axis, orl_v3(0.5, 0.5, -0.005), z_axis);
     check_no_leak(zero, x_axis, y_axis, z_axis, orl_v3(0.5, 0.5, 0.005), z_axis);
-    /* Tilted, so that normals are not codes exactly. */
+    /* Tilted, so that normals are not exactly representable codes. */
     const double c = cos(0.3), t = sin(0.3);
     const struct orl_vec3 n = orl_v3(0, -t, c), along = orl_v3(0, c, t);
     const struct orl_vec3 middle = orl_madd(orl_scale(x_axis, 0.5), along, 0.5);
@@ -336,9 +338,9 @@ static void test_around_a_corner(void **state)
  */
 
 /*
- * Leaf values are estimates with k = 64 amid their photons. The 12500 leaves' discs overlap
- * four-fold (64 photons to 16), so 4 / 12500 * 1/62 is the variance of their mean: 3 sigma are
- * 0.68 %. A leaf's middle is not a place chosen by chance; 0.5 % is allowed for that.
+ * Leaf values are estimates with k = 64 at their photons. The 12500 leaves' discs overlap
+ * four-fold (64 photons to 16), so the variance of their mean is 4 / 12500 * 1/62: 3 sigma are
+ * 0.68 %. A leaf's middle is not a random place; the tolerance includes 0.5 % for that.
  */
 static void test_leaves_agree(void **state)
 {
@@ -348,7 +350,7 @@ static void test_leaves_agree(void **state)
     (void)state;
     rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
     struct orl_random random = s.random;
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.1, NULL);
     assert_non_null(leaves);
     for (int i = 0; i < QUERIES; i++) {
@@ -356,7 +358,7 @@ static void test_leaves_agree(void **state)
         const struct orl_vec3 at = orl_v3(u, 0.05 + 0.9 * orl_random_uniform(&random), 0);
         sum +=
             orl_leaves_irradiance(leaves, at, z_axis, NULL, search, NULL, NULL).r / COUNT / QUERIES;
-        plain += ask(map, at, z_axis, 64, 0.1).irradiance.r / COUNT / QUERIES;
+        plain += estimate_density(map, at, z_axis, 64, 0.1).irradiance.r / COUNT / QUERIES;
     }
     print_message("leaves %.4f, plain estimates %.4f\n", sum, plain);
     assert_true(fabs(plain - 1) < 0.0068);
@@ -375,10 +377,10 @@ struct looking {
 };
 
 /*
- * Small facets apart from each other, in one plane, of a few photons each: a leaf of sixteen lies
- * on several. What leaves say of them all, asked at as many points of each, is the photons' flux
- * over their area: each estimate takes in a facet as a whole, so that nothing is left to chance but
- * which leaves serve a point at their rims.
+ * Small separate facets in one plane, with a few photons each: a leaf of sixteen lies on several.
+ * The mean of leaf values over all facets, at equally many points of each, is the photons' flux
+ * over their area. Each estimate includes a facet as a whole, so the only random part is which
+ * leaves serve a point at their rims.
  */
 static void test_leaves_on_small_facets(void **state)
 {
@@ -407,7 +409,7 @@ static void test_leaves_on_small_facets(void **state)
         land(&s, point, normal, 1);
     }
     struct orl_random random = s.random;
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     struct orl_leaves *leaves = orl_leaves_new(map, world, 64, 1, NULL);
     assert_non_null(leaves);
     for (uint32_t i = 0; i < FACETS * POINTS; i++) {
@@ -426,7 +428,7 @@ static void test_leaves_on_small_facets(void **state)
     orl_world_free(world);
 }
 
-static void look(void *arg, size_t index, uint32_t member)
+static void look_up_leaf(void *arg, size_t index, uint32_t member)
 {
     struct looking *l = arg;
     const size_t i = index * l->step % l->count;
@@ -436,7 +438,7 @@ static void look(void *arg, size_t index, uint32_t member)
                                          &l->searches[member], NULL, NULL);
 }
 
-/* Asked in another order, and by several threads at once, every answer is the same bits. */
+/* Results are equal to the bit in another order of queries, and with several threads at once. */
 static void test_leaves_in_any_order(void **state)
 {
     enum { COUNT = 50000, QUERIES = 10007 };
@@ -448,14 +450,14 @@ static void test_leaves_in_any_order(void **state)
     struct orl_rgb *first = NULL;
     (void)state;
     rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
-    struct orl_photon_map *map = settle(&s);
+    struct orl_photon_map *map = open_shower_map(&s);
     for (int w = 0; w < 3; w++) {
         struct orl_crew *crew = orl_crew_start(ways[w].threads);
         struct looking l = {orl_leaves_new(map, NULL, 64, 0.1, NULL),
                             calloc(ways[w].threads, sizeof *l.searches),
                             malloc(QUERIES * sizeof *l.values), QUERIES, ways[w].step};
         assert_true(l.leaves && l.searches && l.values && crew);
-        orl_crew_for(crew, QUERIES, look, &l);
+        orl_crew_for(crew, QUERIES, look_up_leaf, &l);
         orl_crew_stop(crew);
         orl_leaves_free(l.leaves);
         free(l.searches);

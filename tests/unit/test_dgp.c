@@ -1,6 +1,6 @@
 /*
- * Daylight glare probability: published constants and evalglare's, worked out by hand; the dark;
- * what is refused.
+ * Daylight glare probability: published constants and evalglare's, worked out by hand; darkness;
+ * refusals.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -34,7 +34,7 @@ static void assert_near(double value, double wanted, double tolerance)
         fail_msg("%.10g is not %.10g within %g", value, wanted, tolerance);
 }
 
-/* The last digit given is the tolerance. */
+/* The last given digit is the tolerance. */
 static void test_evalglares_constants(void **state)
 {
     const struct orl_glare_source lamp = SOURCE(2e4, 0.1, 1);
@@ -55,7 +55,7 @@ static void test_cut_to_1(void **state)
     assert_true(dgp_with(&evalglare, 1e300, 0, NULL) == 1);
 }
 
-/* The difference of the constants, and nothing else. */
+/* Only the constants differ. */
 static void test_published_constants(void **state)
 {
     const struct orl_glare_source lamp = SOURCE(2e4, 0.1, 1);
@@ -78,7 +78,7 @@ static void test_low_light(void **state)
     assert_near(dgp_with(&low, 999.999, 0, NULL), dgp_with(&evalglare, 999.999, 0, NULL), 1e-8);
 }
 
-/* Without light there is no contrast to speak of, whatever is listed; nor with next to none. */
+/* Without light, or with almost none, there is no contrast, for any list of sources. */
 static void test_dark(void **state)
 {
     const struct orl_glare_source lamp = SOURCE(2e4, 0.1, 1), nothing = SOURCE(0, 0, 1),

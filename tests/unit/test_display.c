@@ -1,6 +1,4 @@
-/*
- * Pictures to look at: tone curves against what they promise, hue, and PNG by libpng.
- */
+/* Pictures for display: tone curves, hue, and PNG files read by libpng. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,7 +25,8 @@ static struct orl_view some_view(void)
     return view;
 }
 
-/* Gray from left to right over so many decades of luminance, from the least, cd/m2. */
+/* Returns a gray ramp from left to right over that many decades of luminance, from the least,
+ * cd/m2. */
 static struct orl_film ramp(double least, double decades)
 {
     struct orl_film film;
@@ -62,10 +61,10 @@ static double shown_at(const struct orl_shown *shown, uint32_t x)
     return rgb[0];
 }
 
-/* ---- The eye --------------------------------------------------------------------------------- */
+/* ---- The tone mapper of the eye -------------------------------------------------------------- */
 
-/* The thresholds at the joints of the five parts of Ferwerda et al.'s fit: they meet within the two
- * digits that it is given with. */
+/* The five parts of Ferwerda et al.'s fit agree at their joints, within the two digits of its
+ * constants. */
 static void test_thresholds(void **state)
 {
     static const double joints[] = {-3.94, -1.44, -0.0184, 1.9};
@@ -76,15 +75,15 @@ static void test_thresholds(void **state)
         assert_true(fabs(log10(above / below)) < 0.02);
     }
     assert_near(orl_least_difference(1e4), pow(10, 4 - 1.255), 1e-6);
-    /* Shlaer's: some 2 cycles per degree at the threshold, 50 by day. */
+    /* Shlaer's acuity: some 2 cycles per degree at the threshold, 50 by day. */
     assert_true(orl_acuity(1e-4) > 1 && orl_acuity(1e-4) < 3);
     assert_true(orl_acuity(1000) > 45 && orl_acuity(1000) < 55);
 }
 
 /*
- * Five decades come out in order, from black to white, and nowhere with more contrast than in
- * place: between neighbours the display's thresholds are no more than the scene's, but for what the
- * trimming leaves (2.5 %) and the width of a bin.
+ * Five decades are mapped in order, from black to white, and nowhere with more contrast than the
+ * scene. Between neighbours the display has no more thresholds than the scene, except for the
+ * trimming (2.5 %) and the width of a bin.
  */
 static void test_human(void **state)
 {
@@ -107,7 +106,7 @@ static void test_human(void **state)
     orl_film_done(&film);
 }
 
-/* What a display can show as it is stays in proportion. */
+/* A dynamic range that the display can show is mapped linearly. */
 static void test_human_in_proportion(void **state)
 {
     (void)state;
@@ -119,8 +118,8 @@ static void test_human_in_proportion(void **state)
     orl_film_done(&film);
 }
 
-/* A bright half scatters light into the dark one, more of it nearby; all of it is 8 % at most. At
- * the picture's edge what lies beyond is taken to be like what lies within. */
+/* A bright half scatters light (veil) into the dark one, more of it nearby, at most 8 %. Beyond
+ * the picture's edge the scene is assumed to be like the inside. */
 static void test_veil(void **state)
 {
     (void)state;
@@ -146,7 +145,7 @@ static void test_veil(void **state)
     orl_film_done(&film);
 }
 
-/* A fine chequer is seen by day, and gray by night; both keep their mean. */
+/* A fine chequer is visible by day, and gray by night; both keep their mean. */
 static void test_acuity(void **state)
 {
     static const double levels[] = {100, 1e-5};
@@ -178,7 +177,7 @@ static void test_acuity(void **state)
     }
 }
 
-/* By night what is left of a red is gray; by day it stays as it is. */
+/* By night a red becomes gray; by day it stays as it is. */
 static void test_color_loss(void **state)
 {
     static const double levels[] = {100, 1e-6};
@@ -199,9 +198,9 @@ static void test_color_loss(void **state)
     }
 }
 
-/* ---- In proportion --------------------------------------------------------------------------- */
+/* ---- Linear mapping -------------------------------------------------------------------------- */
 
-/* White is at 1 / exposure; what is above stays white; colours keep their hue. */
+/* White is at 1 / exposure; brighter values stay white; colours keep their hue. */
 static void test_exposure(void **state)
 {
     (void)state;
@@ -225,7 +224,7 @@ static void test_exposure(void **state)
     assert_near(ORL_LUMA_R * rgb[0] + ORL_LUMA_G * rgb[1] + ORL_LUMA_B * rgb[2], bright, 1e-5);
     orl_shown_done(&shown);
     orl_film_done(&film);
-    /* A sunny day of the photographers' rule: EV 15, white at 1.2 * 2^15 cd/m2. */
+    /* The photographers' rule for a sunny day: EV 15, white at 1.2 * 2^15 cd/m2. */
     assert_near(1 / orl_exposure_of_ev(15), 39321.6 / 179, 1e-9);
 }
 
@@ -253,7 +252,7 @@ static png_bytep read_png(const char *path, png_image *ret_image, png_uint_32 fo
     return pixels;
 }
 
-/* A ramp stays a ramp, and what is no number is black; so is all of a black film. */
+/* A ramp stays a ramp; NaN is black, and so is a film of zeros. */
 static void test_png(void **state)
 {
     (void)state;
@@ -286,7 +285,8 @@ static void test_png(void **state)
     orl_film_done(&film);
 }
 
-/* 16 bits hold what is shown to half a step of them; libpng's reader takes sRGB's curve for 2.2. */
+/* 16 bits represent the shown values to half a step; libpng's reader approximates sRGB's curve by
+ * 2.2. */
 static void test_png_16(void **state)
 {
     (void)state;
@@ -300,7 +300,7 @@ static void test_png_16(void **state)
     for (uint32_t x = 0; x < WIDTH; x++)
         assert_near(words[3 * (WIDTH + x)] / 65535.0,
                     pow(orl_srgb(shown_at(&shown, x), UINT16_MAX) / 65535.0, 2.2), 5e-5);
-    /* Of 8 bits there would be a tenth as many. */
+    /* 8 bits would give a tenth as many. */
     int steps = 0;
     for (int x = 1; x < WIDTH; x++)
         steps += words[3 * x] != words[3 * x - 3];

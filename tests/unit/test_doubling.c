@@ -1,11 +1,11 @@
 /*
- * Twice the input costs every reader at most 2.5 times the instructions: of each rule of the scene
- * grammar, each command, each kind of file (support/doubled.h).
+ * Twice the input costs every reader at most 2.5 times the instructions: each rule of the scene
+ * grammar, each command, each kind of file (support/doubled.h). A loop of n within one of n would
+ * cost 4 times.
  *
- * Instructions are counted by callgrind, which runs this program once more: they are the same on a
- * busy machine and a quiet one, and on machines whose processor's counters nobody may read, as in
- * most containers. A loop of n within one of n comes to 4 times.
- * By hand: test_doubling 8 [NAME] takes inputs eight times as large.
+ * Instructions are counted by callgrind, which runs this program a second time. Counts are the
+ * same on a busy machine and on a quiet one. They need no access to processor counters, which most
+ * containers deny. By hand: test_doubling 8 [NAME] takes inputs eight times as large.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,7 @@
 
 static const double most = 2.5;
 static size_t scale = 1;
-static const char *wanted; /* a part of the names, or NULL */
+static const char *wanted; /* a part of the input's name, or NULL */
 
 static const struct doubled *case_at(size_t i)
 {
@@ -42,16 +42,17 @@ static const struct doubled *case_at(size_t i)
     return i < doubled_n_functions ? &doubled_functions[i] : NULL;
 }
 
-/* ---- What callgrind runs --------------------------------------------------------------------- */
+/* ---- The program under callgrind ------------------------------------------------------------- */
 
-/* Its instructions are one count each: callgrind is told its name. */
+/* Callgrind counts the instructions of this function, by its name. */
 __attribute__((noinline)) int count_reading(const struct doubled_input *input, char text[256]);
 int count_reading(const struct doubled_input *input, char text[256])
 {
     return doubled_read(input, text);
 }
 
-/* Each size and twice that. What is made once is made by reading a quarter before. */
+/* Reads each size and twice that. A quarter is read before, so that one-time setup is not counted.
+ */
 static void read_all(void)
 {
     char text[256];
@@ -74,7 +75,7 @@ static void read_all(void)
 
 static char folder[64];
 
-/* The sum of one dump. */
+/* Returns the sum of one dump. */
 static double instructions_of(int dump)
 {
     char path[128], line[512];
@@ -116,7 +117,7 @@ static bool is_sanitized(void)
 
 static void test_doubling(void **state)
 {
-    if (is_sanitized()) /* valgrind runs no such program */
+    if (is_sanitized()) /* valgrind cannot run sanitized programs */
         skip();
     char path[128], line[512];
     double count = 0, before;

@@ -1,7 +1,7 @@
 /*
- * No memory while Embree builds, in a thread that was prepared for it: an error, and the process
- * lives. Each of its allocations fails by itself in turn, and with all that follow; the library of
- * tasks beneath it has its own allocator, or (as in a process that may open no files) it has not.
+ * Embree builds that run out of memory, in a thread prepared for it: the result is an error, and
+ * the process survives. Each allocation fails once alone, and once with all that follow. The task
+ * library has its own allocator, or (as in a process that may open no files) has none.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,13 +23,13 @@
 #include "scene/geometry/embree_device.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
-#define FAILING 0 /* sanitizers have allocators of their own; clang's check of them has too */
+#define FAILING 0 /* sanitizers replace the allocator; so does clang's static analysis */
 #else
 #define FAILING 1
 #endif
 
 static long calls, failing_from, failing_to;
-static bool no_allocator; /* but the C library's */
+static bool no_allocator; /* true: only the C library's allocator */
 
 #if FAILING
 static bool fails(void)
@@ -69,7 +69,7 @@ int posix_memalign(void **ret_block, size_t alignment, size_t size)
     return block ? 0 : ENOMEM;
 }
 
-/* As Embree's libraries call them, and export by name alone. */
+/* Embree's libraries call these by their exported names. */
 void *memalign(size_t alignment, size_t size);
 void *memalign(size_t alignment, size_t size)
 {
@@ -122,8 +122,8 @@ static int build(long from, long to)
     return rc;
 }
 
-/* What a process of its own does, prepared: the number of calls, or -1 where it did not live, with
- * an error or without. */
+/* Runs prepared builds in a child process. Returns the number of allocations, or -1 if it died,
+ * for both a successful and a failed build. */
 static long count_calls(long from, long to)
 {
     enum { SECONDS = 60 };
@@ -132,7 +132,7 @@ static long count_calls(long from, long to)
     assert_int_equal(pipe(ends), 0);
     const pid_t pid = fork();
     if (pid == 0) {
-        alarm(SECONDS); /* some faults are waiting without end */
+        alarm(SECONDS); /* some faults hang forever */
         if (dup2(open("/dev/null", O_WRONLY), STDERR_FILENO) < 0 || !orl_embree_device())
             _exit(1);
         const int rc = build(from, to);
@@ -166,8 +166,8 @@ static void test_failing_allocations(void **state)
     fail_each(true);
 }
 
-/* The C library's gives nothing for errors on their way from task to task: these end the process
- * when all fails from one on. */
+/* The C library's allocator fails for errors passed from task to task; these end the process if
+ * all allocations fail from one on. */
 static void test_without_an_allocator(void **state)
 {
     (void)state;

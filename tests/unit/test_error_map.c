@@ -1,6 +1,6 @@
 /*
- * Error maps: relative errors, smoothing, the files, the scale of colours; and names of views that
- * would collide with them.
+ * Error maps: relative errors, smoothing, files, the colour scale; and view names that would
+ * collide with them.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,14 +21,14 @@
 #include "support/scene_text.h"
 #include "support/scratch.h"
 
-/* Nothing may stand in the place of a sanitizer's malloc. */
+/* A sanitizer's malloc cannot be replaced. */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
 #define CAN_FAIL 0
 #else
 #define CAN_FAIL 1
 #endif
 
-/* The call of malloc that fails, counted from here; 0: none will. */
+/* Number of malloc calls until one fails; 0: none fails. */
 static unsigned fails_in;
 
 #if CAN_FAIL
@@ -60,7 +60,7 @@ void *realloc(void *old, size_t size)
 }
 #endif
 
-/* Gray, of one value and error. */
+/* Returns a gray film of one value and error. */
 static struct orl_film even_film(uint32_t width, uint32_t height, float value, float error)
 {
     struct orl_film film;
@@ -86,7 +86,7 @@ static void test_relative(void **state)
     (void)state;
     assert_near(orl_film_mean(&film), 2, 1e-6);
     assert_near(orl_film_relative_error(&film, 0, 2), 0.05, 1e-7);
-    /* Dark: a tenth of the mean counts. */
+    /* In the dark, a tenth of the mean is the floor. */
     film.pixels[3][0] = film.pixels[3][1] = film.pixels[3][2] = 0.02F;
     assert_near(orl_film_relative_error(&film, 3, 2), 0.5, 1e-6);
     film.errors[4] = 0;
@@ -97,8 +97,8 @@ static void test_relative(void **state)
     orl_film_done(&film);
 }
 
-/* The mean of squares: of nine pixels, of six at an edge, of four in a corner; not across a step.
- */
+/* Smoothing takes the mean of squares: of nine pixels, six at an edge, four in a corner; not
+ * across a step. */
 static void test_smoothing(void **state)
 {
     struct orl_film film = even_film(8, 4, 1, 0.1F);
@@ -136,7 +136,7 @@ static void test_hdr(void **state)
     orl_film_done(&film);
 }
 
-/* CIE lightness of an sRGB colour. */
+/* Returns the CIE lightness of an sRGB colour. */
 static double lightness(const unsigned char srgb[3])
 {
     static const double weights[3] = {0.2126, 0.7152, 0.0722};
@@ -148,14 +148,13 @@ static double lightness(const unsigned char srgb[3])
     return 116 * cbrt(y) - 16;
 }
 
-/* Of an error from a thousandth to all. */
+/* Returns the colour of a relative error from a thousandth to 1. */
 static void color_of(double relative, unsigned char ret_srgb[3])
 {
     orl_palette_color(ORL_PALETTE_EVEN, relative > 0 ? 1 + log10(relative) / 3 : 0, ret_srgb);
 }
 
-/* Equal ratios are equal steps of lightness, to what 8 bits and straight lines between points do.
- */
+/* Equal ratios give equal steps of lightness, up to 8 bits and the interpolation between points. */
 static void test_colors(void **state)
 {
     unsigned char low[3], high[3], beyond[3];
@@ -187,7 +186,8 @@ static png_bytep read_png(const char *path, png_image *ret_image)
     return pixels;
 }
 
-/* The picture in its colours from the top left, a legend below; small ones leave room for it. */
+/* Checks the picture's colours from the top left and the legend below; small pictures leave room
+ * for it. */
 static void check_png(uint32_t width, uint32_t height)
 {
     struct orl_film film = even_film(width, height, 1, 0.02F);
@@ -225,7 +225,7 @@ static void test_unwritable(void **state)
     orl_film_done(&film);
 }
 
-/* Whichever allocation fails: a picture that is whole, or an error. */
+/* If any single allocation fails, the result is a complete picture or an error. */
 static void test_whole_or_not_at_all(void **state)
 {
     struct orl_film film;

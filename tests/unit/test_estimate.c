@@ -1,6 +1,6 @@
 /*
- * What estimates say of their own errors: intervals against tables of Student's t and against
- * chance; parts by batch; the bias of a density from another area.
+ * Error estimates: intervals against tables of Student's t and against random samples; parts by
+ * batch; the bias of a density from another area.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,7 +18,7 @@
 #include "photon/map/facing.h"
 #include "support/cli.h"
 
-/* Without bias: Student's t at 97.5 %, from tables. */
+/* Without bias the interval is Student's t at 97.5 %, from tables. */
 static void test_student(void **state)
 {
     static const double table[][2] = {
@@ -31,8 +31,8 @@ static void test_student(void **state)
 }
 
 /*
- * An estimate of known scatter and bias covers the truth in 95 of 100 cases, whatever the bias: of
- * 40000 draws 0.95 +- 4 sqrt(0.95 0.05 / 40000) = 0.0044.
+ * For an estimate of known scatter and bias the interval covers the truth in 95 of 100 cases, for
+ * any bias. 40000 samples: 0.95 +- 4 sqrt(0.95 0.05 / 40000) = 0.0044.
  */
 static void test_biased(void **state)
 {
@@ -57,8 +57,8 @@ static double normal_draw(struct orl_random *random)
     return sqrt(-2 * log(1 - u)) * cos(2 * ORL_PI * v);
 }
 
-/* How often the mean of 16 groups' intervals lie below the truth, as they are and evenly; groups
- * are exp(sigma N), or N with sigma 0. */
+/* Counts how often intervals of the mean of 16 groups lie below the truth, with the skewness
+ * correction and without. Groups are exp(sigma N), or N if sigma is 0. */
 static void count_misses(double sigma, double *ret_misses, double *ret_even)
 {
     enum { DRAWS = 20000, GROUPS = 16 };
@@ -79,9 +79,10 @@ static void count_misses(double sigma, double *ret_misses, double *ret_even)
 }
 
 /*
- * Rare light: of lognormal groups (sigma 1: skewness 6) even intervals lie too low eight times as
- * often as the 2.5 % that they should; what skewness adds takes more than a third of that away. Of
- * normal groups it takes next to nothing. 20000 draws: a standard error of 0.25 % at most.
+ * Skewed estimates. For lognormal groups (sigma 1: skewness 6) symmetric intervals lie too low
+ * eight times as often as the nominal 2.5 %. The skewness correction removes more than a third of
+ * that. For normal groups it changes almost nothing. 20000 samples: a standard error of 0.25 % at
+ * most.
  */
 static void test_skewed(void **state)
 {
@@ -95,8 +96,8 @@ static void test_skewed(void **state)
     assert_true(misses < 0.65 * even);
 }
 
-/* Nothing but bias: the interval is as wide as that. And sums: variances add, degrees are between.
- */
+/* With bias only, the interval is as wide as the bias. In sums variances add, and degrees of
+ * freedom are between those of the terms. */
 static void test_sums(void **state)
 {
     const struct orl_rgb values[2] = {{1, 1, 1}, {3, 3, 3}};
@@ -113,7 +114,7 @@ static void test_sums(void **state)
     assert_true(mean.value.g == 2 && fabs(mean.standard_error - 1) < 1e-12 && mean.degrees == 1);
 }
 
-/* Parts as they are kept: together the whole, each to half a 255th of the largest. */
+/* Packed parts sum to the whole, each to half a 255th of the largest. */
 static void test_packed_parts(void **state)
 {
     struct orl_batches parts = {{0}};
@@ -157,8 +158,8 @@ static int tear_down(void **state)
 }
 
 /*
- * Photons of flux 1 over the square from -1 to 1, 1 / 4 of them a unit area per count, thinned to
- * 1 - dip (1 - r2) within the unit circle.
+ * Returns a map of photons of flux 1 over the square from -1 to 1, count / 4 per unit area,
+ * thinned to 1 - dip (1 - r2) within the unit circle.
  */
 static struct orl_photon_map *rain(double dip, uint32_t count, uint64_t seed)
 {
@@ -188,10 +189,10 @@ static struct orl_photon_map *rain(double dip, uint32_t count, uint64_t seed)
 }
 
 /*
- * Even light: standard errors are the scatter of k photons, 1 / sqrt k, of fixed discs; of adaptive
- * ones, what estimates of many maps scatter by. Of 100 maps a variance is good to sqrt(2 / 99) =
- * 14 %, a mean of 100 variances with 15 degrees each to sqrt(2 / 1500) = 4 %: four times 15 % of
- * the logarithm.
+ * Uniform light. The standard error of fixed discs is the scatter of k photons, 1 / sqrt k; that
+ * of adaptive discs is the scatter over many maps. A variance from 100 maps is accurate to sqrt(2
+ * / 99) = 14 %, a mean of 100 variances with 15 degrees each to sqrt(2 / 1500) = 4 %: the
+ * tolerance is four times 15 % of the logarithm.
  */
 static void test_scatter(void **state)
 {
@@ -224,9 +225,9 @@ static void test_scatter(void **state)
 }
 
 /*
- * In a dip of 0.8 (1 - r2) the mean over a disc of radius R is too high by 0.4 R2. The estimate of
- * that is the difference of two discs, one half of the other, which scatters by 1 / sqrt 2 of what
- * the k photons of the smaller do: four times that is allowed.
+ * In a dip of 0.8 (1 - r2) the mean over a disc of radius R is too high by 0.4 R2. The bias
+ * estimate is the difference of two discs, one half of the other. It scatters by 1 / sqrt 2 of the
+ * k photons of the smaller: the tolerance is four times that.
  */
 static void test_bias(void **state)
 {
@@ -241,7 +242,7 @@ static void test_bias(void **state)
                   density.irradiance.g / even - 0.2);
     assert_true(fabs(bias - truth) < 4 * density.irradiance.g / even / sqrt(2.0 * K));
     orl_photon_map_free(map);
-    /* Where light is even there is none, but by chance. */
+    /* Uniform light has no bias, except by chance. */
     map = rain(0, COUNT, 1);
     const struct orl_density none = orl_density_estimate(map, &query, search);
     assert_true(fabs(orl_density_bias(map, &query, &none, search)) < 2 * none.standard_error);

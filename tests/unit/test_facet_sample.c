@@ -1,9 +1,9 @@
 /*
- * Points drawn on surfaces: uniform by area for every kind, and the area itself.
+ * Points sampled on surfaces: uniform by area for every kind, and the area itself.
  *
  * Points are binned along two coordinates in which equal bins have equal area, and compared by
- * chi-square. Seeds are fixed; the threshold is the 99.99 % quantile, by Wilson and Hilferty's cube
- * root (z = 3.72).
+ * chi-square. Seeds are fixed; the threshold is the 99.99 % quantile, by Wilson and Hilferty's
+ * cube root (z = 3.72).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@
 
 enum { SIDE = 16, BINS = SIDE * SIDE, DRAWS = 100 * BINS };
 
-/* Turns a point into two coordinates of [0,1), uniform by area. */
+/* Maps a point to two coordinates of [0,1), uniform by area. */
 typedef void (*flatten)(struct orl_vec3 p, double ret_uv[2]);
 
 struct kind {
@@ -30,7 +30,7 @@ struct kind {
     bool inwards;
 };
 
-static double turn(double y, double x)
+static double angle_in_turns(double y, double x)
 {
     const double t = atan2(y, x) / (2 * ORL_PI);
     return t < 0 ? t + 1 : t;
@@ -39,26 +39,26 @@ static double turn(double y, double x)
 static void flatten_sphere(struct orl_vec3 p, double ret_uv[2])
 {
     ret_uv[0] = 0.5 * (p.z / 2 + 1); /* Archimedes */
-    ret_uv[1] = turn(p.y, p.x);
+    ret_uv[1] = angle_in_turns(p.y, p.x);
 }
 
 static void flatten_cylinder(struct orl_vec3 p, double ret_uv[2])
 {
     ret_uv[0] = p.z / 3;
-    ret_uv[1] = turn(p.y, p.x);
+    ret_uv[1] = angle_in_turns(p.y, p.x);
 }
 
 /* Radius from 1 down to 0.25: area below radius r is 1 - r^2 of 1 - 1/16. */
 static void flatten_cone(struct orl_vec3 p, double ret_uv[2])
 {
     ret_uv[0] = (1 - p.x * p.x - p.y * p.y) / (1 - 0.0625);
-    ret_uv[1] = turn(p.y, p.x);
+    ret_uv[1] = angle_in_turns(p.y, p.x);
 }
 
 static void flatten_ring(struct orl_vec3 p, double ret_uv[2])
 {
     ret_uv[0] = (p.x * p.x + p.y * p.y - 0.25) / 2;
-    ret_uv[1] = turn(p.y, p.x);
+    ret_uv[1] = angle_in_turns(p.y, p.x);
 }
 
 static void flatten_rectangle(struct orl_vec3 p, double ret_uv[2])
@@ -76,21 +76,21 @@ static const struct kind kinds[] = {
     {GREY "m cup s 0 0 8 0 0 0 0 0 1 1 .25", ORL_PI * 1.25 * 1.25, flatten_cone, true},
     {GREY "m ring s 0 0 8 0 0 0 0 0 1 .5 1.5", 2 * ORL_PI, flatten_ring, false},
     {GREY "m polygon s 0 0 12 0 0 0 3 0 0 3 2 0 0 2 0", 6, flatten_rectangle, false},
-    /* The same with needless corners: more triangles, of all sizes. */
+    /* The polygon with redundant corners: more triangles, of all sizes. */
     {GREY "m polygon s 0 0 21 0 0 0 .1 0 0 3 0 0 3 1.9 0 3 2 0 1.5 2 0 0 2 0", 6, flatten_rectangle,
      false},
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-/* Upper bound of chi-square with n degrees of freedom at 99.99 %. */
+/* Returns the 99.99 % quantile of chi-square with n degrees of freedom. */
 static double chi_square_bound(double n)
 {
     const double c = 2 / (9 * n), root = 1 - c + 3.72 * sqrt(c);
     return n * root * root * root;
 }
 
-static void draw(const struct orl_geometry *g, struct orl_random *random,
-                 struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
+static void sample_points(const struct orl_geometry *g, struct orl_random *random,
+                          struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
     const double u0 = orl_random_uniform(random), u[2] = {u0, orl_random_uniform(random)};
     orl_facet_sample(g, 0, u, ret_point, ret_normal);
@@ -107,10 +107,10 @@ static void test_uniform_by_area(void **state)
         for (int i = 0; i < DRAWS; i++) {
             struct orl_vec3 p, n;
             double uv[2];
-            draw(g, &random, &p, &n);
+            sample_points(g, &random, &p, &n);
             kinds[k].uv(p, uv);
             const int x = (int)floor(uv[0] * SIDE), y = (int)floor(uv[1] * SIDE);
-            /* Rounding may put a point of the rim just beyond it. */
+            /* Rounding may put a point of the rim slightly outside. */
             assert_true(uv[0] > -1e-9 && uv[0] < 1 + 1e-9 && uv[1] > -1e-9 && uv[1] < 1 + 1e-9);
             count[(x < 0      ? 0
                    : x < SIDE ? x
@@ -137,7 +137,7 @@ static void test_area(void **state)
     }
 }
 
-/* Points lie on the surface, with the normal a ray would find there. */
+/* Points lie on the surface, with the normal of a ray hit there. */
 static void test_on_the_surface(void **state)
 {
     (void)state;
@@ -148,7 +148,7 @@ static void test_on_the_surface(void **state)
         for (int i = 0; i < 2000; i++) {
             struct orl_vec3 p, n;
             struct orl_hit hit;
-            draw(g, &random, &p, &n);
+            sample_points(g, &random, &p, &n);
             assert_true(fabs(orl_length(n) - 1) < 1e-12);
             const struct orl_vec3 from = orl_sub(orl_madd(p, n, 0.01), g->center);
             if (!orl_geometry_intersect(g, from, orl_neg(n), 0.02, &hit)) {
@@ -165,7 +165,7 @@ static void test_on_the_surface(void **state)
     }
 }
 
-/* A sample at the very ends of the unit square is on the surface too. */
+/* A sample at the ends of the unit square is on the surface too. */
 static void test_corners_of_the_square(void **state)
 {
     static const double last = 1 - 0x1p-53;

@@ -1,6 +1,6 @@
 /*
- * False colours: palettes and scales against their formulas, lines where the values are, and the
- * pictures as libpng reads them.
+ * False colours: palettes and scales against their formulas, contour lines at their values, and
+ * pictures as read by libpng.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -30,7 +30,7 @@ static void assert_near(double value, double expected, double tolerance)
 
 enum { WIDTH = 320, HEIGHT = 240 };
 
-/* Gray, from 0 at the left to that many cd/m2 at the right. */
+/* Returns a gray film, from 0 at the left to that many cd/m2 at the right. */
 static struct orl_film ramp(double high)
 {
     struct orl_film film;
@@ -57,7 +57,7 @@ static void expect_color(enum orl_palette palette, double share, int r, int g, i
                  color[0], color[1], color[2], r, g, b);
 }
 
-/* By hand, from what falsecolor's manual and functions say, with a gamma of 2.2. */
+/* Worked out by hand from falsecolor's manual and functions, with a gamma of 2.2. */
 static void test_palettes(void **state)
 {
     (void)state;
@@ -86,7 +86,7 @@ static void test_kth(void **state)
     }
 }
 
-/* With divisions as falsecolor's -s, -n and -log; without, round numbers. */
+/* With divisions as falsecolor's -s, -n and -log; without them, round numbers. */
 static void test_scales(void **state)
 {
     (void)state;
@@ -160,7 +160,7 @@ static png_bytep write_and_read(const struct orl_film *film, struct orl_false_co
     return read_png(scratch_path("a.png"), ret_image);
 }
 
-/* Each pixel has the colour of its value; below there is a legend. */
+/* Each pixel has the colour of its value; a legend is below. */
 static void test_fill(void **state)
 {
     (void)state;
@@ -179,7 +179,7 @@ static void test_fill(void **state)
     orl_film_done(&film);
 }
 
-/* How many pixels of a row of the picture are not black, and the middle of those near x. */
+/* Counts pixels of a picture row that are not black; returns the middle of those near x. */
 static int lit_about(png_bytep pixels, int row, double x, int reach, double *ret_middle)
 {
     int count = 0;
@@ -195,7 +195,7 @@ static int lit_about(png_bytep pixels, int row, double x, int reach, double *ret
     return count;
 }
 
-/* The lines of a ramp stand where its levels are; one has its number written on it, once. */
+/* Contour lines of a ramp are at its levels; each has its number written on it, once. */
 static void test_lines(void **state)
 {
     (void)state;
@@ -211,14 +211,14 @@ static void test_lines(void **state)
             assert_true(lit > 0);
             right += lit <= 6 && fabs(middle - WIDTH * 0.2 * i) < 1;
         }
-    /* All rows of the three, but for those that their numbers cover: some 30 of each. */
+    /* All rows of the three lines, minus the rows that their numbers cover: some 30 each. */
     assert_true(right > 3 * (HEIGHT - 50) && right < 3 * (HEIGHT - 15));
     assert_int_equal(lit_about(pixels, 100, WIDTH * 0.3, 20, &middle), 0);
     free(pixels);
     orl_film_done(&film);
 }
 
-/* An edge between dark and bright is no line, whatever levels lie between. */
+/* An edge between dark and bright is not a contour line, for any levels between. */
 static void test_edges_are_no_lines(void **state)
 {
     (void)state;
@@ -235,7 +235,7 @@ static void test_edges_are_no_lines(void **state)
     orl_film_done(&film);
 }
 
-/* Bands reach a tenth of a step to either side of a level, as falsecolor's -cb. */
+/* Bands extend a tenth of a step to either side of a level, as in falsecolor's -cb. */
 static void test_bands(void **state)
 {
     (void)state;
@@ -254,7 +254,7 @@ static void test_bands(void **state)
     orl_film_done(&film);
 }
 
-/* A point's value is its pixel's; it is marked, and so are extrema. */
+/* A point's value is its pixel's; points and extrema are marked. */
 static void test_points(void **state)
 {
     (void)state;
@@ -279,8 +279,8 @@ static void test_points(void **state)
     orl_film_done(&film);
 }
 
-/* A point within the size that was asked for, beyond what the pixels' aspect leaves of it, is
- * refused before anything is rendered. */
+/* A point within the requested size but outside the picture after adjusting for pixel aspect is
+ * refused before rendering. */
 static void test_points_of_less(void **state)
 {
     static char name[] = "eye", scene[] = "room.rad", *files[] = {scene},
@@ -310,7 +310,7 @@ static void test_points_of_less(void **state)
     assert_non_null(strstr(err.message, "'p' at 160, 140 lies outside"));
 }
 
-/* Numbers beside things have three digits, and no exponents where people write none. */
+/* Printed numbers have three digits, and no exponents at ordinary sizes. */
 static void test_texts(void **state)
 {
     static const struct {

@@ -1,6 +1,6 @@
 /*
- * Images on disk: RGBE of known values, HDR files read back by a decoder of the test's own, OpenEXR
- * by its library.
+ * Image files: RGBE of known values, HDR files read by a decoder of the test's own, OpenEXR by its
+ * library.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -48,7 +48,7 @@ static void test_rgbe(void **state)
 /* ---- A decoder of Radiance pictures -----------------------------------------------------------
  */
 
-/* The header's lines, and the pixels as they stand: bytes of RGBE. */
+/* The header's lines, and the raw pixels: bytes of RGBE. */
 struct picture {
     char view[1200], aspect[64];
     bool has_format;
@@ -56,7 +56,7 @@ struct picture {
     unsigned char (*rgbe)[4];
 };
 
-/* One line without its end; fails at the end of the bytes. */
+/* Reads one line without its end; fails at the end of the bytes. */
 static void take_line(const unsigned char **at, const unsigned char *end, char *line, size_t size)
 {
     size_t n = 0;
@@ -69,7 +69,7 @@ static void take_line(const unsigned char **at, const unsigned char *end, char *
     line[n] = '\0';
 }
 
-/* A scanline of four components, each in runs (over 128: repeat one byte) and dumps. */
+/* Decodes a scanline of four components, each in runs (over 128: repeat one byte) and literals. */
 static const unsigned char *take_rle(const unsigned char *at, const unsigned char *end,
                                      unsigned width, unsigned char (*row)[4])
 {
@@ -137,7 +137,7 @@ static struct orl_view some_view(void)
     return view;
 }
 
-/* What fills a film, by kind: noise, long runs, one value, runs of every length. */
+/* Returns pixel values of a kind: noise, long runs, one value, runs of every length. */
 static float pixel_value(int kind, unsigned x, unsigned y, int c, struct orl_random *random)
 {
     switch (kind) {
@@ -171,7 +171,8 @@ static void check_size(unsigned width, unsigned height, int kind)
     for (unsigned i = 0; i < width * height; i++) {
         const double scale = ldexp(1, p.rgbe[i][3] - 136);
         const double most = fmax(film.pixels[i][0], fmax(film.pixels[i][1], film.pixels[i][2]));
-        /* The middle of a step of 1/256 of a power of two above the brightest: half of 1/128. */
+        /* The error is half a step, and a step is 1/256 of the next power of two above the
+         * maximum: half of 1/128. */
         for (int c = 0; c < 3; c++)
             assert_true(fabs((p.rgbe[i][c] + 0.5) * scale - film.pixels[i][c]) <= most / 256);
     }
@@ -206,11 +207,11 @@ static void test_hdr_header(void **state)
         assert_memory_equal(p.rgbe[i], "\0\0\0\0", 4);
     free(p.rgbe);
     orl_film_done(&film);
-    /* The .part that was written first is gone. */
+    /* The temporary .part file is gone. */
     assert_int_equal(access(scratch_path("b.hdr.part"), F_OK), -1);
 }
 
-/* Pixels twice as high as wide say so, by their height over their width. */
+/* Pixels twice as high as wide have their aspect, height over width, in the header. */
 static void test_pixel_aspect(void **state)
 {
     const struct orl_view view = some_view();
@@ -229,7 +230,7 @@ static void test_pixel_aspect(void **state)
 /* ---- PNG --------------------------------------------------------------------------------------
  */
 
-/* OpenEXR: halves and floats, read back by its own library, and what it says of the view. */
+/* OpenEXR: halves and floats and the view's attributes, read by its own library. */
 static void read_exr(const char *path, const struct orl_film *film, bool halves)
 {
     exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
@@ -251,7 +252,7 @@ static void read_exr(const char *path, const struct orl_film *film, bool halves)
     assert_true(primaries.red_x == 0.640F && primaries.green_y == 0.600F &&
                 primaries.blue_x == 0.150F && primaries.white_x == 1 / 3.0F);
     assert_int_equal(exr_attr_get_m44f(exr, 0, "worldToCamera", &camera), 0);
-    /* some_view: from (1, 2, 3) along x; a point 5 ahead of it, 1 to the right and 2 up. */
+    /* some_view is from (1, 2, 3) along x; the point is 5 ahead of it, 1 to the right and 2 up. */
     const float point[4] = {6, 1, 5, 1}, expected[3] = {1, 2, -5};
     for (int c = 0; c < 3; c++) {
         float sum = 0;

@@ -1,7 +1,7 @@
 /*
- * Photons whose first surface keeps nothing: emitted by what that surface reflects, they leave on
- * all others as much light as photons that are emitted by flux and kept everywhere, in fewer
- * flights.
+ * Photons whose first surface stores nothing are emitted in proportion to what that surface
+ * reflects. They leave the same light on all others as photons that are emitted by flux and stored
+ * everywhere, with fewer emissions.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -30,7 +30,8 @@ enum { EMISSIONS = 1 << 17 };
     "dark polygon rug 0 0 12 .1 .1 .02 3.9 .1 .02 3.9 3.9 .02 .1 3.9 .02\n"                        \
     "!genbox bright block .5 .5 .4 | xform -t 1.7 .4 .03\n"
 
-/* Of photons reflected before: flux an emission, its standard error, and how many. */
+/* Photons that were reflected before: their flux per emission, its standard error, their number
+ * per emission. */
 struct harvest {
     double flux, error, photons;
 };
@@ -73,8 +74,8 @@ static struct harvest harvest_of(const struct orl_world *world, struct orl_crew 
     return harvest;
 }
 
-/* Batches of 8192 independent emissions: their scatter is that of the sum; four times that of both.
- */
+/* Batches of 8192 independent emissions give the scatter of the sum. Tolerance: four standard
+ * errors of the difference. */
 static void test_same_light(void **state)
 {
     struct orl_crew *crew = orl_crew_start(1);

@@ -1,5 +1,5 @@
-/* Floor plans of scenes: lengths and places of their lines, bounds, and what is left of too many.
- */
+/* Floor plans of scenes: lengths and places of lines, bounds, and the lines kept if there are too
+ * many. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -60,7 +60,7 @@ static void test_a_room(void **state)
     orl_floor_plan_done(&plan);
 }
 
-/* Of columns the short sides go first: a wall stays. */
+/* The short sides of columns are dropped first: a wall stays. */
 static void test_too_many(void **state)
 {
     enum { COLUMNS = 5000 };

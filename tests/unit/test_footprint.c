@@ -1,6 +1,6 @@
 /*
- * Footprints against areas that are known: whole discs, halves at an edge, quarters in a corner,
- * what a wall leaves, tiles that carry a floor on, a gap between two plates.
+ * Footprints against known areas: whole discs, halves at an edge, quarters in a corner, discs cut
+ * by a wall, adjacent tiles, a gap between two plates.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,7 +19,7 @@ static struct orl_world *world_of(const char *scene)
     return scene_world(scene, NULL, NULL, NULL);
 }
 
-/* The share of the disc that the footprint at a place of the scene covers. */
+/* Returns the share of the disc that the footprint at a place of the scene covers. */
 static double share_at(const struct orl_world *world, struct orl_vec3 place, struct orl_vec3 normal,
                        double radius)
 {
@@ -34,7 +34,7 @@ static double share_at(const struct orl_world *world, struct orl_vec3 place, str
     return share;
 }
 
-/* What a straight line at that distance over the radius leaves of a disc. */
+/* Returns the share of a disc on one side of a straight line at distance / radius. */
 static double segment(double distance)
 {
     return 1 - (acos(distance) - distance * sqrt(1 - distance * distance)) / ORL_PI;
@@ -74,13 +74,13 @@ static void tiles_and_gaps(void **state)
     struct orl_world *world = world_of(GREY "!genbox w a 1 1 1 | xform -a 3 -t 1 0 0\n"
                                             "!genbox w b 3 1 1 | xform -t 0 1.1 0\n");
     (void)state;
-    /* Three boxes side by side: their tops are one; the fourth is beyond a gap. */
+    /* Three adjacent boxes have one common top; the fourth is beyond a gap. */
     assert_true(fabs(share_at(world, orl_v3(1.02, 0.5, 1), up, 0.4) - 1) < 1e-9);
     assert_true(fabs(share_at(world, orl_v3(1.5, 0.9, 1), up, 0.5) - segment(0.2)) < 2e-4);
     orl_world_free(world);
 }
 
-/* Moments of a disc that straight lines cut, by the midpoints of a million small squares. */
+/* Computes moments of a disc cut by straight lines, by the midpoints of a million small squares. */
 static struct orl_moments brute_force(const struct orl_footprint *footprint, double radius)
 {
     enum { SIDE = 1000 };
@@ -98,7 +98,7 @@ static struct orl_moments brute_force(const struct orl_footprint *footprint, dou
     return m;
 }
 
-/* Squares on a border are counted or not: off by a few of a thousand rows. */
+/* Squares on a border are counted or not: an error of a few of a thousand rows. */
 static void assert_moments(const struct orl_world *world, struct orl_vec3 place, double radius)
 {
     struct orl_footing footing;
@@ -137,9 +137,9 @@ static void curves(void **state)
                                             "w cylinder c 0 0 7 3 0 0 3 0 2 .5\n");
     (void)state;
     assert_true(fabs(share_at(world, orl_v3(0, 0, 1), up, 0.3) - 1) < 1e-9);
-    /* Beyond 28 degrees a sphere is another sheet: a cap of chord 0.484. */
+    /* Beyond 28 degrees a sphere counts as another sheet: a cap of chord 0.484. */
     assert_true(fabs(share_at(world, orl_v3(0, 0, 1), up, 1) - 0.2341) < 0.01);
-    /* Half at the end of the tube. */
+    /* Half a disc at the end of the tube. */
     assert_true(fabs(share_at(world, orl_v3(3.5, 0, 2), orl_v3(1, 0, 0), 0.1) - 0.5) < 0.01);
     orl_world_free(world);
 }

@@ -1,4 +1,4 @@
-/* Configurations of frads as projects. */
+/* Configuration files of frads as projects. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -26,7 +26,7 @@ static json_t *read_text(const char *text)
     return project;
 }
 
-/* Values that go on, name others, or are of another section. */
+/* Values that continue on the next line, name others, or belong to another section. */
 static void test_files(void **state)
 {
     json_t *const project =

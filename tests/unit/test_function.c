@@ -1,11 +1,11 @@
 /*
- * The function language: expressions against rcalc's values, what is chosen and evaluated lazily,
- * eight places at once against one, bounds, and what errors say.
+ * The function language: expressions against rcalc's values, lazy evaluation, eight places at once
+ * against one, bounds, error messages.
  *
  * tests/fixtures/functions.tsv has 300 expressions of support/random_expression.h with the value
- * that Radiance's rcalc gives them (17 digits). Both add and multiply alike and call the same C
- * library: what is left is the rounding of constants that are folded, 1e-12 of the larger of 1 and
- * the value.
+ * from Radiance's rcalc (17 digits). Both programs add and multiply in the same way and call the
+ * same C library. The remaining difference is the rounding of folded constants, 1e-12 of the
+ * larger of 1 and the value.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -44,8 +44,7 @@ static void test_fixtures(void **state)
     assert_int_equal(n, 300);
 }
 
-/* ---- What is evaluated ------------------------------------------------------------------------
- */
+/* ---- Lazy evaluation ------------------------------------------------------------------------- */
 
 static const char *const lazy =
     "pick(a, b) = if(a, a, b); climb(x) = pick(x, climb(x+1)); fact(n) = if(n-1.5, n*fact(n-1), 1);"
@@ -68,7 +67,7 @@ static void test_lazy(void **state)
     function_check_near("arg", function_value("", "if(arg(0) - 3.5, arg(4), 42)", NULL, NULL), 42);
 }
 
-/* What no input decides is a number in the program. */
+/* Expressions that depend on no input are folded to one number. */
 static void test_constants(void **state)
 {
     static const struct {
@@ -88,7 +87,7 @@ static void test_constants(void **state)
     }
 }
 
-/* Fixed inputs are constants; the rest are named. */
+/* Fixed inputs are constants; the remaining inputs are listed by name. */
 static void test_fixed(void **state)
 {
     static const char *const names[] = {"s", "t"};
@@ -115,7 +114,7 @@ static void test_fixed(void **state)
 /* ---- Files ------------------------------------------------------------------------------------
  */
 
-/* Each file has names of its own; what a file does not define is the standard's. */
+/* Each file has its own names; undefined ones come from the standard file. */
 static void test_contexts(void **state)
 {
     static const char *const names[] = {"a.cal", "b.cal"};
@@ -159,7 +158,8 @@ static void test_contexts(void **state)
 /* ---- Eight at once ----------------------------------------------------------------------------
  */
 
-/* Ways part between lanes; each has the very value that it has alone, undefined ones too. */
+/* Lanes take different branches; each has the same value as evaluated alone, undefined values
+ * included. */
 static void test_lanes(void **state)
 {
     static const char *const expressions[] = {
@@ -200,8 +200,7 @@ static void test_lanes(void **state)
     }
 }
 
-/* ---- What has no value, and what is too much --------------------------------------------------
- */
+/* ---- Undefined values, and limits ------------------------------------------------------------ */
 
 static void test_undefined(void **state)
 {
@@ -272,7 +271,7 @@ static void test_errors(void **state)
     }
 }
 
-/* Nested as deep as it may be, and one level deeper. */
+/* Nesting to the limit is accepted, and one level deeper is refused. */
 static void test_nesting(void **state)
 {
     char text[2 * ORL_FUNCTION_NESTING + 8];
@@ -290,12 +289,11 @@ static void test_nesting(void **state)
     }
 }
 
-/* ---- Beside rcalc, where it is ----------------------------------------------------------------
- */
+/* ---- Comparison with rcalc, if it is installed ----------------------------------------------- */
 
 enum { BESIDE = 400 };
 
-/* rcalc's value of an expression; false: it complains of something that has no value. */
+/* Gets rcalc's value of an expression. Returns false if rcalc reports an undefined value. */
 static bool ask_rcalc(const char *folder, const char *expression, double *ret_value)
 {
     char path[128], command[256];

@@ -1,4 +1,4 @@
-/* The function language: names that files count on, those of rays, and noise. */
+/* The function language: names that files rely on, names of rays, and noise. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 #include "function/ray_names.h"
 #include "support/function_text.h"
 
-/* Values of Radiance's own standard file for these names, by rcalc. */
+/* Values of these names in Radiance's own standard file, by rcalc. */
 static void test_standard_names(void **state)
 {
     static const struct {
@@ -65,7 +65,8 @@ static void test_standard_names(void **state)
                             rows[i].value);
 }
 
-/* Of vectors: the plane's coordinates, the local frame (rcalc, with the same normal and rays). */
+/* Names of vectors: the plane's coordinates, the local frame (rcalc, with the same normal and
+ * rays). */
 static void test_ray_names(void **state)
 {
     static const struct {
@@ -90,7 +91,7 @@ static void test_ray_names(void **state)
     }
 }
 
-/* The value that a standard file's name has at a place of the ray. */
+/* Returns the value of a standard file's name at a place of the ray. */
 static double value_of(const char *file, const char *expression, const double *arguments,
                        size_t n_arguments, const double inputs[ORL_RAY_INPUTS])
 {
@@ -109,7 +110,7 @@ static double value_of(const char *file, const char *expression, const double *a
     return value;
 }
 
-/* Our own texts of standard files beside the values of Radiance's (rcalc, 9 digits). */
+/* Our own texts of standard files against the values of Radiance's (rcalc, 9 digits). */
 static void test_standard_files(void **state)
 {
     static const struct {
@@ -176,8 +177,8 @@ static void test_standard_files(void **state)
     }
 }
 
-/* Our own texts of patterns beside what rtrace -ov makes of a glow that Radiance's have: six
- * digits. The ray's direction is 0 0 -1, the normal 0 0 1. */
+/* Our own texts of patterns against rtrace -ov of a glow with Radiance's patterns: six digits. The
+ * ray's direction is 0 0 -1, the normal 0 0 1. */
 static void test_standard_patterns(void **state)
 {
     static const struct {
@@ -219,15 +220,15 @@ static void test_standard_patterns(void **state)
     }
 }
 
-/* Panes of genglaze, by rcalc with Radiance's files; args 10 to 19: 1 .3 .2 .1 .5 .6 .7 .4 .45 .35.
- */
+/* Panes of genglaze, by rcalc with Radiance's files; args 10 to 19: 1 .3 .2 .1 .5 .6 .7 .4 .45
+ * .35. */
 static void test_panes(void **state)
 {
     static const double arguments[19] = {0,  0,  0,  0,  0,  0,  0,  0,   0,  1,
                                          .3, .2, .1, .5, .6, .7, .4, .45, .35};
     static const struct {
         const char *file, *expression;
-        double values[2]; /* where Rdot is .6, and -.25 */
+        double values[2]; /* for Rdot .6 and -.25 */
     } rows[] = {
         {"glaze2.cal", "cr(fr(.06),ft(.789),fr(.086))", {.150631919, .384316225}},
         {"glaze2.cal", "rclr", {.100963722, .287389495}},
@@ -251,7 +252,7 @@ static void test_panes(void **state)
     }
 }
 
-/* Radiance's noises at places of its own, by rtrace -ov of a glow of noise + 2: six digits. */
+/* Radiance's noise functions at test places, by rtrace -ov of a glow of noise + 2: six digits. */
 static void test_noise(void **state)
 {
     static const struct {
@@ -273,7 +274,7 @@ static void test_noise(void **state)
     }
 }
 
-/* The gradient is the value's slope. */
+/* The gradient is the derivative of the value. */
 static void test_noise_gradient(void **state)
 {
     (void)state;

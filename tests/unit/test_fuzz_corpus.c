@@ -1,7 +1,7 @@
 /*
- * Repeats the fuzz corpus: every committed input, among them those that once broke something, goes
- * through its target, which aborts when a promise is broken. For each target some input must be
- * accepted and some refused, lest a change of format leave the corpus without effect.
+ * Runs the fuzz corpus. Every committed input, including those that once failed, goes through its
+ * target, which aborts if a promise is broken. Each target must accept some input and refuse some,
+ * so that a change of format cannot make the corpus useless unnoticed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,7 +19,8 @@
 
 typedef bool (*fuzz_target)(const uint8_t *data, size_t size);
 
-/* One file: in a block of its exact size, so that AddressSanitizer sees reads beyond its end. */
+/* Runs one file, copied to a block of its exact size so that AddressSanitizer detects reads beyond
+ * its end. */
 static bool repeat(fuzz_target target, const char *folder, const char *name)
 {
     char path[512];
@@ -31,7 +32,7 @@ static bool repeat(fuzz_target target, const char *folder, const char *name)
     for (size_t i = 0; i < size; i++)
         exact[i] = bytes[i];
     free(bytes);
-    /* Said before, as nothing is said after an abort. */
+    /* Printed before the call, because nothing is printed after an abort. */
     fprintf(stderr, "# %s\n", path);
     const bool accepted = target(exact, size);
     free(exact);
@@ -56,7 +57,7 @@ static void repeat_all(const char *folder, fuzz_target target)
     assert_true(refused > 0);
 }
 
-/* No bytes at all, and a short run of every single value: things no corpus needs to hold. */
+/* Runs empty input, and a short run of every byte value, which the corpus need not store. */
 static void repeat_trifles(fuzz_target target)
 {
     target((const uint8_t *)"", 0);

@@ -1,6 +1,6 @@
 /*
- * Rays against surfaces: closed forms for curved ones, closed meshes without leaks, the same hits
- * wherever the scene stands, and nothing false from slivers.
+ * Rays against surfaces: closed forms for curved ones, closed meshes without leaks, translation
+ * invariance, and no false hits at slivers.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,16 +21,16 @@
 
 /* ---- Curved surfaces --------------------------------------------------------------------------
  *
- * Each is shot at from known points on it: from a point p of the surface, back along a direction,
- * so that the hit is p unless something nearer is in the way (which convexity decides).
+ * Rays are shot at known points of a surface: from point p back along a direction, so that the hit
+ * is p unless something nearer is in the way (which convexity excludes).
  */
 
-/* One kind in its own frame: a point, its outward normal, and whether p is a surface of the text.
- */
+/* One kind of surface in its own frame: a point, its outward normal, and whether p is on the
+ * surface. */
 struct curved {
     const char *text;
-    bool inverted; /* normal inwards */
-    /* Point and outward normal for two uniforms. */
+    bool inverted; /* true if the normal points inwards */
+    /* Computes a point and its outward normal for two uniform numbers. */
     void (*at)(double u, double v, struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal);
 };
 
@@ -50,7 +50,7 @@ static void cylinder_at(double u, double v, struct orl_vec3 *ret_point, struct o
     *ret_point = orl_madd(orl_madd(a, d, u), *ret_normal, 0.5);
 }
 
-/* From radius 1 at the origin to 0.25 at (0, 0, 2), and the tip beyond cut off. */
+/* A cone from radius 1 at the origin to 0.25 at (0, 0, 2), with the tip cut off. */
 static void cone_at(double u, double v, struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
     const double r = 1 - 0.75 * u, phi = 2 * ORL_PI * v;
@@ -79,9 +79,9 @@ static const struct curved kinds[] = {
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
 /*
- * A ray towards p, from a distance away on the outer or the inner side along the normal: it meets p
- * first, for there is nothing on the way. Tolerances: origins and directions are rounded to floats
- * for finding the surface, but the hit is computed in double from the same ray: 1e-9 of the
+ * Shoots a ray at p along the normal, from a distance `away` on the outer or the inner side: it
+ * hits p first, because nothing is in between. Tolerances: origins and directions are rounded to
+ * floats to find the surface, but the hit is computed in double from the same ray: 1e-9 of the
  * distance.
  */
 static void check_head_on(const struct orl_geometry *g, const struct curved *kind, double u,
@@ -100,13 +100,14 @@ static void check_head_on(const struct orl_geometry *g, const struct curved *kin
     assert_true(orl_length(orl_sub(hit.normal, front)) < 1e-8 * (1 + fabs(away)));
     assert_int_equal(hit.facet, 0);
     assert_int_equal(hit.front, orl_dot(d, front) < 0);
-    /* The way along the axis and the turn about it are what the place was made by. */
+    /* The position along the axis and the angle about it are the numbers that the point was made
+     * from. */
     double uv[2];
     orl_hit_uv(g, &hit, uv);
     assert_true(fabs(uv[1] - u) < 1e-8 * (1 + fabs(away)));
     assert_true(fabs(remainder(uv[0] - v, 1)) < 1e-8 * (1 + fabs(away)));
     assert_true(orl_geometry_occluded(g, from, d, INFINITY));
-    /* Just short of it, and just clear of it, there is nothing. */
+    /* Slightly before p, and slightly behind it, the ray hits nothing. */
     assert_false(orl_geometry_occluded(g, from, d, fabs(away) * 0.999));
     const struct orl_vec3 left = orl_hit_leave(g, &hit, orl_neg(d));
     assert_false(orl_geometry_occluded(g, left, orl_neg(d), 0.2));
@@ -129,7 +130,7 @@ static void test_curved_head_on(void **state)
     }
 }
 
-/* What sticks out beyond the rims is not there: just outside of u's range rays pass. */
+/* Nothing extends beyond the rims: rays just outside of u's range pass. */
 static void test_rims(void **state)
 {
     (void)state;
@@ -148,7 +149,7 @@ static void test_rims(void **state)
     }
 }
 
-/* A sphere met off centre, from a million radii away and from inside, by the closed form. */
+/* A sphere hit off centre, from a million radii away and from inside, by the closed form. */
 static void test_sphere_closed_form(void **state)
 {
     struct orl_geometry *g = scene_geometry(GREY "m sphere s 0 0 4 0 0 0 2");
@@ -165,7 +166,7 @@ static void test_sphere_closed_form(void **state)
         const double t = far > 2 ? -h - root : -h + root;
         struct orl_hit hit;
         assert_true(orl_geometry_intersect(g, from, d, INFINITY, &hit));
-        /* The reference itself cancels: far^2 in double. */
+        /* The reference itself has cancellation: far^2 in double. */
         assert_true(fabs(hit.distance - t) < 1e-13 * far * far + 1e-9);
         assert_true(fabs(orl_length(hit.point) - 2) < 1e-11 * far);
         assert_int_equal(hit.front, far > 2);
@@ -176,7 +177,7 @@ static void test_sphere_closed_form(void **state)
 /* ---- Leaks ------------------------------------------------------------------------------------
  */
 
-/* Rays from inside, aimed at edges, corners and anywhere: all are caught. */
+/* Rays from inside, aimed at edges, corners and random points: all hit. */
 static void check_closed(const char *text)
 {
     struct orl_geometry *g = scene_geometry(text);
@@ -210,10 +211,10 @@ static void test_no_leaks_on_bounce(void **state)
     free(sphere);
 }
 
-/* ---- Where the scene stands -------------------------------------------------------------------
- */
+/* ---- Translation ----------------------------------------------------------------------------- */
 
-/* 1e5 m away, the same rays meet the same points, within what doubles of 1e5 resolve (1e-10). */
+/* 1e5 m away, the same rays hit the same points, within the resolution of doubles at 1e5 (1e-10).
+ */
 static void test_shifted(void **state)
 {
     static const char shape[] = "m polygon p 0 0 12 0 0 0 4 0 0 4 3 0 0 3 0\n"
@@ -256,8 +257,8 @@ static void test_shifted(void **state)
  */
 
 /*
- * Needles of 1e-7 m width and triangles of no area in front of a wall, a speck beside a plain of
- * 1 km: a ray that passes them by meets the wall, at the right distance.
+ * Needles of 1e-7 m width and triangles of no area in front of a wall, a speck beside a plain of 1
+ * km. A ray that passes them hits the wall, at the right distance.
  */
 static void test_slivers(void **state)
 {
@@ -270,7 +271,7 @@ static void test_slivers(void **state)
     struct orl_geometry *g = scene_geometry(text);
     struct orl_random random = orl_random_stream(8, ORL_PURPOSE_BENCH, 0);
     (void)state;
-    /* The line and the dot have no area and are dropped when parsed. */
+    /* The line and the dot have no area and are dropped by the parser. */
     assert_int_equal(g->n_facets, 3);
     for (int i = 0; i < 50000; i++) {
         const struct orl_vec3 from =
@@ -278,7 +279,8 @@ static void test_slivers(void **state)
         const struct orl_vec3 file = orl_add(from, g->center);
         struct orl_hit hit;
         assert_true(orl_geometry_intersect(g, from, orl_v3(0, 0, -1), INFINITY, &hit));
-        /* Rays are floats, 4e-8 of the 500 m about the centre: places are off by up to 3e-5 m. */
+        /* Rays are floats, 4e-8 of the 500 m about the centre: places have an error of up to 3e-5
+         * m. */
         const bool at_speck =
             file.x > 0.1999 && file.x < 0.2002 && file.y > 0.1999 && file.y < 0.2002;
         if (file.y < 1e-4 || at_speck)
@@ -289,7 +291,7 @@ static void test_slivers(void **state)
     orl_geometry_free(g);
 }
 
-/* The speck is found, seen from far off. */
+/* The speck is hit from far away. */
 static void test_tiny_beside_huge(void **state)
 {
     struct orl_geometry *g =
@@ -307,8 +309,8 @@ static void test_tiny_beside_huge(void **state)
 /* ---- Texture coordinates ----------------------------------------------------------------------
  */
 
-/* The corners of the triangle, by their shares, are where the hit is: also where a rival, facing
- * the other way in the same place, has been met instead. */
+/* The barycentric coordinates give the place of the hit, also if a coincident facet that faces the
+ * other way has been hit instead. */
 static void check_shares(const struct orl_geometry *g, const struct orl_hit *hit)
 {
     double uv[2];
@@ -352,13 +354,13 @@ static void test_triangle_shares(void **state)
     orl_description_done(&d);
 }
 
-/* A sensor on a floor, a rounded digit above or under it, looks up; one that is truly under a sheet
- * sees that; and none that looks down is moved up. */
+/* A sensor within a rounded digit above or under the floor has a free view upwards. One that is
+ * really under a sheet sees the sheet; one that faces down is never moved up. */
 static void test_sensors_on_a_floor(void **state)
 {
     static const struct {
         double z, facing;
-        bool on; /* nothing is between it and what it faces */
+        bool on; /* true if nothing is between the sensor and what it faces */
     } sensors[] = {{1, 1, true},         {1 + 3e-6, 1, true},  {1 - 3e-6, 1, true},
                    {1 - 9e-5, 1, true},  {1 - 2e-4, 1, false}, {1 - 3e-6, -1, true},
                    {1 + 3e-6, -1, true}, {1 + 9e-5, -1, true}, {1 + 2e-4, -1, false}};
@@ -382,7 +384,8 @@ static void test_sensors_on_a_floor(void **state)
     orl_description_done(&d);
 }
 
-/* A field of squares, each of two triangles: their corners stand once, where they were written. */
+/* A field of squares of two triangles each: shared corners are stored once, at their written
+ * places. */
 static void test_shared_corners(void **state)
 {
     enum { ACROSS = 40, SQUARES = ACROSS * ACROSS };
@@ -403,7 +406,7 @@ static void test_shared_corners(void **state)
     assert_true((double)g->n_couples < 1.01 * SQUARES);
     assert_true(g->n_corners >= (ACROSS + 1) * (ACROSS + 1));
     assert_true((double)g->n_corners <
-                1.1 * (ACROSS + 1) * (ACROSS + 1)); /* a few are not found again */
+                1.1 * (ACROSS + 1) * (ACROSS + 1)); /* a few duplicates are not detected */
     for (size_t i = 0; i < orl_geometry_triangles_end(g); i++) {
         const struct orl_surface *s = &d.surfaces[g->facets[orl_triangle_facet(g, i)].surface];
         double nearest[3] = {INFINITY, INFINITY, INFINITY};

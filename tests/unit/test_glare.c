@@ -1,9 +1,9 @@
 /*
- * Glare in pictures: discs whose light, solid angle and position are known by arithmetic; sources
- * against a search of all pairs of pixels; indices worked out by hand; settings; classes.
+ * Glare in pictures. Discs with light, solid angle and position known by arithmetic; sources
+ * against a search over all pairs of pixels; indices worked out by hand; settings; classes.
  *
- * A disc drawn by whole pixels is off by its ragged edge: of a circle of r pixels about sqrt(r)
- * pixels at random, a share of 1 / (pi r^1.5) of its area; tolerances are several times that.
+ * A disc drawn by whole pixels has a ragged edge: for a radius of r pixels about sqrt(r) pixels
+ * are wrong at random, a share of 1 / (pi r^1.5) of its area; tolerances are several times that.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -34,7 +34,7 @@ static void near(double found, double wanted, double share)
         fail_msg("%.9g is not %.9g within %g", found, wanted, share);
 }
 
-/* A uniform view of that luminance. */
+/* Returns a uniform view of that luminance. */
 static struct scene scene_of(const char *text, uint32_t side, double background)
 {
     struct scene scene;
@@ -54,7 +54,8 @@ static void scene_done(struct scene *scene)
     free(scene->cd_m2);
 }
 
-/* Right and above, degrees from the line of sight along great circles through it. */
+/* Returns a direction right and above, degrees from the line of sight along great circles through
+ * it. */
 static struct orl_vec3 towards(double right_deg, double above_deg)
 {
     const double sigma = hypot(right_deg, above_deg) * ORL_DEG_TO_RAD;
@@ -79,9 +80,9 @@ static struct orl_glare rate(const struct scene *scene, const struct orl_glare_s
     return glare;
 }
 
-/* ---- The field ------------------------------------------------------------------------------- */
+/* ---- The field of view ----------------------------------------------------------------------- */
 
-/* A hemisphere has 2 pi sr, pi weighted by cosine: L gives pi L lx. */
+/* A hemisphere has 2 pi sr, or pi weighted by the cosine: a luminance L gives pi L lx. */
 static void test_uniform_view(void **state)
 {
     const struct orl_glare_settings usual = {.threshold = 0};
@@ -131,24 +132,24 @@ static void test_position_indices(void **state)
     near(orl_position_index(towards(20, 0)), 1.2384, 2e-4);  /* tau 90: e^(0.12999 + 0.08380) */
     near(orl_position_index(towards(0, -20)), 1.2914, 2e-4); /* beta 22.7125: e^(.1474 + .1083) */
     near(orl_position_index(towards(0, 85)), 16, 1e-12);
-    /* Both formulas meet at eye level, but for e^-20 and what the fit of tau leaves over. */
+    /* Both formulas agree at eye level, up to e^-20 and the error of tau's fit. */
     near(orl_position_index(towards(40, 1e-9)), orl_position_index(towards(40, -1e-9)), 2e-3);
 }
 
 /* ---- Discs ----------------------------------------------------------------------------------- */
 
-/* Ev, solid angle, index and DGP of one disc on a darker ground, by arithmetic. */
+/* Checks Ev, solid angle, index and DGP of one disc on a darker ground, by arithmetic. */
 static void check_disc(double right_deg, double above_deg, double radius_deg, double cd_m2)
 {
     const struct orl_glare_settings usual = {.threshold = 0};
     const double ground = 300, r = radius_deg * ORL_DEG_TO_RAD, side = 600;
-    const double edge = 4 / (ORL_PI * pow(radius_deg * side / 180, 1.5)); /* see the top */
+    const double edge = 4 / (ORL_PI * pow(radius_deg * side / 180, 1.5)); /* visible from the top */
     const struct orl_vec3 middle = towards(right_deg, above_deg);
     struct scene scene = scene_of(FISHEYE, (uint32_t)side, ground);
     draw_disc(&scene, middle, radius_deg, cd_m2);
     struct orl_glare glare = rate(&scene, &usual);
     const double sr = 2 * ORL_PI * (1 - cos(r));
-    /* A disc's cosine-weighted solid angle is pi sin^2 r cos sigma where all of it is in front. */
+    /* A disc's cosine-weighted solid angle is pi sin^2 r cos sigma if all of it is in front. */
     const double direct = cd_m2 * ORL_PI * sin(r) * sin(r) * middle.z;
     const double eye = ground * ORL_PI * (1 - sin(r) * sin(r) * middle.z) + direct;
     const double p = orl_position_index(middle);
@@ -159,7 +160,7 @@ static void check_disc(double right_deg, double above_deg, double radius_deg, do
     near(glare.sources[0].position_index, p, 0.01);
     near(glare.values[ORL_GLARE_ILLUMINANCE].value, eye, 1e-3 + edge * direct / eye);
     near(glare.direct_lx, direct, edge);
-    /* Off by 0.092 / ln 10 times what is off in the sum, at the most, and by that in Ev. */
+    /* The error is at most 0.092 / ln 10 times that of the sum, plus that of Ev. */
     const double dgp = 5.87e-5 * eye + 0.092 * log10(1 + sum) + 0.159;
     const double most = 0.04 * (edge + 0.02) + 5.87e-5 * (1e-3 * eye + edge * direct);
     assert_true(fabs(glare.values[ORL_GLARE_DGP].value - fmin(dgp, 1)) <= most);
@@ -174,10 +175,10 @@ static void test_discs(void **state)
     check_disc(30, 0, 4, 20000);
     check_disc(0, 30, 4, 20000);
     check_disc(-25, -25, 6, 8000);
-    check_disc(40, 35, 3, 400000); /* a peak as a whole: its source is empty, and gone */
+    check_disc(40, 35, 3, 400000); /* all peak: the rest is empty, and removed */
 }
 
-/* A sun in a bright patch: two sources, of which the patch has lost the sun's pixels. */
+/* A sun in a bright patch gives two sources; the patch excludes the sun's pixels. */
 static void test_peaks_are_taken_apart(void **state)
 {
     struct orl_glare_settings settings = {.threshold = 0};
@@ -200,7 +201,7 @@ static void test_peaks_are_taken_apart(void **state)
     scene_done(&scene);
 }
 
-/* Two discs, 5.73 degrees apart at the most for one source: edges at 5 or at 7 from each other. */
+/* Two discs are one source if they are at most 5.73 degrees apart: edges at 5 or at 7 degrees. */
 static void test_search_radius(void **state)
 {
     const struct orl_glare_settings usual = {.threshold = 0}, narrow = {.radius_rad = 0.1};
@@ -218,7 +219,7 @@ static void test_search_radius(void **state)
     }
 }
 
-/* A hole of few pixels in a disc becomes part of it; a far pixel does not. */
+/* Smoothing fills a hole of few pixels in a disc; it does not add a far pixel. */
 static void test_smoothing(void **state)
 {
     const struct orl_glare_settings rough = {.threshold = 0}, smooth = {.smooth = true};
@@ -231,14 +232,14 @@ static void test_smoothing(void **state)
     assert_int_equal(b.n_sources, 1);
     assert_true(b.sources[0].pixels > a.sources[0].pixels);
     assert_true(b.sources[0].luminance_cd_m2 < a.sources[0].luminance_cd_m2);
-    /* No more than the hole and a rim narrower than the disc of 5.5 degrees that is looked at. */
+    /* At most the hole, and a rim narrower than the search disc of 5.5 degrees. */
     assert_true(b.sources[0].solid_angle_sr < 2 * ORL_PI * (1 - cos(14 * ORL_DEG_TO_RAD)));
     orl_glare_done(&a);
     orl_glare_done(&b);
     scene_done(&scene);
 }
 
-/* Discs may be as wide as the picture: cancelled between two pixels, no label has changed. */
+/* Discs as wide as the picture: a cancel between two pixels leaves all labels unchanged. */
 static void test_cancelled(void **state)
 {
     enum { SIDE = 40 };
@@ -261,7 +262,7 @@ static void test_cancelled(void **state)
     scene_done(&scene);
 }
 
-/* The task's mean luminance, five times which is the threshold; or another factor. */
+/* The threshold is five times the task's mean luminance, or another factor. */
 static void test_task(void **state)
 {
     const struct orl_glare_settings task = {.task = {150.5, 90.5, 0.5}};
@@ -281,7 +282,8 @@ static void test_task(void **state)
     scene_done(&scene);
 }
 
-/* A line of sight turned by 30 degrees to the left sees what was 30 degrees to the left ahead. */
+/* A line of sight turned by 30 degrees to the left sees straight ahead what was 30 degrees to the
+ * left. */
 static void test_turned(void **state)
 {
     struct orl_view view;
@@ -291,7 +293,7 @@ static void test_turned(void **state)
     assert_int_equal(orl_field_init(&field, &view, 100, 100, 30, NULL), 0);
     const struct orl_vec3 d = orl_field_towards(&field, 50 - 100 * 30 / 180.0, 50);
     near(d.z, 1, 1e-9);
-    /* A picture of 180 degrees lacks a lune of 30, but for what its corners hold. */
+    /* A picture of 180 degrees lacks a lune of 30 degrees, except for its corners. */
     assert_true(field.all_sr > 2 * ORL_PI * 150 / 180 && field.all_sr < 2 * ORL_PI * 170 / 180);
     orl_field_done(&field);
 }
@@ -315,7 +317,8 @@ static void test_mask(void **state)
     scene_done(&mask);
 }
 
-/* Of a cylindrical view a band is one of elevation: twice its sine of half a circle. */
+/* In a cylindrical view a horizontal band is one of elevation: half a circle times twice its sine.
+ */
 static void test_band(void **state)
 {
     static const double angles[] = {0.1, 0.5, 1};
@@ -327,7 +330,7 @@ static void test_band(void **state)
         struct orl_glare glare;
         assert_int_equal(orl_glare_evaluate(&picture, NULL, &settings, &glare, NULL), 0);
         near(glare.band.mean, 100, 1e-6);
-        /* Whole rows, equally high on the cylinder: half a row each way. */
+        /* Whole rows, equally high on the cylinder: an error of half a row at each edge. */
         const double row = 2 * tan(75 * ORL_DEG_TO_RAD) / 601;
         near(glare.band.solid_angle_sr, 2 * ORL_PI * sin(angles[i]), row / 2 / angles[i]);
         orl_glare_done(&glare);
@@ -335,11 +338,11 @@ static void test_band(void **state)
     scene_done(&scene);
 }
 
-/* ---- Pixels put together --------------------------------------------------------------------- */
+/* ---- Connected pixels ------------------------------------------------------------------------ */
 
-/* By every pair: the least group that a pixel can be reached from. */
-static void unite_slowly(const struct orl_field *field, const uint32_t *pixels, size_t n,
-                         double angle, uint32_t *group)
+/* Groups pixels by a search over every pair: each gets the lowest group that it is connected to. */
+static void group_by_all_pairs(const struct orl_field *field, const uint32_t *pixels, size_t n,
+                               double angle, uint32_t *group)
 {
     bool changed = true;
     for (uint32_t i = 0; i < n; i++)
@@ -373,12 +376,12 @@ static void test_united_as_by_all_pairs(void **state)
             if (scene.field.solid_angle[i] > 0 && orl_random_uniform(&random) < density)
                 pixels[n++] = i;
         assert_int_equal(orl_unite(&scene.field, pixels, n, angle, fast, &groups), 0);
-        unite_slowly(&scene.field, pixels, n, angle, slow);
+        group_by_all_pairs(&scene.field, pixels, n, angle, slow);
         for (uint32_t i = 0; i < n; i++) {
             assert_true(fast[i] < groups);
-            /* The slow one names a group by its first pixel. */
+            /* The slow search names a group by its first pixel. */
             assert_int_equal(fast[i], fast[slow[i]]);
-            if (slow[i] == i && i > 0) /* a first pixel: its number is new */
+            if (slow[i] == i && i > 0) /* a first pixel: its label is new */
                 for (uint32_t k = 0; k < i; k++)
                     assert_int_not_equal(fast[k], fast[i]);
         }

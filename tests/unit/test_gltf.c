@@ -1,6 +1,6 @@
 /*
- * glTF files as parts of a scene: their triangles where nodes place them, upright, by the names of
- * materials, in one file or in several; and what is wrong with them, or would be another shape.
+ * glTF files in a scene: triangles placed by nodes, z up, with materials by name, in one file or
+ * in several; and messages for invalid files and unsupported shapes.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -22,9 +22,9 @@
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* A square in glTF's x and y, its corners in the order of a strip; numbers of corners of two
- * triangles, of a strip and of a fan; a corner that is not finite; the square in whole numbers
- * with a gap behind each corner, and its corners but the first by themselves; places of copies. */
+/* The binary data: a square in glTF's x and y, its corners in the order of a strip; indices of two
+ * triangles, of a strip and of a fan; a corner that is not finite; the square in integers with a
+ * gap behind each corner, and its corners except the first alone; places of copies. */
 struct buffer {
     float corners[4][3];
     float normals[4][3];
@@ -87,24 +87,25 @@ static const char *const accessors[] = {
     OF(5, 5123, 2, "SCALAR"),
     OF(6, 5123, 3, "SCALAR"),
     OF(8, 5126, 3, "VEC3"),
-    /* 8: whole numbers that are normalized, in steps of 8 bytes; 9: normals like that */
+    /* 8: normalized integers, in steps of 8 bytes; 9: normals in the same form */
     "{\"bufferView\": 9, \"componentType\": 5122, \"count\": 4, \"type\": \"VEC3\", "
     "\"normalized\": true}",
     "{\"bufferView\": 10, \"componentType\": 5120, \"count\": 4, \"type\": \"VEC3\", "
     "\"normalized\": true}",
-    /* 10: all corners but the first are given apart; 11: one is, in place of another; 12: their
-     * places fall */
+    /* 10: sparse, all corners but the first; 11: sparse, replaces one; 12: sparse, places decrease
+     */
     ZEROS(4) ", " APART(3, 14, 11),
     "{\"bufferView\": 0, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC3\", \"sparse\": "
     "{\"count\": 1, \"indices\": {\"bufferView\": 14, \"componentType\": 5121}, \"values\": "
     "{\"bufferView\": 12, \"byteOffset\": 12}}}",
     ZEROS(4) ", " APART(3, 15, 11),
-    /* 13 and 14: of copies; 15: of more than there may be */
+    /* 13 and 14: of copies; 15: more than the limit */
     OF(12, 5126, 2, "VEC3"),
     "{\"bufferView\": 13, \"componentType\": 5122, \"count\": 2, \"type\": \"VEC4\", "
     "\"normalized\": true}",
     ZEROS(4000000000) "}",
-    /* 16: a byte each; 17: starts a strip again; 18: beyond its stretch; 19: no such numbers */
+    /* 16: a byte each; 17: restarts a strip; 18: beyond its buffer view; 19: an unknown component
+     * type */
     OF(16, 5121, 6, "SCALAR"),
     OF(7, 5123, 3, "SCALAR"),
     OF(0, 5126, 5, "VEC3"),
@@ -113,7 +114,7 @@ static const char *const accessors[] = {
 
 enum { JSON_BYTES = 24576 };
 
-/* Everything but the nodes, the meshes and the buffer. */
+/* Writes the JSON with these nodes, meshes and buffer. */
 static void write_json(const char *uri, const char *nodes, const char *primitives, const char *more,
                        char ret_json[JSON_BYTES])
 {
@@ -146,7 +147,7 @@ static void put_u32(unsigned char *at, size_t value)
         at[i] = (unsigned char)(value >> 8 * i);
 }
 
-/* The JSON and the buffer as the chunks of a .glb. */
+/* Returns the size of a .glb with the JSON and the buffer as chunks. */
 static size_t write_glb(const char *json, unsigned char ret_bytes[2 * JSON_BYTES])
 {
     const size_t text = (strlen(json) + 3) / 4 * 4, size = 28 + text + sizeof buffer;
@@ -209,7 +210,7 @@ static void expect_refused(const char *nodes, const char *primitives, const char
         fail_msg("not ...%s... but %s: %s (%s)", words, err.file, err.message, err.hint);
 }
 
-/* To a float's last digit or two. */
+/* Checks corners to a float's last digit or two. */
 static void expect_corners(const struct orl_description *d, size_t surface, const double v[3][3])
 {
     assert_int_equal(d->surfaces[surface].n_vertices, 3);
@@ -225,7 +226,7 @@ static void expect_corners(const struct orl_description *d, size_t surface, cons
 
 /* ---- Tests ----------------------------------------------------------------------------------- */
 
-/* The square in x and y stands upright in x and z, and looks where glTF's z does: to -y. */
+/* The square in x and y is upright in x and z, and faces along glTF's z: to -y. */
 static void test_upright(void **state)
 {
     static const double v[2][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 0, 2}},
@@ -244,7 +245,7 @@ static void test_upright(void **state)
     orl_description_done(&d);
 }
 
-/* Nodes within nodes; a mirror turns the corners' order, not the side that is the front. */
+/* Nested nodes; a mirroring node reverses the corners' order and keeps the front side. */
 static void test_nodes(void **state)
 {
     static const double turned[3][3] = {{1, -3, 4}, {1, -3, 3}, {3, -3, 4}};
@@ -266,7 +267,7 @@ static void test_nodes(void **state)
     orl_description_done(&d);
 }
 
-/* Strips and fans are the same square; lines are nothing; without a material it is white. */
+/* Strips and fans give the same square; lines give nothing; the default material is white. */
 static void test_modes(void **state)
 {
     static const double first[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 2}};
@@ -313,7 +314,7 @@ static void expect_no_buffer(const char *uri, int code, const char *words)
         fail_msg("not ...%s... but %s", words, err.message);
 }
 
-/* The buffer within the JSON, and in a file beside it, which is one of the scene's. */
+/* The buffer is in the JSON, or in a file beside it that belongs to the scene. */
 static void test_text(void **state)
 {
     char uri[2048] = "data:application/octet-stream;base64,";
@@ -331,7 +332,7 @@ static void test_text(void **state)
     expect_no_buffer("not_there.bin", ORL_ERR_NOT_FOUND, "not_there.bin");
 }
 
-/* The square from whole numbers, from corners given apart, and from indices of a byte each. */
+/* The square from integers, from sparse corners, and from indices of a byte each. */
 static void test_vertices(void **state)
 {
     static const double first[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 2}},
@@ -358,7 +359,7 @@ static void test_vertices(void **state)
     "{\"mesh\": 0, \"translation\": [0, 0, 1], \"extensions\": {\"EXT_mesh_gpu_instancing\": "     \
     "{\"attributes\": {" attributes "}}}}"
 
-/* Twice, the second turned and moved within the node, which is moved itself. */
+/* Two instances; the second is rotated and moved within the node, which is moved itself. */
 static void test_copies(void **state)
 {
     static const double first[3][3] = {{0, -1, 0}, {1, -1, 0}, {0, -1, 2}},
@@ -376,7 +377,7 @@ static void test_copies(void **state)
     expect_refused(COPIES("\"TRANSLATION\": 15"), SQUARE, "", "more than 5000000 triangles");
 }
 
-/* Which nodes stand: those of "scene", of the first scene, or all that are within none. */
+/* Nodes to place: those of "scene", of the first scene, or all roots. */
 static void test_scenes(void **state)
 {
     static const char nodes[] =
@@ -402,7 +403,7 @@ static void test_scenes(void **state)
     expect_refused("{\"children\": [1]}, {\"children\": [0]}", SQUARE, "", "is within itself");
 }
 
-/* 501 within each other stand; the node that is one too deep is named. */
+/* 501 nested nodes are accepted; a node one level too deep is named in the error. */
 static void test_depth(void **state)
 {
     char nodes[16384];
@@ -424,7 +425,7 @@ static void test_depth(void **state)
     }
 }
 
-/* What moves or blends a mesh is told. */
+/* Animated and morphed meshes give warnings. */
 static void test_warnings(void **state)
 {
     static const char blended[] =
@@ -462,7 +463,7 @@ static void test_refused(void **state)
                    SQUARE, "", "not finite");
 }
 
-/* Meshes, whose accessors, corners and modes are not as they must be. */
+/* Meshes with invalid accessors, corners and modes. */
 static void test_damaged_meshes(void **state)
 {
     static const char *const cases[][2] = {
@@ -490,8 +491,7 @@ static void test_damaged_meshes(void **state)
         expect_refused(NODE, cases[i][0], "", cases[i][1]);
 }
 
-/* A mark of byte order and blanks before the JSON; glTF of other versions, and JSON that is none.
- */
+/* A byte order mark and blanks before the JSON; other glTF versions, and invalid JSON. */
 static void test_heads_of_text(void **state)
 {
     static const struct {
@@ -508,7 +508,7 @@ static void test_heads_of_text(void **state)
     (void)state;
     static const char marked[] = "\xef\xbb\xbf \n{\"asset\": {\"version\": \"2.0\"}} ";
     assert_int_equal(parse("m.gltf", marked, sizeof marked - 1, &d, &err), 0);
-    assert_int_equal(d.n_warnings, 1); /* there is nothing in it */
+    assert_int_equal(d.n_warnings, 1); /* an empty file */
     orl_description_done(&d);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         assert_true(parse("m.gltf", cases[i].text, strlen(cases[i].text), &d, &err) < 0);
@@ -517,7 +517,7 @@ static void test_heads_of_text(void **state)
     }
 }
 
-/* glTF 1.0; and a chunk that says it is longer than the file. */
+/* glTF 1.0; and a chunk that claims to be longer than the file. */
 static void test_heads(void **state)
 {
     char json[JSON_BYTES];
@@ -541,7 +541,7 @@ static void test_heads(void **state)
     assert_string_equal(err.file, "m.glb");
 }
 
-/* Of a file that is cut short anywhere nothing is taken. */
+/* A file that is cut short anywhere is refused as a whole. */
 static void test_cut(void **state)
 {
     char json[JSON_BYTES];

@@ -1,4 +1,4 @@
-/* Honeybee models as Radiance files: what stands in them, and what is refused. */
+/* Honeybee models as Radiance files: their contents, and refusals. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -46,7 +46,7 @@ static void assert_has(const struct orl_text_files *files, const char *name, con
         fail_msg("%s has no \"%s\"", name, part);
 }
 
-static size_t count(const char *text, const char *part)
+static size_t count_substrings(const char *text, const char *part)
 {
     size_t n = 0;
     for (; (text = strstr(text, part)); text += strlen(part))
@@ -63,8 +63,8 @@ static void test_surfaces_are_in_their_files(void **state)
     struct orl_text_files files = translate(model);
     const char *envelope = text_of(&files, "model/scene/envelope.rad");
     /* Six faces of each room, and the door between them once. */
-    assert_int_equal(count(envelope, " polygon "), 13);
-    assert_int_equal(count(envelope, "polygon glass_door\n"), 1);
+    assert_int_equal(count_substrings(envelope, " polygon "), 13);
+    assert_int_equal(count_substrings(envelope, "polygon glass_door\n"), 1);
     assert_null(strstr(envelope, "glass_door_back"));
     assert_has(&files, "model/scene/envelope.rad", "carpet polygon office_floor\n");
     assert_has(&files, "model/scene/envelope.rad", "white_wall polygon office_north\n");
@@ -76,12 +76,13 @@ static void test_surfaces_are_in_their_files(void **state)
     assert_has(&files, "model/scene/shades.rad", "generic_exterior_shade_0.35 polygon overhang\n");
     assert_has(&files, "model/scene/shade_meshes.rad", "leaves polygon hedge_1\n");
     assert_has(&files, "model/scene/envelope.mat", "void plastic carpet\n0\n0\n5 0.25 ");
-    assert_int_equal(count(text_of(&files, "model/scene/envelope.mat"), "white_wall"), 1);
+    assert_int_equal(count_substrings(text_of(&files, "model/scene/envelope.mat"), "white_wall"),
+                     1);
     orl_text_files_done(&files);
     json_decref(model);
 }
 
-/* What lies between the name of a polygon and the next. */
+/* Reads the numbers between the polygon's name and the next. */
 static size_t read_corners(const struct orl_text_files *files, const char *name,
                            double ret_corners[][3], size_t room)
 {
@@ -99,7 +100,7 @@ static size_t read_corners(const struct orl_text_files *files, const char *name,
     return numbers / 3;
 }
 
-/* Of the polygon in x and z, by its outline, ways to holes and back included. */
+/* Returns the area of the polygon in x and z by its outline, seams to holes included. */
 static double area_across(double (*c)[3], size_t n)
 {
     double sum = 0;
@@ -117,7 +118,8 @@ static void test_openings_are_cut_out(void **state)
     struct orl_text_files files = translate(model);
     double corners[40][3];
     const size_t n = read_corners(&files, "office_south", corners, 40);
-    /* 4 + 2 windows of 4 + 2 x 2 ways; 4 x 3 m less two of 1.3 x 1.2 m, but for rounding. */
+    /* 4 corners + 2 windows of 4 + 2 x 2 for seams; 4 x 3 m less two of 1.3 x 1.2 m, up to
+     * rounding. */
     assert_int_equal(n, 16);
     assert_true(area_across(corners, n) > 12 - 2 * 1.3 * 1.2 - 1e-9);
     assert_true(area_across(corners, n) < 12 - 2 * 1.3 * 1.2 + 1e-9);
@@ -125,7 +127,7 @@ static void test_openings_are_cut_out(void **state)
     json_decref(model);
 }
 
-/* Twice the tolerance of 1 cm, into its own room. */
+/* The second side is moved back by twice the tolerance of 1 cm, into its own room. */
 static void test_the_second_side_stands_back(void **state)
 {
     (void)state;
@@ -142,7 +144,7 @@ static void test_the_second_side_stands_back(void **state)
     json_decref(model);
 }
 
-/* ---- Which way they look --------------------------------------------------------------------- */
+/* ---- Orientation ----------------------------------------------------------------------------- */
 
 static json_t *find_object(json_t *list, const char *identifier)
 {
@@ -173,8 +175,8 @@ static void reverse(json_t *object)
     json_object_set_new(geometry, "boundary", turned);
 }
 
-/* A face that its room has the wrong way round stands inwards all the same, and what is in it, or
- * in a face that is right, looks as it should. */
+/* A face that its room lists the wrong way round is turned inwards, and its openings, like those
+ * of a right face, have the correct orientation. */
 static void test_faces_look_outwards(void **state)
 {
     (void)state;
@@ -218,7 +220,7 @@ static void test_a_plane_says_which_way(void **state)
     json_decref(model);
 }
 
-/* Two openings without faces that bound each other are one, and stand between rooms. */
+/* Two openings without faces that bound each other are one opening between rooms. */
 static void test_orphaned_pairs_are_one(void **state)
 {
     (void)state;
@@ -231,7 +233,7 @@ static void test_orphaned_pairs_are_one(void **state)
     json_array_clear(back);
     struct orl_text_files files = translate(model);
     const char *envelope = text_of(&files, "model/scene/envelope.rad");
-    assert_int_equal(count(envelope, " polygon glass_door"), 1);
+    assert_int_equal(count_substrings(envelope, " polygon glass_door"), 1);
     assert_non_null(strstr(envelope, "generic_interior_window_vis_0.88 polygon glass_door\n"));
     orl_text_files_done(&files);
     json_decref(model);
@@ -263,7 +265,7 @@ static bool has_file(const struct orl_text_files *files, const char *name)
     return false;
 }
 
-/* The last of two views with one name counts. */
+/* If two views have one name, the last counts. */
 static void test_views_of_one_identifier_are_told(void **state)
 {
     (void)state;
@@ -286,7 +288,7 @@ static void test_views_of_one_identifier_are_told(void **state)
     json_decref(model);
 }
 
-/* Two grids of one name are one grid, and a warning says so; a model without faults has none. */
+/* Two grids of one name become one grid, with a warning; a model without faults has none. */
 static void test_grids_of_one_identifier_are_told(void **state)
 {
     (void)state;
@@ -303,7 +305,7 @@ static void test_grids_of_one_identifier_are_told(void **state)
             break;
         }
     files = translate(model);
-    assert_int_equal(count(text_of(&files, "model/grid/desks.pts"), "\n"), 8);
+    assert_int_equal(count_substrings(text_of(&files, "model/grid/desks.pts"), "\n"), 8);
     assert_string_equal(text_of(&files, "model/warnings.txt"),
                         "grid 'desks': 2 sensor grids of the model have this identifier: their "
                         "sensors are one grid, in the order of the model\n");
@@ -345,7 +347,7 @@ static void test_grids_and_views_have_their_names(void **state)
     (void)state;
     json_t *model = load_model();
     struct orl_text_files files = translate(model);
-    assert_int_equal(count(text_of(&files, "model/grid/desks.pts"), "\n"), 4);
+    assert_int_equal(count_substrings(text_of(&files, "model/grid/desks.pts"), "\n"), 4);
     double v[6];
     assert_int_equal(sscanf(text_of(&files, "model/grid/store/floor.pts"),
                             "%lf %lf %lf %lf %lf %lf", &v[0], &v[1], &v[2], &v[3], &v[4], &v[5]),
@@ -360,9 +362,9 @@ static void test_grids_and_views_have_their_names(void **state)
     json_decref(model);
 }
 
-/* ---- What is wrong --------------------------------------------------------------------------- */
+/* ---- Errors ---------------------------------------------------------------------------------- */
 
-/* A value by a path of members and indices, "rooms 0 faces". */
+/* Returns a value by a path of members and indices, such as "rooms 0 faces". */
 static json_t *at_path(json_t *value, const char *path)
 {
     char word[40];
@@ -445,7 +447,7 @@ static const char luminaires_text[] =
     " {\"identifier\": \"spot\", \"ies_content\": \"IES\", \"custom_lamp\": {\"rgb\": [1, 0.5, 0]},"
     "  \"luminaire_zone\": {\"instances\": [{\"point\": [0, 0, 2]}]}}]";
 
-/* As Honeybee has ies2rad and xform place them, and each by its own name. */
+/* Luminaires are placed as by Honeybee with ies2rad and xform, each under its own name. */
 static void test_luminaires_hang_in_their_places(void **state)
 {
     (void)state;
@@ -470,7 +472,7 @@ static void test_luminaires_hang_in_their_places(void **state)
 
 /* ---- Projects -------------------------------------------------------------------------------- */
 
-/* Files of some names, all of one text. */
+/* Opens files of these names, all with one text. */
 static struct orl_files open_names(struct orl_memory_files *memory, const char *const *names,
                                    struct orl_file *contents, size_t n)
 {
@@ -482,7 +484,7 @@ static const char states_text[] =
     "{\"south\": [{\"identifier\": \"0_south\", \"default\": \"./south..default..0.rad\"},"
     " {\"identifier\": \"1_south\", \"default\": \"./south..default..1.rad\"}]}";
 
-static json_t *find(const char *states, const char *sky, struct orl_error *err)
+static json_t *find_project(const char *states, const char *sky, struct orl_error *err)
 {
     static const char *const names[] = {"p/model/scene/b.rad",
                                         "p/model/scene/b.mat",
@@ -529,7 +531,7 @@ static void test_a_folder_is_found_by_its_names(void **state)
 {
     (void)state;
     struct orl_error err = {0};
-    json_t *project = find("{\"south\": \"1_south\"}", "noon", &err);
+    json_t *project = find_project("{\"south\": \"1_south\"}", "noon", &err);
     assert_non_null(project);
     assert_list(json_object_get(project, "files"),
                 "[\"p/model/scene/b.mat\",\"p/model/aperture/z.mat\",\"p/model/scene/a.rad\","
@@ -559,19 +561,19 @@ static void test_wishes_that_nothing_meets_are_refused(void **state)
 {
     (void)state;
     struct orl_error err = {0};
-    assert_null(find("{\"south\": \"open\"}", NULL, &err));
+    assert_null(find_project("{\"south\": \"open\"}", NULL, &err));
     assert_non_null(strstr(err.message, "no state 'open'"));
-    assert_null(find("{\"north\": \"open\"}", NULL, &err));
+    assert_null(find_project("{\"north\": \"open\"}", NULL, &err));
     assert_non_null(strstr(err.message, "no group 'north'"));
-    assert_null(find(NULL, "dawn", &err));
+    assert_null(find_project(NULL, "dawn", &err));
     assert_non_null(strstr(err.message, "no sky 'dawn'"));
-    /* Two skies, and none is chosen: neither is taken. */
-    json_t *project = find(NULL, NULL, &err);
+    /* With two skies and no choice, neither is used. */
+    json_t *project = find_project(NULL, NULL, &err);
     assert_int_equal(json_array_size(json_object_get(project, "files")), 8);
     json_decref(project);
 }
 
-/* Of a model without faces there is no folder "scene". */
+/* A model without faces has no folder "scene". */
 static void test_openings_alone_are_a_project(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /*
- * Numerical health: what is no finite number stops at photon, gather and pixel and is counted,
- * leaks are seen, a run's counts are its own and are put into words.
+ * Numerical health: non-finite numbers stop at photon, gather and pixel and are counted; leaks are
+ * detected; each run has its own counts and reports them in words.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -50,7 +50,7 @@ static void test_film(void **state)
     assert_int_equal(health.non_finite, 0);
     orl_film_set(&film, 0, 0, &(struct orl_pixel){{1, NAN, 3}, 0}, &health);
     orl_film_set(&film, 1, 0, &(struct orl_pixel){{1, 2, INFINITY}, 0}, &health);
-    /* More than a float holds. */
+    /* The value exceeds a float's range. */
     orl_film_set(&film, 1, 1, &(struct orl_pixel){{1e39, 2, 3}, 0}, &health);
     assert_int_equal(health.non_finite, 3);
     assert_true(film.pixels[2][1] == 2);
@@ -71,7 +71,7 @@ static struct orl_world *make_world(const char *text)
     return world;
 }
 
-/* One photon straight down onto the floor from the middle of the room. */
+/* Traces one photon straight down onto the floor from the middle of the room. */
 static void trace_down(const struct orl_world *world, struct orl_rgb flux,
                        struct orl_deposits *deposits)
 {
@@ -105,7 +105,7 @@ static void test_photons(void **state)
         expect_finite(&deposits);
         free(deposits.photons);
     }
-    /* A sound photon on a material that is not: it lands, and goes no further. */
+    /* A finite photon on a material with non-finite values lands, and its path ends. */
     for (size_t i = 0; i < world->n_materials; i++)
         world->materials[i].color.g = INFINITY;
     struct orl_deposits deposits = {0};
@@ -117,7 +117,8 @@ static void test_photons(void **state)
     orl_world_free(world);
 }
 
-/* A photon in a room without a ceiling that is taken for sealed: it leaks, from its last place. */
+/* A photon in a room without a ceiling that is assumed sealed: it counts as a leak, with its last
+ * place. */
 static void test_leak(void **state)
 {
     struct orl_world *world =
@@ -141,7 +142,7 @@ static void test_leak(void **state)
 /* ---- Gathering ---------------------------------------------------------------------------------
  */
 
-/* One wall of the room has a broken material: what is seen of it counts as black. */
+/* One wall of the room has a broken material: its radiance counts as black. */
 static void test_gather(void **state)
 {
     struct orl_world *world =
@@ -156,7 +157,7 @@ static void test_gather(void **state)
     assert_non_null(search);
     assert_int_equal(
         orl_gather_init(&gather, world, ORL_REST_GATHERED, maps, NULL, 1, NULL, search), 0);
-    gather.near = INFINITY; /* all that is seen is lit again, and its albedo used */
+    gather.near = INFINITY; /* forces new lighting of all hits, so that albedo is used */
     struct orl_place place = orl_gather_place(
         &gather, orl_sub(orl_v3(2, 2, 0.5), world->geometry->center), orl_v3(0, 0, 1), &footing);
     const double whole =
@@ -174,8 +175,7 @@ static void test_gather(void **state)
     free(search);
 }
 
-/* ---- A run -------------------------------------------------------------------------------------
- */
+/* ---- A whole run ----------------------------------------------------------------------------- */
 
 static bool warned(const struct orl_result *result, const char *words)
 {
@@ -218,7 +218,7 @@ static void test_counts_of_a_run(void **state)
     assert_int_equal(h->non_finite + h->photons_capped + h->rays_leaked, 0);
     const uint64_t photons = h->photons, paths = h->paths;
     orl_result_done(&result);
-    /* With the map found ready no photon was traced. */
+    /* If the map is found in the cache, no photon is traced. */
     result = scene_run(&run);
     assert_int_equal(result.health.photons, 0);
     assert_true(result.health.paths > 0 && result.health.paths < paths);
@@ -228,8 +228,8 @@ static void test_counts_of_a_run(void **state)
 }
 
 /*
- * A slit of 0.1 mm along the floor, 5e-6 of the room's surface, is too small to make it count as
- * open; what gets out by it is told, and where.
+ * A slit of 0.1 mm along the floor, 5e-6 of the room's surface, is too small for the room to count
+ * as open. The result reports the leaked light and its place.
  */
 static void test_leaky_room(void **state)
 {

@@ -1,6 +1,6 @@
 /*
- * Maps of sensors: planes and cells of sensors on grids, turned and not, and of others; the outline
- * of a room; what an SVG of it holds; tables of a run.
+ * Maps of sensors: planes and cells of sensors on grids, rotated and not, and of scattered ones;
+ * the outline of a room; the contents of the SVG; tables of a run.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,7 +29,7 @@ static void assert_near(double value, double expected, double tolerance)
 
 enum { ACROSS = 5, DOWN = 7, GRID = ACROSS * DOWN };
 
-/* A grid of 0.5 by 0.4, turned, at a height. */
+/* Fills in a grid of 0.5 by 0.4, rotated, at a height. */
 static void fill_grid(struct orl_sensor *sensors, double turn, double z)
 {
     for (int i = 0; i < GRID; i++) {
@@ -64,7 +64,7 @@ static void test_grids(void **state)
     }
 }
 
-/* Two floors and a wall: the larger first, the wall's axes level and upright. */
+/* Two floors and a wall: the larger first, the wall's axes horizontal and vertical. */
 static void test_planes(void **state)
 {
     struct orl_sensor sensors[2 * GRID + 6];
@@ -92,7 +92,7 @@ static void test_planes(void **state)
     orl_sensor_planes_done(planes, count);
 }
 
-/* Sensors in a row, whichever way it goes, are squares as wide as they are apart: no slivers. */
+/* Sensors in a row of any direction get squares as wide as their spacing, not slivers. */
 static void test_rows(void **state)
 {
     static const double turns[] = {0, 0.3, ORL_PI / 2, 2.8};
@@ -116,7 +116,7 @@ static void test_rows(void **state)
     }
 }
 
-/* Sensors anywhere share the plane's area in squares. */
+/* Scattered sensors share the plane's area in squares. */
 static void test_scattered(void **state)
 {
     struct orl_random random = orl_random_stream(5, ORL_PURPOSE_BENCH, 0);
@@ -133,7 +133,7 @@ static void test_scattered(void **state)
     assert_false(planes[0].grid);
     assert_near(planes[0].cell[0], sqrt(10 * 5 / 200.0), 0.02);
     orl_sensor_planes_done(planes, count);
-    /* Too few, and all in one place: no map, no error. */
+    /* Too few sensors, or all in one place, give no map and no error. */
     assert_int_equal(orl_sensor_planes_find(sensors, 3, 1, planes, &count), 0);
     assert_int_equal(count, 0);
     for (int i = 0; i < 10; i++)
@@ -144,7 +144,7 @@ static void test_scattered(void **state)
 
 /* ---- Section --------------------------------------------------------------------------------- */
 
-/* A room of 4 by 3 with a round column of radius 0.5, and a sphere that is not cut. */
+/* A room of 4 by 3 with a round column of radius 0.5, and a sphere above the section. */
 static const char room[] = "void plastic gray 0 0 5 .5 .5 .5 0 0\n"
                            "gray polygon floor 0 0 12 0 0 0 4 0 0 4 3 0 0 3 0\n"
                            "gray polygon south 0 0 12 0 0 0 0 0 2 4 0 2 4 0 0\n"
@@ -157,7 +157,7 @@ static const char room[] = "void plastic gray 0 0 5 .5 .5 .5 0 0\n"
                            "sky_glow source sky 0 0 4 0 0 1 180\n";
 
 struct lengths {
-    double straight, round; /* of pieces along the axes, and of others */
+    double straight, round; /* length of pieces along the axes, and of others */
 };
 
 static void add_piece(void *ctx, const double from[2], const double to[2])
@@ -202,7 +202,7 @@ static int count_of(const char *text, const char *what)
     return n;
 }
 
-/* The cell whose interval holds the threshold is hatched, and no other; numbers are in all. */
+/* Only the cell whose interval contains the threshold is hatched; all cells have numbers. */
 static void test_map(void **state)
 {
     (void)state;

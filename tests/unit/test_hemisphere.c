@@ -1,7 +1,4 @@
-/*
- * Hemispheres of rays at a place: what they see on the mean and by how much they err, and how far
- * things are.
- */
+/* Hemispheres of rays at a place: their mean radiance and its error, and distances. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +19,7 @@ static struct orl_world *make_world(const char *text)
     return world;
 }
 
-/* Without photon maps. */
+/* Sets up gathering without photon maps. */
 static void init(struct orl_gather *gather, const struct orl_world *world,
                  struct orl_search *search)
 {
@@ -35,13 +32,13 @@ static void init(struct orl_gather *gather, const struct orl_world *world,
 
 enum { ROWS = 6, COLUMNS = 20, TIMES = 400 };
 
-/* A square of 60 cm at 2 m, so bright that most of the light is its own, in a dim sky. */
+/* A square of 60 cm at 2 m, so bright that it gives most of the light, in a dim sky. */
 static const char window[] =
     "void glow dim 0 0 4 .005 .005 .005 0\ndim source sky 0 0 4 0 0 1 180\n"
     "void glow g 0 0 4 1 1 1 0\n"
     "g polygon window 0 0 12 .3 -.3 2 .3 .3 2 .9 .3 2 .9 -.3 2\n";
 
-/* The form factor of the rectangle from 0 to x and 0 to y above a place, at height 1. */
+/* Returns the form factor of the rectangle from 0 to x and 0 to y above a place, at height 1. */
 static double corner_factor(double x, double y)
 {
     const double a = sqrt(1 + x * x), b = sqrt(1 + y * y);
@@ -49,9 +46,9 @@ static double corner_factor(double x, double y)
 }
 
 /*
- * Rays that are sent where neighbours differ must leave the mean what it is, and are worth more
- * than as many by chance, which would err by almost three times as much. What is said of the error
- * is known to the scatter of the squares.
+ * Adaptive rays, sent where neighbours differ, keep the mean. Their error is far below that of as
+ * many random rays, which have almost three times as much. The estimated error is right within the
+ * scatter of the squares.
  */
 static void test_window(void **state)
 {
@@ -91,8 +88,8 @@ static void test_window(void **state)
 /* ---- A facade -------------------------------------------------------------------------------- */
 
 /*
- * From a place before a room some rays go in through the pane. How far they are from the pane
- * when they meet a wall is not how far anything is from the place.
+ * From a place before a room some rays go in through the pane. Their distance from the pane to a
+ * wall is not the distance of anything from the place.
  */
 static void test_facade(void **state)
 {
@@ -108,7 +105,7 @@ static void test_facade(void **state)
     init(&gather, world, search);
     const struct orl_hemisphere h =
         orl_gather_hemisphere(&gather, &place, 3 * ROWS, 2 * COLUMNS, NULL, &random, search);
-    assert_true(search->health.rays > 10); /* that went in */
+    assert_true(search->health.rays > 10); /* some rays went in */
     assert_true(h.least_distance >= 8);
     orl_gather_done(&gather);
     orl_world_free(world);

@@ -1,5 +1,5 @@
-/* Irradiance records: whom they serve, how gradients carry them, how neighbours hold them back, and
- * what that takes when all stand in one place. */
+/* Irradiance cache records: validity, gradients, neighbour clamping, and its cost if all records
+ * are in one place. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 #include "render/gather/record.h"
 #include "support/scene_text.h"
 
-/* On the plane z = 0, seen from above. */
+/* Returns a place on the plane z = 0, facing up. */
 static struct orl_place place_at(double x, double y)
 {
     return (struct orl_place){.point = orl_v3(x, y, 0), .normal = orl_v3(0, 0, 1)};
@@ -25,7 +25,7 @@ static struct orl_record record_at(double x, double y, double radius, double val
         .place = place_at(x, y), .irradiance = orl_gray(value), .radius = radius, .least = 0.01};
 }
 
-static void fill(struct orl_icache *cache, const struct orl_record *records, size_t count)
+static void fill_cache(struct orl_icache *cache, const struct orl_record *records, size_t count)
 {
     orl_icache_init(cache, 3);
     assert_int_equal(orl_icache_add(cache, records, count), 0);
@@ -33,8 +33,8 @@ static void fill(struct orl_icache *cache, const struct orl_record *records, siz
 }
 
 /*
- * A record serves as far as a quarter of its radius and is read half as far again; alone it says
- * what it holds, and its slope.
+ * A record is valid up to a quarter of its radius and is read half as far again. Alone, it gives
+ * its value and gradient.
  */
 static void test_reach_and_gradient(void **state)
 {
@@ -44,7 +44,7 @@ static void test_reach_and_gradient(void **state)
     (void)state;
     for (int c = 0; c < 3; c++)
         record.by_translation[c] = orl_v3(2, 0, 0);
-    fill(&cache, &record, 1);
+    fill_cache(&cache, &record, 1);
     const struct orl_place near = place_at(0.5, 0.5), beyond = place_at(1.01, 0);
     const struct orl_place far = place_at(1.51, 0);
     assert_true(orl_icache_serves(&cache, &near));
@@ -62,9 +62,9 @@ static void test_reach_and_gradient(void **state)
 }
 
 /*
- * Records share their photons, whose errors are averaged by the weights that values are; of rays
- * each has its own, so that two that count alike err by 1/sqrt(2) of what one does. What records of
- * 10 and 20 scatter beyond their rays' noise is the interpolation's error.
+ * Records share their photons: the photon errors are averaged by the same weights as values. Ray
+ * errors are independent: two records of equal weight have 1/sqrt(2) of one's. The scatter of
+ * records of 10 and 20 beyond their rays' noise is the interpolation error.
  */
 static void test_errors(void **state)
 {
@@ -74,7 +74,7 @@ static void test_errors(void **state)
     (void)state;
     records[0].error_by_photons = 1;
     records[1].error_by_photons = 3;
-    fill(&cache, records, 2);
+    fill_cache(&cache, records, 2);
     const struct orl_place between = place_at(0.2, 0);
     assert_true(orl_icache_lookup(&cache, &between, &found));
     assert_true(found.irradiance.r > 10 && found.irradiance.r < 15);
@@ -89,19 +89,19 @@ static void test_errors(void **state)
     orl_icache_done(&cache);
 }
 
-/* No radius is larger than a neighbour's within reach and the way to it; what serves by its least
- * does so on. */
+/* Clamping: no radius exceeds a neighbour's within reach plus the distance to it. A record of
+ * minimum radius stays valid. */
 static void test_hold_back(void **state)
 {
     const struct orl_record records[4] = {
-        record_at(0, 0, 4, 1),     /* reaches 1: the next is within */
+        record_at(0, 0, 4, 1),     /* reaches 1: the next record is within */
         record_at(0.5, 0, 0.2, 1), /* something is near here */
         record_at(3, 0, 4, 1),     /* reaches neither */
         record_at(0, 0.9, 0.001, 1),
     };
     struct orl_icache cache;
     (void)state;
-    fill(&cache, records, 4);
+    fill_cache(&cache, records, 4);
     assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
     assert_true(fabs(cache.records[0].radius - 0.7) < 1e-12);
     assert_true(fabs(cache.records[1].radius - 0.2) < 1e-12);
@@ -110,7 +110,7 @@ static void test_hold_back(void **state)
     const struct orl_place close = place_at(0, 0.902), far = place_at(0, 0.903);
     assert_true(orl_icache_serves(&cache, &close));
     assert_false(orl_icache_serves(&cache, &far));
-    /* What it no longer reaches it no longer serves. */
+    /* Outside its clamped radius the record is no longer valid. */
     const struct orl_place was_served = place_at(0, 0.8);
     struct orl_cached found;
     assert_false(orl_icache_serves(&cache, &was_served));
@@ -118,7 +118,7 @@ static void test_hold_back(void **state)
     orl_icache_done(&cache);
 }
 
-/* The order in which records came changes no radius. */
+/* The order of the records does not change any radius. */
 static void test_order(void **state)
 {
     enum { COUNT = 200 };
@@ -131,8 +131,8 @@ static void test_order(void **state)
         records[i] = record_at(x, y, 0.05 + orl_random_uniform(&random), x + y);
         reversed[COUNT - 1 - i] = records[i];
     }
-    fill(&one, records, COUNT);
-    fill(&other, reversed, COUNT);
+    fill_cache(&one, records, COUNT);
+    fill_cache(&other, reversed, COUNT);
     for (int round = 0; round < 2; round++) {
         assert_int_equal(orl_icache_hold_back(&one, NULL), 0);
         assert_int_equal(orl_icache_hold_back(&other, NULL), 0);
@@ -151,7 +151,7 @@ static void test_order(void **state)
 
 enum { MANY = 100000 };
 
-/* In a cube of that side, with radii between two bounds. */
+/* Returns records in a cube of that side, with radii between two bounds. */
 static struct orl_record *crowd(double side, double least, double most)
 {
     struct orl_record *records = malloc(MANY * sizeof *records);
@@ -175,11 +175,11 @@ static size_t visits_about(const struct orl_icache *cache, const struct orl_plac
     return visits;
 }
 
-/* Records that neighbour clamping visits, per record of the first COUNT. */
-static double looks_of(struct orl_record *records, size_t count)
+/* Returns the number of records that neighbour clamping visits, per record of the first COUNT. */
+static double count_visits(struct orl_record *records, size_t count)
 {
     struct orl_icache cache;
-    fill(&cache, records, count);
+    fill_cache(&cache, records, count);
     assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
     const double looks = (double)cache.looked / (double)count;
     if (count == MANY)
@@ -190,33 +190,33 @@ static double looks_of(struct orl_record *records, size_t count)
 
 /*
  * For four times as many records n log n allows each log 100000 / log 25000 = 1.14 times as many
- * looks; every pair would be 4 times as many.
+ * visits; every pair would be 4 times as many.
  */
 static const double most_growth = 1.5;
 
-/* Every record of radius 0, as an eye in the plane of a wall makes them: they serve no place. */
+/* Records of radius 0, as for a viewpoint in the plane of a wall: they are valid nowhere. */
 static void test_radius_zero(void **state)
 {
     struct orl_record *records = crowd(0, 0, 0);
     struct orl_icache cache;
     (void)state;
-    fill(&cache, records, MANY);
+    fill_cache(&cache, records, MANY);
     assert_int_equal(visits_about(&cache, &records[0].place), 0);
     assert_false(orl_icache_serves(&cache, &records[0].place));
     assert_false(orl_icache_reaches(&cache, &records[0].place));
     orl_icache_done(&cache);
-    assert_true(looks_of(records, MANY) == 1); /* at the root of the tree */
+    assert_true(count_visits(records, MANY) == 1); /* only the root of the tree is visited */
     free(records);
 }
 
-/* All within the reach of each other: one radius, which holds none back, and all kinds. */
+/* All records within reach of each other: equal radii, which clamp none, and mixed ones. */
 static void test_crowds(void **state)
 {
     static const double radii[][2] = {{0.01, 0.01}, {0.01, 0.02}, {0.01, 100}};
     (void)state;
     for (size_t i = 0; i < sizeof radii / sizeof *radii; i++) {
         struct orl_record *records = crowd(1e-3, radii[i][0], radii[i][1]);
-        const double fewer = looks_of(records, MANY / 4), looks = looks_of(records, MANY);
+        const double fewer = count_visits(records, MANY / 4), looks = count_visits(records, MANY);
         print_message("# radii of %g to %g: %.1f looks a record, of a quarter of them %.1f\n",
                       radii[i][0], radii[i][1], looks, fewer);
         assert_true(looks <= most_growth * fewer && looks < 0.01 * MANY);
@@ -226,7 +226,8 @@ static void test_crowds(void **state)
     }
 }
 
-/* Against every pair, for records all over a room with normals of three walls. */
+/* Clamping against a search over every pair, for records all over a room with normals of three
+ * walls. */
 static void test_against_pairs(void **state)
 {
     enum { COUNT = 600 };
@@ -244,7 +245,7 @@ static void test_against_pairs(void **state)
         records[i].place.point = points[i % 3];
         records[i].place.normal = normals[i % 3];
     }
-    fill(&cache, records, COUNT);
+    fill_cache(&cache, records, COUNT);
     assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
     for (int i = 0; i < COUNT; i++) {
         double radius = records[i].radius;
@@ -261,7 +262,7 @@ static void test_against_pairs(void **state)
     orl_icache_done(&cache);
 }
 
-/* Far from the origin and as small as numbers get: no cell's number overflows. */
+/* Far from the origin and with tiny radii: cell numbers do not overflow. */
 static void test_tiny_and_far(void **state)
 {
     struct orl_record records[2] = {record_at(1e12, -1e12, 1e-300, 1), record_at(3, 4, 1e-9, 1)};
@@ -269,14 +270,14 @@ static void test_tiny_and_far(void **state)
     (void)state;
     for (int i = 0; i < 2; i++)
         records[i].least = 0;
-    fill(&cache, records, 2);
+    fill_cache(&cache, records, 2);
     for (int i = 0; i < 2; i++)
         assert_true(orl_icache_serves(&cache, &records[i].place));
     assert_int_equal(orl_icache_hold_back(&cache, NULL), 0);
     orl_icache_done(&cache);
 }
 
-/* Records to be made: of those in one place one is left, of those a pixel apart all. */
+/* Thinning of planned records: of those in one place one remains, of those a pixel apart all do. */
 static void test_thinning(void **state)
 {
     const struct orl_grain grain = {.angle = 1e-3};
@@ -288,7 +289,7 @@ static void test_thinning(void **state)
         records[i].least = least;
     records[MANY / 2].place.normal = orl_v3(0, 0, -1);
     assert_int_equal(orl_records_thin(records, &count), 0);
-    assert_in_range(count, 2, 8 + 1); /* cells have corners */
+    assert_in_range(count, 2, 8 + 1); /* the places lie at corners of cells */
     count = 100 * 100;
     for (size_t i = 0; i < count; i++) {
         records[i] = record_at((double)(i % 100) * pixel, (double)i / 100 * pixel, 1, (double)i);
@@ -301,7 +302,8 @@ static void test_thinning(void **state)
     free(records);
 }
 
-/* An eye on a surface: what lies nearer to it than geometry can tell has a radius, too. */
+/* A viewpoint on a surface: distances below the geometry's resolution still give a positive
+ * radius. */
 static void test_least_radius(void **state)
 {
     const struct orl_grain eye = {.angle = 1e-3, .nearest = 1e-4};
@@ -314,10 +316,10 @@ static void test_least_radius(void **state)
     assert_true(orl_record_least(&clipped, 1) == orl_record_least(&usual, 3));
 }
 
-/* ---- Between a record and a place ------------------------------------------------------------ */
+/* ---- Obstacles between a record and a place -------------------------------------------------- */
 
-/* What a record has seen near it ends its reach: a board between it and a place, on end at x = 0.
- */
+/* A hit that a record has seen nearby limits its reach: an upright board at x = 0 between it and a
+ * place. */
 static void test_board_between(void **state)
 {
     struct orl_record record = record_at(-0.3, 0, 4, 10);
@@ -329,8 +331,8 @@ static void test_board_between(void **state)
     struct orl_cached found;
     (void)state;
     record.clear = 0.3;
-    fill(&cache, &record, 1);
-    assert_true(orl_icache_serves(&cache, &across)); /* nothing is known to stand there */
+    fill_cache(&cache, &record, 1);
+    assert_true(orl_icache_serves(&cache, &across)); /* no obstacle is known there */
     cache.geometry = board;
     assert_false(orl_icache_serves(&cache, &across));
     assert_false(orl_icache_reaches(&cache, &across));

@@ -1,4 +1,5 @@
-/* Records fitted to those about them: noise goes, slopes and edges stay, walls part them. */
+/* Smoothing of cache records by fits to their neighbours: noise is removed, slopes and edges stay,
+ * walls separate. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,18 +11,18 @@
 #include "support/scene_text.h"
 
 /* A lattice of records on the floor z = 0 of 1 x 1 m, one and a half pixels apart, as along lines
- * where every pixel has its own. */
+ * where every pixel has its own record. */
 enum { SIDE = 40, COUNT = SIDE * SIDE, RAYS = 100 };
 static const double apart = 1.0 / SIDE;
 
-/* Nothing stands on it; or a thin wall in its middle. */
+/* An empty floor; or one with a thin wall in its middle. */
 static const char bare[] = "void plastic m 0 0 5 .5 .5 .5 0 0\n"
                            "m polygon floor 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n";
 static const char walled[] = "void plastic m 0 0 5 .5 .5 .5 0 0\n"
                              "m polygon floor 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n"
                              "m polygon wall 0 0 12 .5 0 0 .5 1 0 .5 1 1 .5 0 1\n";
 
-/* What light there is, and by how much of it rays err. */
+/* Returns the light at a place. The relative noise of rays is given separately. */
 typedef double light_at(double x, double y);
 
 static double slanting(double x, double y)
@@ -29,7 +30,7 @@ static double slanting(double x, double y)
     return 10 + 2 * x - y;
 }
 
-/* A shadow's edge, at a slant to the lattice. */
+/* The edge of a shadow, oblique to the lattice. */
 static double edge(double x, double y)
 {
     return x + 0.3 * y < 0.65 ? 10 : 4;
@@ -42,7 +43,7 @@ static double rooms(double x, double y)
     return x < 0.5 ? 10 : 9;
 }
 
-/* A number of mean 0 and variance 1. */
+/* Returns a random number of mean 0 and variance 1. */
 static double scatter(struct orl_random *random)
 {
     double sum = -6;
@@ -51,7 +52,7 @@ static double scatter(struct orl_random *random)
     return sum;
 }
 
-static void make(light_at *light, double noise, uint64_t seed, struct orl_icache *ret_cache)
+static void make_records(light_at *light, double noise, uint64_t seed, struct orl_icache *ret_cache)
 {
     static struct orl_record records[COUNT];
     struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, 0);
@@ -73,13 +74,13 @@ static void make(light_at *light, double noise, uint64_t seed, struct orl_icache
     assert_int_equal(orl_icache_index(ret_cache), 0);
 }
 
-/* Fits them in a scene whose middle is (.5, .5, z). */
+/* Smooths the records in a scene whose middle is (.5, .5, z). */
 static void fit(const char *scene, light_at *light, double noise, uint64_t seed, uint32_t threads,
                 struct orl_icache *ret_cache)
 {
     struct orl_geometry *geometry = scene_geometry(scene);
     struct orl_crew *crew = orl_crew_start(threads);
-    make(light, noise, seed, ret_cache);
+    make_records(light, noise, seed, ret_cache);
     for (size_t i = 0; i < COUNT; i++)
         ret_cache->records[i].place.point.z -= geometry->center.z;
     assert_int_equal(orl_icache_fit(ret_cache, geometry, crew), 0);
@@ -93,12 +94,11 @@ static double truth(light_at *light, const struct orl_record *record)
 }
 
 /*
- * Of a plane what is left is what chance does to the largest disc that does not hold too many, of
- * 12 pixels: 200 records of weights
- * 1 - r^2, as good as 3/4 of them, so that noise of 5 % comes down to 0.41 %. Of a seed some four
- * such discs stand apart in the middle, so that of 16 seeds it is known to a tenth; some are no
- * larger than half of that. It is told to be that; and on average there is no more light nor less:
- * to 5 % / 160.
+ * On a plane only noise remains: that of the largest disc within the record limit, 12 pixels: 200
+ * records of weights 1 - r^2, equivalent to 3/4 of them, so that noise of 5 % falls to 0.41 %. One
+ * seed has some four independent discs in the middle, so that 16 seeds give it to a tenth; some
+ * discs are only half as large. The estimated error is the same, and the mean is unchanged: to 5 %
+ * / 160.
  */
 static void test_noise(void **state)
 {
@@ -125,12 +125,12 @@ static void test_noise(void **state)
                   100 * sqrt(squares / n), 100 * sqrt(told / n), 100 * mean);
     assert_true(sqrt(squares / n) < 0.006);
     assert_true(told < 2.25 * squares && squares < 2.25 * told);
-    assert_true(left < 0.01 * n); /* own errors of four are left alone */
+    assert_true(left < 0.01 * n); /* a few records are not smoothed and keep their own error */
     assert_true(fabs(mean) < 4 * 0.05 / sqrt(COUNT * SEEDS));
 }
 
-/* Records at an edge of six tenths of the light stay on their side of it: none is as far off as a
- * quarter of the step, where a mean over three pixels would be off by half of it. */
+/* Records at an edge of six tenths of the light keep their side's value: none is off by a quarter
+ * of the step, where a mean over three pixels would be off by half of it. */
 static void test_edge(void **state)
 {
     struct orl_icache cache;
@@ -144,7 +144,7 @@ static void test_edge(void **state)
     orl_icache_done(&cache);
 }
 
-/* Behind a wall is another room: what differs by a tenth, no more than twice the noise, does not
+/* Behind a wall is another room: values that differ by a tenth, at most twice the noise, do not
  * mix. */
 static void test_wall(void **state)
 {

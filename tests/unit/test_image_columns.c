@@ -1,6 +1,6 @@
 /*
- * From where suns' images may be seen, against rays: whatever a ray within the disc meets is not
- * denied, and where no mirror is, it is.
+ * Regions from which mirror images of suns may be visible, against rays: every place of a ray hit
+ * is inside a region, and places without a mirror are outside.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -30,7 +30,7 @@ static struct orl_vec3 direction_of(struct orl_random *random)
     return orl_v3(r * cos(turn), r * sin(turn), z);
 }
 
-/* Triangles and rings, some of them near others. */
+/* Returns random triangles and rings, some of them near others. */
 static struct orl_geometry *random_mirrors(struct orl_random *random)
 {
     char text[8192] = "void mirror m 0 0 3 1 1 1\n";
@@ -53,7 +53,7 @@ static struct orl_geometry *random_mirrors(struct orl_random *random)
     return scene_geometry(text);
 }
 
-/* In the disc, its rim included. */
+/* Returns a point in the disc, its rim included. */
 static struct orl_vec3 near(const struct orl_frame *frame, double half, struct orl_random *random)
 {
     const double turn = between(random, 0, 2 * ORL_PI);
@@ -94,7 +94,7 @@ static void test_what_rays_meet_is_not_denied(void **state)
         }
         orl_geometry_free(geometry);
     }
-    /* Both happen often enough for the test to mean something. */
+    /* Both cases happen often enough for a meaningful test. */
     assert_true(met > 2000);
     assert_true(denied > 20 * PLACES / 2);
 }

@@ -1,4 +1,4 @@
-/* Job documents: what decodes, and what each mistake is told. */
+/* Job documents: decoded values, and the message for each mistake. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -66,7 +66,7 @@ static void test_full_remote_document(void **state)
     free(id);
 }
 
-/* One map's target may be left to the plan while the other is given. */
+/* The plan may choose one map's photon count while the other is given. */
 static void test_one_of_two_photon_counts(void **state)
 {
     (void)state;
@@ -123,7 +123,7 @@ static struct orl_job decode_sky(const char *text)
     return job;
 }
 
-/* What a view asks for of its pictures. */
+/* Picture options of a view. */
 static void test_pictures(void **state)
 {
     (void)state;
@@ -189,7 +189,8 @@ static void test_skies(void **state)
     orl_job_done(&job);
 }
 
-/* Each mistake: the document (without braces), the code, and the JSON path it must name. */
+/* Each mistake: the document (without braces), the code, and the JSON path that the error must
+ * name. */
 #define VIEW_A "\"name\":\"a\",\"view\":\"-vtv\",\"width\":4,\"height\":3"
 
 static const struct {
@@ -330,7 +331,7 @@ static void test_mistakes_name_their_path(void **state)
     }
 }
 
-/* Two views write no file that the other writes. */
+/* No view writes a file that another view writes. */
 static void test_names_of_views(void **state)
 {
     static const struct {
@@ -369,7 +370,7 @@ static void test_unknown_member_lists_the_known(void **state)
     assert_string_equal(err.hint, "Known here: global, caustic, exact");
 }
 
-/* What is not JSON at all, or not JSON as we want it. */
+/* Text that is not JSON, or not a valid document, gives an error with its line. */
 static void test_syntax_has_a_line(void **state)
 {
     (void)state;
@@ -396,7 +397,7 @@ static void test_syntax_has_a_line(void **state)
     }
 }
 
-/* An array or a bare word where the document should be. */
+/* An array or a bare word is refused in place of the document. */
 static void test_document_must_be_an_object(void **state)
 {
     (void)state;

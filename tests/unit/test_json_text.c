@@ -1,4 +1,4 @@
-/* JSON values as text and back: all of it, or none where memory ends anywhere on the way. */
+/* JSON values to text and back: all of it, or none if memory runs out anywhere. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,10 +14,10 @@
 #include "encode.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
-#define FAILING 0 /* sanitizers have allocators of their own; clang's check of them has too */
+#define FAILING 0 /* sanitizers replace the allocator; so does clang's static analysis */
 #else
 #define FAILING 1
-static int calls, failing = -1; /* which of malloc's is refused; -1: none */
+static int calls, failing = -1; /* index of the malloc call that fails; -1: none */
 
 extern void *__libc_malloc(size_t size);
 
@@ -30,7 +30,7 @@ void *malloc(size_t size)
 }
 #endif
 
-static int allocations, fails_at; /* which of jansson's is refused; -1: none */
+static int allocations, fails_at; /* index of jansson's allocation that fails; -1: none */
 
 static void *allocate(size_t size)
 {
@@ -64,7 +64,7 @@ static void test_text(void **state)
     free(wanted);
 }
 
-/* A single allocation fails, whichever: there is no text, or the whole. */
+/* If any single allocation fails, the result is no text or all of it. */
 static void test_memory(void **state)
 {
     json_t *doc = make_document();
@@ -89,7 +89,7 @@ static void test_memory(void **state)
     assert_true(most > 0);
 }
 
-/* Strings and keys are not cut, numbers behind them do not make that forgotten. */
+/* Strings and keys are not cut if memory runs out; later numbers do not hide the error. */
 static void test_reading_without_memory(void **state)
 {
     (void)state;
@@ -132,7 +132,7 @@ static void test_reading(void **state)
 
 int main(void)
 {
-    /* The last one puts its own allocator in the reader's place. */
+    /* The last test replaces the reader's allocator. */
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_text), cmocka_unit_test(test_reading),
         cmocka_unit_test(test_reading_without_memory), cmocka_unit_test(test_memory)};

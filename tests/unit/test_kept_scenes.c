@@ -1,7 +1,7 @@
 /*
- * Scenes kept in files: what is read from there is what was written, field by field, whatever the
- * scene is made of; jobs that find one come to the same bytes as those that read text; and a file
- * that is damaged, or of files that have changed, serves nobody.
+ * Cached scenes: the file reads back as written, field by field, for every kind of scene. Jobs
+ * that find one give the same bytes as jobs that parse the text. A cached file that is damaged, or
+ * whose source files have changed, is not used.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,7 +28,7 @@ enum { FILES = 8 };
 
 static const unsigned char content[ORL_SEALED_CONTENT] = {1, 2, 3};
 
-/* A scene of a.rad and what that names. */
+/* A scene of a.rad and the files that it names. */
 struct text_files {
     const char *names[FILES];
     struct orl_file contents[FILES];
@@ -36,7 +36,7 @@ struct text_files {
     struct orl_files files;
 };
 
-static void add(struct text_files *t, const char *name, const void *data, size_t size)
+static void add_file(struct text_files *t, const char *name, const void *data, size_t size)
 {
     const size_t n = t->memory.count++;
     assert_true(n < FILES);
@@ -49,10 +49,10 @@ static void add(struct text_files *t, const char *name, const void *data, size_t
 
 static void add_text(struct text_files *t, const char *name, const char *text)
 {
-    add(t, name, text, strlen(text));
+    add_file(t, name, text, strlen(text));
 }
 
-/* Reads and settles a.rad; false: it is refused. */
+/* Parses a.rad and resolves it. Returns false if it is refused. */
 static bool read_text(const struct text_files *t, struct orl_description *ret)
 {
     static const char *const names[] = {"a.rad"};
@@ -73,7 +73,8 @@ static int open_kept(const char *path, const unsigned char *of, const struct tex
     return orl_description_open(path, of, &sources, ret, err);
 }
 
-static unsigned char *keep(const struct orl_description *d, const char *path, size_t *ret_size)
+static unsigned char *write_cached_scene(const struct orl_description *d, const char *path,
+                                         size_t *ret_size)
 {
     struct orl_error err = {0};
     uint64_t bytes;
@@ -84,8 +85,8 @@ static unsigned char *keep(const struct orl_description *d, const char *path, si
     return data;
 }
 
-/* Written, read, and written again: both files are the same, and so is what the scene is made of.
- * False: the text is refused. */
+/* Writes, reads, and writes the scene again: both files are equal, and so is the scene. Returns
+ * false if the text is refused. */
 static bool returns(const struct text_files *t)
 {
     struct orl_description d, kept = {0};
@@ -97,7 +98,7 @@ static bool returns(const struct text_files *t)
         return false;
     }
     path = scratch_path("scene");
-    unsigned char *const first = keep(&d, path, &size);
+    unsigned char *const first = write_cached_scene(&d, path, &size);
     if (open_kept(path, content, t, &kept, &err) < 0)
         fail_msg("%s", err.message);
     assert_true(kept.settled);
@@ -107,18 +108,18 @@ static bool returns(const struct text_files *t)
     assert_int_equal(kept.n_warnings, d.n_warnings);
     orl_description_done(&d);
     path = scratch_path("again");
-    unsigned char *const again = keep(&kept, path, &size_again);
+    unsigned char *const again = write_cached_scene(&kept, path, &size_again);
     assert_int_equal(size, size_again);
     assert_memory_equal(first, again, size);
     free(first);
     free(again);
     struct orl_scene *scene = NULL;
-    (void)orl_scene_new(&kept, &scene, &err); /* or it is refused, once it is geometry */
+    (void)orl_scene_new(&kept, &scene, &err); /* the geometry may be refused */
     orl_scene_release(scene);
     return true;
 }
 
-/* ---- What comes back ------------------------------------------------------------------------- */
+/* ---- Scenes that are cached ------------------------------------------------------------------ */
 
 static const char function_text[] = "half = .5 + .25*sin(Px) ; share = if(Px - 1, 1, 0);\n"
                                     "tall(z) = if(z - 3, 1, tall(z + 1)*.9);\n"
@@ -131,7 +132,7 @@ static const char font_text[] = "65 4 0 0 255 0 255 255 0 255\n66 3 0 0 255 0 12
 static const char obj_text[] = "v 0 0 9\nv 1 0 9\nv 0 1 9\nvn 0 0 1\nvn .1 0 1\nvn 0 .1 1\n"
                                "f 1//1 2//2 3//3\n";
 
-/* A scene of one material on a polygon, with what follows. */
+/* A scene of one material on a polygon, followed by more text. */
 #define FLOOR " polygon floor 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"
 
 static const char *const scenes[] = {
@@ -192,7 +193,7 @@ static void text_to_file_and_back(void **state)
     assert_int_equal(taken, sizeof scenes / sizeof *scenes);
 }
 
-/* A tree in many places, which is kept once, and a mesh's own normals. */
+/* A tree in many places, stored once, and a mesh's own normals. */
 static void what_stands_in_many_places_comes_back(void **state)
 {
     struct grove grove;
@@ -202,12 +203,12 @@ static void what_stands_in_many_places_comes_back(void **state)
     add_text(&t, "a.rad", grove.shared);
     add_text(&t, "tree.rad", grove.tree);
     add_text(&t, "once.rad", "void instance tree 1 tree.oct 0 0\n");
-    add(&t, "tree.oct", grove.octree.data, grove.octree.size);
+    add_file(&t, "tree.oct", grove.octree.data, grove.octree.size);
     assert_true(returns(&t));
     grove_done(&grove);
 }
 
-/* Whatever scenes fuzzing has found of interest. */
+/* The scenes of the fuzz corpus. */
 static void scenes_of_the_corpus_come_back(void **state)
 {
     enum { SEPARATOR = 0x1c };
@@ -227,9 +228,9 @@ static void scenes_of_the_corpus_come_back(void **state)
         char *const text = (char *)scene_read_bytes(path, &size);
         const char *const split = memchr(text, SEPARATOR, size);
         const size_t main_size = split ? (size_t)(split - text) : size;
-        add(&t, "a.rad", text, main_size);
+        add_file(&t, "a.rad", text, main_size);
         if (split)
-            add(&t, "part.rad", split + 1, size - main_size - 1);
+            add_file(&t, "part.rad", split + 1, size - main_size - 1);
         add_text(&t, "panel.xml", xml);
         taken += returns(&t);
         free(text);
@@ -239,7 +240,7 @@ static void scenes_of_the_corpus_come_back(void **state)
     assert_true(taken >= 10);
 }
 
-/* ---- What does not --------------------------------------------------------------------------- */
+/* ---- Cached scenes that are not used --------------------------------------------------------- */
 
 static const char two_files[] = "void plastic m 0 0 5 .5 .4 .3 0 0\n!xform -t 0 0 1 sub/b.rad\n";
 static const char part_text[] = "m" FLOOR "!xform c.rad\n";
@@ -257,8 +258,7 @@ static int open_as(const char *path, const struct text_files *t)
     return code;
 }
 
-/* c.rad is looked for beside b.rad first: where one comes to be there, it is that one that counts.
- */
+/* c.rad is searched beside b.rad first: a file that appears there takes precedence. */
 static void files_that_changed_are_read_again(void **state)
 {
     struct text_files t = {.memory = {.count = 0}}, changed, gone, more;
@@ -271,7 +271,7 @@ static void files_that_changed_are_read_again(void **state)
     add_text(&t, "c.rad", other_text);
     assert_true(read_text(&t, &d));
     path = scratch_path("changed");
-    free(keep(&d, path, &size));
+    free(write_cached_scene(&d, path, &size));
     orl_description_done(&d);
     assert_int_equal(open_as(path, &t), 0);
     changed = (struct text_files){.memory = {.count = 0}};
@@ -310,7 +310,7 @@ static void damaged_files_are_refused(void **state)
     add_text(&t, "a.rad", scenes[0]);
     assert_true(read_text(&t, &d));
     path = scratch_path("damaged");
-    unsigned char *const data = keep(&d, path, &size);
+    unsigned char *const data = write_cached_scene(&d, path, &size);
     orl_description_done(&d);
     assert_int_equal(open_kept(path, other, &t, &kept, NULL), ORL_ERR_CORRUPT);
     for (size_t at = 0; at < size; at += 1 + size / 97) {
@@ -333,7 +333,7 @@ static void damaged_files_are_refused(void **state)
 
 enum { POLYGONS = 12000, SENSORS = 2 };
 
-/* A field of polygons, patterned, under a sky. */
+/* Returns a field of polygons, patterned, under a sky. */
 static char *field(void)
 {
     static const char head[] = "void brightfunc f 2 .5+.3*sin(Px) . 0 0\n"
@@ -364,7 +364,7 @@ static struct orl_result run_job(const char *text, const char *folder)
     return scene_run(&run);
 }
 
-/* The one scene that the folder's maps hold; false: there is none. */
+/* Returns the path of the one scene in the folder's cache; false: there is none. */
 static bool kept_in(const char *folder, char ret_path[1024])
 {
     DIR *const entries = opendir(folder);
@@ -389,7 +389,8 @@ static void damage(const char *path)
     free(data);
 }
 
-/* Read, found, found damaged and read again: the same bytes. */
+/* A scene is parsed, found in the cache, found damaged and parsed again: the results have the same
+ * bytes. */
 static void jobs_find_scenes(void **state)
 {
     char *const text = field();

@@ -1,7 +1,4 @@
-/*
- * Tables of lamps, and what luminaires have of them: colour, depreciation, and the share by how far
- * they are turned.
- */
+/* Luminaire tables and their effect: colour, depreciation, and the share by tilt. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -72,8 +69,8 @@ static void test_patterns(void **state)
     }
 }
 
-/* By hand: XYZ of x y and luminance .5 is (1, .5, 1/6); blue is below 0, so that all move towards
- * grey of .5 by .5/(.5 - blue). */
+/* Worked out by hand: XYZ of x y and luminance .5 is (1, .5, 1/6). Blue is below 0, so all
+ * channels move towards grey of .5 by .5/(.5 - blue). */
 static void test_color(void **state)
 {
     struct orl_lamp_table table = table_of(table_text);
@@ -119,7 +116,7 @@ static void test_tables_that_are_wrong(void **state)
     }
 }
 
-/* Each but the first is the one before it: 32 names on the way, and 33. */
+/* Each name but the first refers to the one before it: chains of 32 and of 33 names. */
 static void test_names_of_names(void **state)
 {
     (void)state;
@@ -142,7 +139,7 @@ static void test_names_of_names(void **state)
 
 #define NUMBERS "1 1000 1 3 1 1 2 0 0 0\n1 1 40\n0 90 180\n0\n1000 1000 1000\n"
 
-static const double radius = 30; /* a point of 1000 cd all round: 1000/900 lx */
+static const double radius = 30; /* a point of 1000 cd in all directions: 1000/900 lx */
 
 static double lux_of(const char *scene)
 {
@@ -161,8 +158,8 @@ static double lux_of(const char *scene)
     return lx / (1000 / (radius * radius));
 }
 
-/* What each of these gives of its 1000 cd. Lights' radiances have six digits in the text that is
- * written, RGB's white is off by as much. */
+/* Checks the share of 1000 cd for each row. Radiances in the generated text have six digits, and
+ * RGB's white has an error of the same size. */
 static void expect_shares(const char *const (*rows)[2], const double *shares, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -199,7 +196,7 @@ static void test_lamps_by_the_table(void **state)
     (void)state;
     cli_write_file(scratch_path(""), "lamp.tab", table_text);
     cli_write_file(scratch_path(""), "other.tab", "/white/ .3333 .3333 .7\n");
-    /* The first line of the table counts whose pattern is in the words, not the first words. */
+    /* The first line of the table whose pattern is in the words counts, not the first words. */
     expect_shares(rows, shares, sizeof rows / sizeof *rows);
 }
 
@@ -213,7 +210,7 @@ static void test_lamps_without_a_table(void **state)
     expect_shares(rows, shares, 2);
 }
 
-/* A point turned by an angle gives the share for that. */
+/* A tilted point source gives the share for its angle. */
 static void test_tilt(void **state)
 {
     static const char half[] = "IESNA:LM-63-1995\nTILT=INCLUDE\n1\n3\n0 30 90\n1 .7 .1\n" NUMBERS,

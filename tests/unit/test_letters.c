@@ -1,4 +1,4 @@
-/* Letters: what there are, where they lie, how they are turned; lines and rectangles. */
+/* The stroke font: available letters, their position and rotation; lines and rectangles. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,18 +22,18 @@ static void clear(void)
     memset(pixels, 0xff, sizeof pixels);
 }
 
-/* 0: white, 1: black. */
+/* Returns the coverage of a pixel, 0: white, 1: black. */
 static double ink_at(int x, int y)
 {
     return 1 - pixels[3 * ((size_t)y * WIDTH + (size_t)x)] / 255.0;
 }
 
 struct extent {
-    int x0, y0, x1, y1; /* of pixels that are more than half covered */
+    int x0, y0, x1, y1; /* bounds of pixels that are more than half covered */
     double ink;         /* pixels */
 };
 
-static struct extent measure(void)
+static struct extent measure_ink(void)
 {
     struct extent e = {WIDTH, HEIGHT, -1, -1, 0};
     for (int y = 0; y < HEIGHT; y++)
@@ -49,20 +49,20 @@ static struct extent measure(void)
     return e;
 }
 
-/* A line's area is its length by its width, and half a circle at each end; coverage by distance is
- * exact along straight edges, and to a hundredth or so about ends. */
+/* A line's area is its length by its width, and half a circle at each end. Coverage by distance is
+ * exact along straight edges, and to a hundredth or so around the ends. */
 static void test_lines(void **state)
 {
     const struct orl_pen pen = {.weight = 4};
     (void)state;
     clear();
     orl_raster_line(&raster, &pen, 20, 50, 120, 50);
-    const struct extent flat = measure();
+    const struct extent flat = measure_ink();
     assert_true(fabs(flat.ink - (400 + 4 * 3.14159265)) < 1);
     assert_true(flat.y0 == 48 && flat.y1 == 51);
     clear();
     orl_raster_line(&raster, &pen, 20, 10, 80, 90); /* 100 long */
-    assert_true(fabs(measure().ink - flat.ink) < 2);
+    assert_true(fabs(measure_ink().ink - flat.ink) < 2);
 }
 
 static void test_rectangles(void **state)
@@ -71,38 +71,38 @@ static void test_rectangles(void **state)
     (void)state;
     clear();
     orl_raster_fill(&raster, 10.4, 20.6, 30, 40, black);
-    const struct extent e = measure();
+    const struct extent e = measure_ink();
     assert_true(e.x0 == 10 && e.x1 == 29 && e.y0 == 21 && e.y1 == 39);
     orl_raster_fill(&raster, -50, -50, 1e9, 1e9, black);
-    assert_true(measure().ink == WIDTH * HEIGHT);
+    assert_true(measure_ink().ink == WIDTH * HEIGHT);
 }
 
-/* An H of 40 pixels stands on its line, is as high as it is said to be, and as wide. */
+/* An H of 40 pixels is on its line, and has the stated height and width. */
 static void test_frame(void **state)
 {
     const struct orl_pen pen = {.size = 40, .weight = 2};
     (void)state;
     clear();
     orl_letters_draw(&raster, &pen, 100, 80, "H");
-    const struct extent e = measure();
+    const struct extent e = measure_ink();
     assert_true(abs(e.y1 - 80) <= 1 && abs(e.y0 - 39) <= 1);
     assert_true(e.x0 > 100 && e.x1 < 100 + orl_letters_width("H", 40));
     assert_true(orl_letters_width("HH", 40) == 2 * orl_letters_width("H", 40));
     assert_true(orl_letters_width("", 40) == 0);
 }
 
-/* By a quarter: upwards, its letters to the left of the line. */
+/* Rotated by a quarter turn: upwards, with its letters to the left of the line. */
 static void test_turned(void **state)
 {
     struct orl_pen pen = {.size = 20};
     (void)state;
     clear();
     orl_letters_draw(&raster, &pen, 50, 90, "Lx");
-    const struct extent flat = measure();
+    const struct extent flat = measure_ink();
     clear();
     pen.turn = acos(0);
     orl_letters_draw(&raster, &pen, 50, 90, "Lx");
-    const struct extent up = measure();
+    const struct extent up = measure_ink();
     assert_true(fabs(up.ink - flat.ink) < 0.02 * flat.ink);
     assert_true(abs((up.y1 - up.y0) - (flat.x1 - flat.x0)) <= 1);
     assert_true(up.y1 < 90 && abs(up.x1 - 50) <= 2 && abs(up.x0 - 30) <= 2);
@@ -113,7 +113,7 @@ static double width_of(const char *text)
     return orl_letters_width(text, 20);
 }
 
-/* Every letter of ASCII and Latin-1 is there, and no two look the same. */
+/* Every letter of ASCII and Latin-1 exists, and no two look the same. */
 static void test_alphabet(void **state)
 {
     enum { LAST = 0xff };
@@ -134,7 +134,7 @@ static void test_alphabet(void **state)
             continue;
         clear();
         orl_letters_draw(&small, &pen, 10, 70, text);
-        assert_true(measure().ink > 10);
+        assert_true(measure_ink().ink > 10);
         memcpy(seen[code], pixels, sizeof seen[code]);
         for (unsigned other = '!'; other < code; other++)
             if (memcmp(seen[other], seen[code], sizeof seen[code]) == 0)
@@ -144,7 +144,7 @@ static void test_alphabet(void **state)
         assert_ptr_not_equal(orl_letter_find(code), none);
 }
 
-/* What is no UTF-8, and what there is no letter for, is a box each; a NUL ends it at once. */
+/* Invalid UTF-8 and missing letters give a box each; a NUL ends the text. */
 static void test_strange_texts(void **state)
 {
     const double box = width_of("\xe4\xb8\x80");
@@ -158,7 +158,7 @@ static void test_strange_texts(void **state)
     assert_true(width_of("\xc3\xa4") == width_of("a"));
 }
 
-/* Beyond the edges, and of sizes that no picture has: nothing is written outside. */
+/* Text beyond the edges, and of absurd sizes: nothing is written outside the picture. */
 static void test_outside(void **state)
 {
     static const double places[] = {-1e9, -30, 0, 390, 1e9, INFINITY, -INFINITY, NAN};

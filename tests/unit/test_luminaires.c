@@ -1,6 +1,6 @@
 /*
- * IES files as luminaires, by ies2rad and by themselves: far away each gives the intensity that it
- * was measured with, whatever its shape; and what is wrong with a file is told with its line.
+ * IES files as luminaires, by ies2rad and directly. Far away each gives the intensity that it was
+ * measured with, for any shape. An error in a file names its line.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,27 +19,28 @@
 
 #define DOWN "0 30 60 90\n"
 #define ROUND "0 30 60 120 150 180\n"
-/* By vertical angle: of one horizontal angle, of three in a quadrant, of one all round. */
+/* Candelas by vertical angle: for one horizontal angle, three in a quadrant, one of a full circle.
+ */
 #define ONE "300 200 100 0\n"
 #define THREE "300 200 100 0\n300 150 50 0\n300 120 30 0\n"
 #define ALL "50 100 150 120 80 40\n"
 
 struct file {
     const char *text;
-    double vertical, horizontal, candela; /* where it is looked at, and what it gives there */
+    double vertical, horizontal, candela; /* direction, in degrees, and expected intensity there */
 };
 
 static const struct file files[] = {
-    /* flat, by quadrants; halfway between two horizontal angles, too */
+    /* flat, by quadrants; also halfway between two horizontal angles */
     {"IESNA:LM-63-1995\n[TEST] one\nTILT=NONE\n1 1000 2 4 3 1 2 .3 .6 0\n1 1 40\n" DOWN
      "0 45 90\n" THREE,
      30, 45, 300},
     {"IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 4 3 1 2 .3 .6 0\n1 1 40\n" DOWN "0 45 90\n" THREE, 60,
      112.5, 40},
-    /* a disc in feet, its factors those of 1991 */
+    /* a disc in feet, with multipliers of the 1991 format */
     {"IESNA91\r\nTILT=NONE\r\n1 1000 1 4 1 1 1 -1 0 0\r\n.9 .5 40\r\n" DOWN "0\r\n" ONE, 30, 200,
      90},
-    /* a box, a cylinder, a ball and a point, that shine upwards, too */
+    /* a box, a cylinder, a ball and a point, which also emit upwards */
     {"IESNA:LM-63-2002\nTILT=NONE\n1,1000,1,6,1,1,2,.3,.6,.2\n1,1,40\n" ROUND "0\n" ALL, 60, 20,
      150},
     {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 6 1 1 2 -.2 0 .3\n1 1 40\n" ROUND "0\n" ALL, 120, 300,
@@ -49,7 +50,7 @@ static const struct file files[] = {
     {"IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 6 1 1 2 0 0 0\n1 1 40\n" ROUND "0\n" ALL, 30, 0, 100},
 };
 
-/* 60 m away openings are points: a face of half a metre is nearer by a hundredth at most. */
+/* 60 m away openings act as points: a face half a metre nearer makes a hundredth at most. */
 static void test_far_away(void **state)
 {
     static const char *const scenes[] = {"!ies2rad -s lamp.ies\n", "!xform -t 0 0 0 lamp.ies\n",
@@ -78,7 +79,7 @@ static void test_far_away(void **state)
         }
 }
 
-/* A file is an IES file however many lines come before TILT=. */
+/* A file is an IES file for any number of lines before TILT=. */
 static void test_long_head(void **state)
 {
     enum { LINES = 1500 };
@@ -103,8 +104,8 @@ static void test_long_head(void **state)
     assert_true(fabs(lx / (50.0 / (60 * 60)) - 1) < .01);
 }
 
-/* Beyond its vertical angles a luminaire gives no light, whatever its shape; of angles that LM-63
- * does not have a warning tells. */
+/* Beyond its vertical angles a luminaire of any shape gives no light; angles outside LM-63 give a
+ * warning. */
 static void test_beyond_the_angles(void **state)
 {
     static const struct {
@@ -155,8 +156,8 @@ static void test_beyond_the_angles(void **state)
     }
 }
 
-/* Planes that are missing at the end: the last one counts, or the first where it is all round; of
- * type B it is dark there. */
+/* Planes missing at the end: the last one continues, or the first after a full circle; in type B
+ * it is dark there. */
 static void test_missing_planes(void **state)
 {
 #define HEAD(TYPE, PLANES)                                                                         \
@@ -199,7 +200,7 @@ static void test_missing_planes(void **state)
     }
 }
 
-/* In millimetres: 60 000 of them away. The colour is the lamp's. */
+/* In millimetres, at 60 000 of them. The colour is the lamp's. */
 static void test_units_and_colors(void **state)
 {
     const struct orl_sensor sensor = {{0, 0, -60000}, {0, 0, 1}};
@@ -219,13 +220,13 @@ static void test_units_and_colors(void **state)
         fail_msg("%g lx, not %g", lx, wanted);
 }
 
-/* ---- What it looks like ---------------------------------------------------------------------- */
+/* ---- Geometry of luminaires ------------------------------------------------------------------ */
 
 #define LOOKS                                                                                      \
     "IESNA:LM-63-1995\n \t[LUMINOUSGEOMETRY] looks.mgf \r\nTILT=NONE\n1 1000 2 4 1 1 2 .3 .6 .2\n" \
     "1 1 40\n" DOWN "0\n" ONE
 
-/* !ies2rad with a luminaire in a folder, and its geometry if there is one. */
+/* Runs !ies2rad with a luminaire in a folder, and its geometry if there is one. */
 static int read_looks(const char *command, const char *mgf, struct orl_description *ret,
                       struct orl_error *err)
 {
@@ -239,8 +240,8 @@ static int read_looks(const char *command, const char *mgf, struct orl_descripti
     return orl_scene_parse(names, 1, &provider, ret, err);
 }
 
-/* As ies2rad -dc -m .8 writes it: an illum, and within it lamps that glow as far as the opening's
- * diagonal, .7 m, times the factors of the measurement. */
+/* The output matches ies2rad -dc -m .8: an illum, and in it lamps that glow as far as the
+ * opening's diagonal, .7 m, times the factors of the measurement. */
 static void test_geometry(void **state)
 {
     static const char mgf[] = "m shine =\n ed 3000\nv a =\n p 0 .1 0\nv b =\n p .1 0 0\nv c =\n "
@@ -264,7 +265,7 @@ static void test_geometry(void **state)
     assert_int_equal(err.line, 2);
 }
 
-/* Where the geometry is not there the luminaire is a light without it. */
+/* If the geometry file is missing, the luminaire is a light without it. */
 static void test_geometry_is_missing(void **state)
 {
     struct orl_description d;
@@ -278,7 +279,7 @@ static void test_geometry_is_missing(void **state)
     orl_description_done(&d);
 }
 
-/* The radius of -i is in the scene's units, as ies2rad has it. */
+/* The radius of -i is in the scene's units, as in ies2rad. */
 static void test_radius(void **state)
 {
     struct orl_description d;

@@ -1,4 +1,4 @@
-/* Which files of a folder make its scene, when nobody says so, and in which order. */
+/* Choice of the scene files of a folder without an explicit list, and their order. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,8 +18,8 @@ struct entry {
     const char *name, *text;
 };
 
-/* The names chosen, in order, with blanks between them. Entries: sorted by name. */
-static const char *choose(const struct entry *entries, size_t count)
+/* Returns the chosen names, in order, separated by blanks. Entries are sorted by name. */
+static const char *choose_files(const struct entry *entries, size_t count)
 {
     static char chosen[256];
     const char *names[MOST];
@@ -42,13 +42,13 @@ static const char *choose(const struct entry *entries, size_t count)
 }
 
 #define CHOOSE(...)                                                                                \
-    choose((const struct entry[]){__VA_ARGS__},                                                    \
-           sizeof((const struct entry[]){__VA_ARGS__}) / sizeof(struct entry))
+    choose_files((const struct entry[]){__VA_ARGS__},                                              \
+                 sizeof((const struct entry[]){__VA_ARGS__}) / sizeof(struct entry))
 
 #define GREY "void plastic grey 0 0 5 .5 .5 .5 0 0\n"
 #define BALL "grey sphere ball 0 0 4 0 0 0 1\n"
 
-/* Materials stand before what uses them, whatever they are called; else names decide. */
+/* Materials come before their uses, regardless of names; otherwise names decide. */
 static void test_definitions_come_first(void **state)
 {
     (void)state;
@@ -57,10 +57,10 @@ static void test_definitions_come_first(void **state)
         "b_other.rad z_materials.rad a_room.rad");
     assert_string_equal(CHOOSE({"a.rad", BALL}, {"b.rad", GREY BALL}, {"c.rad", "#" GREY}),
                         "b.rad a.rad c.rad");
-    /* What a file defines itself it needs of nobody. */
+    /* A file does not depend on others for what it defines itself. */
     assert_string_equal(CHOOSE({"a.rad", GREY BALL}, {"b.rad", GREY}), "a.rad b.rad");
-    /* By way of an alias, of an illum's other material, of a generator, and of a transformed file.
-     */
+    /* Dependencies through an alias, an illum's other material, a generator, and a transformed
+     * file. */
     assert_string_equal(
         CHOOSE({"a.rad", "void alias grey gray grey sphere s 0 0 4 0 0 0 1"},
                {"b.rad", "void illum pane 1 glassy 0 3 1 1 1"},
@@ -76,7 +76,7 @@ static void test_definitions_come_first(void **state)
         "b.rad a.rad");
 }
 
-/* Files of materials are read where they define what else nobody does. */
+/* Material files are read if they define something that no other file defines. */
 static void test_materials(void **state)
 {
     (void)state;
@@ -97,7 +97,7 @@ static void test_materials(void **state)
     assert_string_equal(CHOOSE({"materials.mat", GREY}), "");
 }
 
-/* Where files need each other names decide, and all are read. */
+/* If files depend on each other, names decide, and all are read. */
 static void test_circles(void **state)
 {
     (void)state;
@@ -106,7 +106,7 @@ static void test_circles(void **state)
                         "a.rad b.rad");
 }
 
-/* Nonsense is no reason not to choose: what is wrong with it the scene's check tells. */
+/* Invalid text does not prevent the choice; the scene's check reports the error. */
 static void test_nonsense(void **state)
 {
     (void)state;
@@ -116,7 +116,7 @@ static void test_nonsense(void **state)
     assert_string_equal(CHOOSE({"readme.txt", "void"}), "");
 }
 
-/* A job document beside them says which; one that lists what is not there does not. */
+/* A job document beside the files lists them; one that lists missing files is ignored. */
 static void test_documents(void **state)
 {
     static const char other[] = "{\"kind\":\"study\",\"scene\":{\"files\":[\"b.rad\"]}}";
@@ -135,7 +135,7 @@ static void test_documents(void **state)
                         "in/b.rad in/a.rad");
 }
 
-/* The top is one folder; of two as deep nobody can tell. */
+/* The shallowest folder with scene files is chosen; two at the same depth are ambiguous. */
 static void test_folders(void **state)
 {
     (void)state;

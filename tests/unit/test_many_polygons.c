@@ -1,6 +1,6 @@
 /*
- * What a scene of many polygons keeps in memory: bytes a polygon, resident, against bounds, and
- * against what the scene itself says of it, by which shelves count. And what rays meet of it.
+ * Memory of a scene of many polygons: resident bytes per polygon, against bounds and against the
+ * size that the scene reports, which caches count. Also its ray hits.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,7 @@
 enum { POLYGONS = 100000, FEW = 1000 };
 
 struct bytes {
-    double resident, said; /* a polygon */
+    double resident, said; /* bytes per polygon */
 };
 
 static char *whole_text(size_t count, bool apart)
@@ -51,7 +51,7 @@ static struct orl_scene *scene_of(const char *text)
 static struct bytes bytes_here(bool apart)
 {
     char *const text = whole_text(POLYGONS, apart), *const few = whole_text(FEW, apart);
-    /* What Embree and its library of tasks keep for themselves. */
+    /* Embree and its task library keep some memory of their own. */
     orl_scene_release(scene_of(few));
     const double before = (double)polygons_resident_bytes();
     struct orl_scene *const scene = scene_of(text);
@@ -64,7 +64,7 @@ static struct bytes bytes_here(bool apart)
     return bytes;
 }
 
-/* In a process that has held no other scene. */
+/* Returns bytes per polygon, measured in a process that has held no other scene. */
 static struct bytes bytes_of(bool apart)
 {
     struct bytes bytes;
@@ -83,7 +83,7 @@ static struct bytes bytes_of(bool apart)
     return bytes;
 }
 
-/* The bounds are what was measured, and a twentieth. */
+/* The bounds are measured values plus a twentieth. */
 static void test_bytes(void **state)
 {
     static const double most[2] = {131, 195};
@@ -93,7 +93,7 @@ static void test_bytes(void **state)
         print_message("corners %s: %.1f bytes a polygon resident, %.1f said\n",
                       apart ? "apart" : "shared", bytes.resident, bytes.said);
         if (ORL_SANITIZED)
-            continue; /* which keeps more beside it */
+            continue; /* sanitizers keep additional memory */
         assert_true(bytes.resident < most[apart]);
         assert_true(bytes.said > 0.95 * bytes.resident);
         assert_true(bytes.said < 1.1 * bytes.resident);
@@ -102,7 +102,7 @@ static void test_bytes(void **state)
 
 /* ---- Hits ------------------------------------------------------------------------------------ */
 
-/* Half of the polygons alone: of these there are few enough to be Embree's triangles. */
+/* Returns half of the polygons: few enough to use Embree's own triangles. */
 static struct orl_geometry *half_of(const struct orl_geometry *whole, int half)
 {
     struct orl_geometry *part = NULL;
@@ -127,7 +127,7 @@ static struct orl_ray ray_into(const struct orl_geometry *g, struct orl_random *
     return (struct orl_ray){from, orl_normalize(orl_v3(2 * u[3] - 1, 2 * u[4] - 1, -0.05 - u[5]))};
 }
 
-/* The triangle that is told is its facet's, and the point lies on it. */
+/* Checks that the reported triangle belongs to its facet, and that the point is on it. */
 static void check_triangle(const struct orl_geometry *g, const struct orl_hit *hit)
 {
     double uv[2];
@@ -143,9 +143,9 @@ static void check_triangle(const struct orl_geometry *g, const struct orl_hit *h
 }
 
 /*
- * The same hits as of two halves that are each met by triangles. Rays are floats, of which the
- * rounding is 4e-6 at 60 from the middle: nearer to an edge than that the polygon on its other side
- * may be met, in that place.
+ * Hits equal those of two halves that each use Embree's triangles. Rays are floats, with a
+ * rounding of 4e-6 at 60 from the middle: within that distance of an edge, the neighbouring
+ * polygon may be hit at the same place.
  */
 static void test_hits(void **state)
 {
@@ -187,7 +187,7 @@ static void test_hits(void **state)
     }
     print_message("%d rays met, %d of them another polygon than by triangles\n", met, elsewhere);
     assert_true(met > RAYS / 4);
-    /* An edge every 5 cm is that near to one ray in a thousand. */
+    /* With an edge every 5 cm, one ray in a thousand is that near to one. */
     assert_true(elsewhere < met * near / 0.05 * 4);
     orl_geometry_free(halves[0]);
     orl_geometry_free(halves[1]);

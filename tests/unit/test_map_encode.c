@@ -1,6 +1,6 @@
 /*
- * Photons in a map's words: a map that is topped up is the same file as one made at once, whatever
- * its new photons do to the size of its cells and the range of its fluxes.
+ * Encoding of photons in a map: a map extended in steps is the same file as one made at once, for
+ * any effect of new photons on the cell size and the flux range.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -47,8 +47,7 @@ static int teardown(void **state)
     return 0;
 }
 
-/* Photons in a box about the origin, of fluxes over five decades, and some that are others again.
- */
+/* Makes photons in a box about the origin, with fluxes over five decades and some duplicates. */
 static void make_photons(struct fixture *f, double size, double brightness)
 {
     struct orl_random random = orl_random_stream(7, ORL_PURPOSE_BENCH, 1);
@@ -109,7 +108,7 @@ static void assert_same_files(const struct fixture *f, const char *a, const char
     free(bytes[1]);
 }
 
-/* In one go against any two, and against three. */
+/* Compares one step with every split into two, and with three. */
 static void check_all(struct fixture *f)
 {
     static const size_t cuts[] = {1, 17, 1000, 3000, COUNT - 1, COUNT};
@@ -132,7 +131,7 @@ static void test_even(void **state)
     check_all(f);
 }
 
-/* Later photons lie ever further out: cells grow with them, and move. */
+/* Later photons are ever further out: cells grow, and move. */
 static void test_growing_places(void **state)
 {
     struct fixture *f = *state;
@@ -146,7 +145,7 @@ static void test_growing_places(void **state)
     check_all(f);
 }
 
-/* Later photons are ever brighter, until the first ones are too faint to be kept. */
+/* Later photons are ever brighter, until the first ones are too faint to be stored. */
 static void test_growing_fluxes(void **state)
 {
     struct fixture *f = *state;
@@ -155,12 +154,12 @@ static void test_growing_fluxes(void **state)
         for (int k = 0; k < 3; k++)
             f->photons[i].flux[k] *= (float)exp2(50.0 * ((double)i / COUNT - 0.5));
     check_all(f);
-    for (size_t i = 0; i < 2000; i++) /* and the first are black */
+    for (size_t i = 0; i < 2000; i++) /* the first photons are black */
         memset(f->photons[i].flux, 0, sizeof f->photons[i].flux);
     check_all(f);
 }
 
-/* All in one place, and in one of two. */
+/* All photons in one place, and in one of two. */
 static void test_one_place(void **state)
 {
     struct fixture *f = *state;
@@ -187,8 +186,7 @@ static void check_cells(const struct fixture *f, double size, double extent)
     }
 }
 
-/* Cells are no wider than twice what the bounds call for, unless they are the smallest there are.
- */
+/* Cells are at most twice as wide as the bounds require, unless they have the minimum size. */
 static void test_cells_are_tight(void **state)
 {
     static const double sizes[] = {1e-12, 1e-3, 0.9, 4, 10, 99}, extents[] = {50, 37.3, 1e4, 0};
@@ -200,7 +198,7 @@ static void test_cells_are_tight(void **state)
     }
 }
 
-/* Cells scale with the scene: photons stay together however they are measured. */
+/* Cells scale with the scene: photons have the same neighbours in any unit. */
 static void test_cells_scale(void **state)
 {
     struct fixture *f = *state;
@@ -227,7 +225,8 @@ static void test_cells_scale(void **state)
     }
 }
 
-/* Codes of fluxes: coarse at once, or by steps; right to a part in 256; the brightest fits. */
+/* Flux codes, made coarser at once or by steps, are accurate to one part in 256; the brightest
+ * flux fits. */
 static void test_flux_codes(void **state)
 {
     struct orl_random random = orl_random_stream(8, ORL_PURPOSE_BENCH, 2);
@@ -255,7 +254,8 @@ static void test_flux_codes(void **state)
     assert_int_equal(orl_flux_least(0), ORL_FLUX_LEAST);
 }
 
-/* Side by side or one by one, whatever the light: none, five decades of it, or a hair of it. */
+/* Encoding in vectors equals encoding one by one: for black photons, five decades of flux, and
+ * equal fluxes. */
 static void test_many(void **state)
 {
     static const double sizes[] = {4, 1e-3, 3e4}, lights[] = {1e3, 1e-30, 0};

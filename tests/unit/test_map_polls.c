@@ -1,7 +1,7 @@
 /*
- * A cancel that comes at the k-th poll, for every k, of what is made of photons: the map file's
- * order, and the indexes of the techniques. Each step polls many times, says that it was cancelled
- * and leaves nothing behind (which AddressSanitizer watches).
+ * A cancel at the k-th poll, for every k, of all work on photons: the map file's order, and the
+ * indexes of the techniques. Each step polls many times, returns the cancellation error and leaks
+ * nothing (AddressSanitizer checks).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,10 +22,10 @@
 #include "render/gather/icache.h"
 #include "support/scene_text.h"
 
-static atomic_int polls;     /* since the count began */
-static atomic_int cancel_at; /* the poll from which on the answer is yes; negative: never */
+static atomic_int polls;     /* polls since the count began */
+static atomic_int cancel_at; /* the poll from which on the result is true; negative: never */
 
-/* The core's polls come here: this stands in the place of core/base/cancel.c. */
+/* Replaces core/base/cancel.c: the core's polls call this. */
 bool orl_is_cancelled(const atomic_bool *cancel)
 {
     if (!cancel)
@@ -85,7 +85,7 @@ static int make_density(const struct bench *bench)
     return make_gather(bench, ORL_REST_DENSITY);
 }
 
-/* Neighbour clamping; its radii stay as they were when it is cancelled. */
+/* Runs neighbour clamping; a cancelled run leaves the radii unchanged. */
 static int hold_records_back(const struct bench *bench)
 {
     enum { COUNT = 400 };
@@ -152,7 +152,7 @@ static int make_with(making make, const struct bench *bench, int at)
 
 static void test_polls(void **state)
 {
-    /* A chunk is some hundreds or thousands of the photons, in each pass over them. */
+    /* A chunk is some hundreds or thousands of photons, in each pass. */
     static const struct {
         const char *name;
         making make;

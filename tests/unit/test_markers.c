@@ -1,6 +1,6 @@
 /*
- * replmarks and cat: what stands where polygons of a marker's modifier were. The places are those
- * that Radiance 6.1's replmarks and xform give for the same files.
+ * replmarks and cat: replacements of marker polygons. Expected places are those of Radiance 6.1's
+ * replmarks and xform for the same files.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -20,7 +20,7 @@
     "void plastic m 0 0 5 .5 .5 .5 0 0\nvoid plastic green 0 0 5 .1 .5 .1 0 0\n"                   \
     "void plastic mark 0 0 5 .5 .5 .5 0 0\n"
 
-/* A tip along x, a little beside the axis, so that every turn shows. */
+/* A tip along x, slightly off the axis, so that every rotation is visible. */
 static const char tip[] = "m sphere tip 0 0 4 1 .25 .125 .1\n";
 static const char marks[] = "mark polygon a 0 0 9  1 2 3  1 4 3  0 2 3\n"
                             "mark polygon b 0 0 9  0 0 1  0 0 5  2 0 1\n"
@@ -101,7 +101,7 @@ static void test_places(void **state)
             const struct orl_vec3 at = orl_v3(p->at[0], p->at[1], p->at[2]);
             assert_string_equal(s->name, p->name);
             assert_string_equal(d.materials[s->material].name, p->material);
-            /* Angles of six decimals of a degree, over a length of 5. */
+            /* xform prints angles with six decimals of a degree, over a length of 5. */
             if (s->kind != ORL_SURFACE_POLYGON &&
                 (orl_length(orl_sub(s->round->center[0], at)) > 1e-7 ||
                  fabs(s->round->radius[0] - p->radius) > 1e-9))

@@ -1,4 +1,4 @@
-/* Radiance's matrices as files, and what a BSDF's transmission is as one. */
+/* Radiance's matrix files, and the transmission of a BSDF as such a matrix. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +24,7 @@ struct file {
     size_t size;
 };
 
-static void put(struct file *file, const void *bytes, size_t size)
+static void put_bytes(struct file *file, const void *bytes, size_t size)
 {
     assert_true(file->size + size <= sizeof file->bytes);
     memcpy(file->bytes + file->size, bytes, size);
@@ -34,11 +34,11 @@ static void put(struct file *file, const void *bytes, size_t size)
 static struct file text(const char *header)
 {
     struct file file = {.size = 0};
-    put(&file, header, strlen(header));
+    put_bytes(&file, header, strlen(header));
     return file;
 }
 
-/* In this order of bytes, or in the other. */
+/* Writes a value in this machine's byte order, or swapped. */
 static void put_value(struct file *file, double value, bool is_double, bool swapped)
 {
     const float single = (float)value;
@@ -47,7 +47,7 @@ static void put_value(struct file *file, double value, bool is_double, bool swap
     memcpy(bytes, is_double ? (const void *)&value : (const void *)&single, size);
     for (size_t i = 0; i < size; i++)
         turned[i] = bytes[swapped ? size - 1 - i : i];
-    put(file, turned, size);
+    put_bytes(file, turned, size);
 }
 
 static void expect(const struct file *file, size_t rows, size_t columns, const float *values)
@@ -158,7 +158,8 @@ static void test_product(void **state)
     orl_crew_stop(crew);
 }
 
-/* Light of a column comes out as the BSDF's transmittance says; a single value is the BSDF's. */
+/* The light of a column is transmitted as by the BSDF's transmittance; a single value is the
+ * BSDF's. */
 static void test_transmission(void **state)
 {
     size_t size, rows, columns;

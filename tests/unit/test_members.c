@@ -1,4 +1,5 @@
-/* Objects by tables of their members: kinds, bounds, names, lists; and no memory, anywhere. */
+/* JSON objects decoded by tables of members: kinds, bounds, names, lists; and failing allocations.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,17 +15,17 @@
 #include "study_json.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
-#define FAILING 0 /* sanitizers have allocators of their own; clang's check of them has too */
+#define FAILING 0 /* sanitizers replace the allocator; so does clang's static analysis */
 #else
 #define FAILING 1
-static int calls, failing = -1; /* which of the allocations is refused; -1: none */
-static long live;               /* blocks that are not given back */
+static int calls, failing = -1; /* index of the allocation that fails; -1: none */
+static long live;               /* blocks that are not freed */
 
 extern void *__libc_malloc(size_t size);
 extern void *__libc_calloc(size_t count, size_t size);
 extern void __libc_free(void *memory);
 
-static bool refuse(void)
+static bool fail_allocation(void)
 {
     if (calls++ != failing) {
         live++;
@@ -36,12 +37,12 @@ static bool refuse(void)
 
 void *malloc(size_t size)
 {
-    return refuse() ? NULL : __libc_malloc(size);
+    return fail_allocation() ? NULL : __libc_malloc(size);
 }
 
 void *calloc(size_t count, size_t size)
 {
-    return refuse() ? NULL : __libc_calloc(count, size);
+    return fail_allocation() ? NULL : __libc_calloc(count, size);
 }
 
 void free(void *memory)
@@ -209,7 +210,7 @@ static void test_mistakes(void **state)
     }
 }
 
-/* Names as long as they come: paths are cut, and nothing is written past their end. */
+/* Very long names: paths are cut, and nothing is written past their end. */
 static void test_long_names(void **state)
 {
     (void)state;
@@ -258,7 +259,7 @@ static int decode_document(const json_t *doc, bool study, struct orl_error *err)
     return rc;
 }
 
-/* Each allocation fails once, alone: that is said, and all is given back. */
+/* Each allocation fails once, alone: the result is an error, and all memory is freed. */
 static void refuse_each(const char *text, bool study)
 {
     struct orl_error err = {0};

@@ -1,6 +1,6 @@
 /*
- * Geometry in MGF: the scene text that Radiance 6.1's mgf2rad writes for the same entities; arrays
- * and names; what is refused, and where.
+ * MGF geometry: the scene text equals that of Radiance 6.1's mgf2rad for the same entities; arrays
+ * and names; refusals and their place.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,7 +14,7 @@
 
 #include "scene/generate/mgf.h"
 
-/* Calls of realloc; sanitizers have allocators of their own, where none are counted. */
+/* Number of realloc calls. Sanitizers replace the allocator: no calls are counted. */
 static unsigned reallocations;
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
@@ -113,7 +113,7 @@ static const struct {
      "void light lamp 0 0 3 5.33481 5.33481 5.33481 lamp polygon f1 0 0 9 0 0 0 1 0 0 1 2 0 "},
 };
 
-/* Words with a blank behind each, numbers to six digits. */
+/* Writes words with a blank after each, numbers to six digits. */
 static void write_words(const char *text, char *ret_words, size_t size)
 {
     size_t n = 0;
@@ -167,8 +167,8 @@ static int convert(const char *mgf, struct orl_text *text, struct orl_error *err
     return orl_mgf_write(&document, text, err);
 }
 
-/* Words are equal, and numbers to 2e-5 of themselves: mgf2rad prints six digits behind the point,
- * and has another observer's tables. */
+/* Checks that words are equal, and numbers to a relative 2e-5: mgf2rad prints six digits after the
+ * point, and uses other colour-matching tables. */
 static void check_words(const char *name, const char *words, const char *expected)
 {
     const char *a = words, *b = expected;
@@ -202,11 +202,11 @@ static void text_is_that_of_mgf2rad(void **state)
     }
 }
 
-/* ---- Warned of, and refused ------------------------------------------------------------------ */
+/* ---- Warnings and refusals ------------------------------------------------------------------- */
 
 static const struct {
     const char *mgf;
-    const char *warning; /* part of it */
+    const char *warning; /* part of the warning */
 } warned[] = {
     {CORNERS "v a\n n 0 0 1\nf a b c\n", "normals"},
     {"m m =\n c\n cxy .45 .3\n rd .7\n" CORNERS "f a b c\n", "1 colours"},
@@ -216,7 +216,7 @@ static const struct {
 static const struct {
     const char *mgf;
     int code, line;
-    const char *message; /* part of it */
+    const char *message; /* part of the message */
 } refused[] = {
     {"f a b c\n", ORL_ERR_SYNTAX, 1, "'a' has not been defined"},
     {CORNERS "f a b\n", ORL_ERR_SYNTAX, 17, "3 words at the least"},
@@ -245,7 +245,7 @@ static const struct {
     {"o it's\n", ORL_ERR_SYNTAX, 1, "sign"},
 };
 
-/* In files that it includes. */
+/* Errors in included files. */
 static const struct {
     const char *mgf;
     int code, line;
@@ -294,7 +294,7 @@ static void what_is_refused_has_its_line(void **state)
                        refused_within[i].line, refused_within[i].message);
 }
 
-/* Copies of an array, 176 bytes each, are moved only when their room doubles. */
+/* Copies of an array, 176 bytes each, are reallocated only when the capacity doubles. */
 static void copies_are_seldom_moved(void **state)
 {
     struct orl_text text = {0};

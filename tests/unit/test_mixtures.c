@@ -1,6 +1,6 @@
 /*
  * Mixtures of unlike materials in whole jobs, where the share is 1 on one side of a line and 0 on
- * the other: the same light as of two polygons, by all techniques; and what is refused.
+ * the other: the light equals that of two polygons, for all techniques; and refusals.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@
 /* ---- Jobs -------------------------------------------------------------------------------------
  */
 
-/* A closed room whose south wall is to be added; x and z as they are in it. */
+/* A closed room without its south wall; x and z of the wall are those of the room. */
 #define ROOM                                                                                       \
     "void glow sky 0 0 4 100 90 80 0\nsky source s 0 0 4 0 0 1 360\n"                              \
     "void light sun 0 0 3 4e6 4e6 4e6\nsun source d 0 0 4 .2 -.7 .6 .533\n"                        \
@@ -37,7 +37,7 @@
 
 enum { SENSORS = 3 };
 
-static void run(const char *scene, enum orl_technique technique, double ret_lx[SENSORS])
+static void run_scene(const char *scene, enum orl_technique technique, double ret_lx[SENSORS])
 {
     static const struct orl_sensor sensors[SENSORS] = {
         {{1, 2.5, .8}, {0, 0, 1}}, {{3, 1.5, .8}, {0, 0, 1}}, {{2, 4, 1.5}, {0, -1, 0}}};
@@ -53,29 +53,30 @@ static void run(const char *scene, enum orl_technique technique, double ret_lx[S
     scene_run_lx(&job, ret_lx);
 }
 
-/* Of the first n sensors. Both are of 1 024 rays: 2 % each, were they strangers. */
-static void check(const char *mixed, const char *split, enum orl_technique technique, int n)
+/* Compares the first n sensors. Both runs have 1 024 rays: 2 % each if they were independent. */
+static void compare_sensors(const char *mixed, const char *split, enum orl_technique technique,
+                            int n)
 {
     double a[SENSORS], b[SENSORS];
-    run(mixed, technique, a);
-    run(split, technique, b);
+    run_scene(mixed, technique, a);
+    run_scene(split, technique, b);
     for (int i = 0; i < n; i++)
         if (!(b[i] > 10 && fabs(a[i] / b[i] - 1) < .05))
             fail_msg("sensor %d: %g lx, not %g", i, a[i], b[i]);
 }
 
-/* A facade half glass, half wall: a port of which one half is shut. */
+/* A facade that is half glass and half wall: half of the photon port is closed. */
 static void test_facade(void **state)
 {
     static const char split[] = ROOM "wall " FLOOR "wall " LEFT "pane " RIGHT;
     static const char mixed[] =
         ROOM "wall " FLOOR "void mixfunc half 4 pane wall if(Px-2,1,0) . 0 0\nhalf " SOUTH;
     (void)state;
-    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
 }
 
-/* A screen with a hole: void lets the sun through, too. */
+/* A screen with a hole: void also lets the sun through. */
 static void test_screen(void **state)
 {
     static const char split[] =
@@ -83,11 +84,11 @@ static void test_screen(void **state)
     static const char mixed[] =
         ROOM "wall " FLOOR "void mixfunc half 4 void wall if(Px-2,1,0) . 0 0\nhalf " SOUTH;
     (void)state;
-    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
 }
 
-/* The same of a wall with a texture, which the hole has not. */
+/* The screen with a texture on its wall part, not on the hole. */
 static void test_rough_screen(void **state)
 {
 #define BUMPS                                                                                      \
@@ -98,12 +99,12 @@ static void test_rough_screen(void **state)
     static const char mixed[] =
         ROOM BUMPS "wall " FLOOR "void mixfunc half 4 void bumpy if(Px-2,1,0) . 0 0\nhalf " SOUTH;
     (void)state;
-    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
 }
 
-/* A floor half steel, half paint: what gloss makes of the sun. A gather's sensor opposite finds the
- * sun in it by chance, of both scenes. */
+/* A floor that is half steel and half paint: glossy reflections of the sun. With a gather the
+ * sensor opposite finds the sun by random rays only, in both scenes. */
 static void test_floor(void **state)
 {
 #define WINDOW "pane " SOUTH
@@ -112,11 +113,11 @@ static void test_floor(void **state)
     static const char mixed[] =
         ROOM WINDOW "void mixfunc half 4 steel wall if(Px-2,1,0) . 0 0\nhalf " FLOOR;
     (void)state;
-    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_GATHER, 2);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_GATHER, 2);
 }
 
-/* A wall half of which glows: found by chance, and by photons. */
+/* A wall, half of which glows: found by random rays and by photons. */
 static void test_glow(void **state)
 {
 #define DARK                                                                                       \
@@ -130,20 +131,20 @@ static void test_glow(void **state)
     static const char mixed[] =
         DARK "void mixfunc half 4 lit wall if(Px-2,1,0) . 0 0\nhalf " SOUTH_IN;
     (void)state;
-    check(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
-    check(mixed, split, ORL_TECHNIQUE_DIRECT, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_GATHER, SENSORS);
+    compare_sensors(mixed, split, ORL_TECHNIQUE_DIRECT, SENSORS);
 }
 
-/* Shares that only seem to depend on the eye: what they were when they did not. */
+/* Shares that depend on the eye in form only give the light of those that do not. */
 static void test_directed(void **state)
 {
     static const char same[] = ROOM WINDOW "void mixfunc half 4 steel wall .4 . 0 0\nhalf " FLOOR;
     static const char directed[] =
         ROOM WINDOW "void mixfunc half 4 steel wall if(-Rdot,.4,.9) . 0 0\nhalf " FLOOR;
     (void)state;
-    check(directed, same, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(directed, same, ORL_TECHNIQUE_GATHER, 2);
+    compare_sensors(directed, same, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    compare_sensors(directed, same, ORL_TECHNIQUE_GATHER, 2);
 }
 
 /* ---- Files ------------------------------------------------------------------------------------
@@ -200,7 +201,7 @@ static void test_refused(void **state)
     }
 }
 
-/* A texture between a mixture and a surface is all that it mixes has. */
+/* A texture between a mixture and a surface applies to all components. */
 static void test_texture(void **state)
 {
     struct orl_description description = {0};
@@ -220,7 +221,7 @@ static void test_texture(void **state)
     orl_description_done(&description);
 }
 
-/* Nine of them are too many; eight are not. In arrays one stays one. */
+/* Nine nested mixtures are too many; eight are accepted. A mixture in an array is stored once. */
 static void test_bounds(void **state)
 {
     char text[4096] = MATERIALS "void mixfunc m0 4 p b .5 . 0 0\n", more[128];

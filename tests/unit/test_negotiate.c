@@ -1,4 +1,4 @@
-/* Accept and Accept-Encoding: what a client would rather have. */
+/* Content negotiation: the client's preferences in Accept and Accept-Encoding. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

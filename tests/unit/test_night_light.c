@@ -1,6 +1,6 @@
 /*
- * Rows of weather files against the sun: places at the date line, the Arctic, light that a file has
- * while the sun is down, and global irradiance that tells a shift of its times.
+ * Rows of weather files against the sun: places at the date line, the Arctic, light at night, and
+ * global irradiance that reveals a shift of times.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -38,7 +38,7 @@ static double altitude_deg(const struct place *place, const struct orl_weather_r
     return orl_sun_accurate(&site, &moment).altitude_rad / ORL_DEG_TO_RAD;
 }
 
-/* The means of twelve clear moments of an hour, W/m2. */
+/* Sets the row to the means of twelve clear moments of an hour, W/m2. */
 static void shine(const struct place *place, struct orl_weather_row *row)
 {
     enum { MOMENTS = 12 };
@@ -54,8 +54,8 @@ static void shine(const struct place *place, struct orl_weather_row *row)
     }
 }
 
-/* A year of clear hours of a place, as a file of another site and of shifted times might have it.
- */
+/* Returns a year of clear hours of a place, which a test may then give another site or shifted
+ * times. */
 static struct orl_weather clear_year(const struct place *place)
 {
     static struct orl_weather_row rows[YEAR_ROWS];
@@ -87,7 +87,7 @@ static struct orl_daylight sky_of(const struct orl_weather *weather, size_t row)
     return sky;
 }
 
-/* Rows with light and a black sky. */
+/* Counts rows that have light but a black sky. */
 static size_t count_dark(const struct orl_weather *weather, double least_w)
 {
     size_t dark = 0;
@@ -101,7 +101,7 @@ static size_t count_dark(const struct orl_weather *weather, double least_w)
 
 /* ---- The Arctic ------------------------------------------------------------------------------ */
 
-/* Hours that the sun is up in a part of have their light; by Radiance's fit and the middle of the
+/* Hours in which the sun is up only in part have light. By Radiance's fit and the middle of the
  * hour, some hundred are dark. */
 static void test_arctic(void **state)
 {
@@ -113,8 +113,8 @@ static void test_arctic(void **state)
     assert_true(count_dark(&weather, 0) > 100);
 }
 
-/* Such a sun stands in the middle of the part that it is up in: above the horizon, at a time of the
- * row's hour; rows of ten minutes stay in theirs. */
+/* For such an hour the sun is at the middle of the part in which it is up: above the horizon, at a
+ * time of the row's hour. Rows of ten minutes stay within theirs. */
 static void test_part_of_an_hour(void **state)
 {
     struct orl_weather_row row = {.month = 3, .day = 21, .direct = 30, .diffuse = 10, .line = 9};
@@ -128,8 +128,8 @@ static void test_part_of_an_hour(void **state)
     struct orl_weather short_rows = weather;
     (void)state;
     short_rows.interval_h = 1.0 / 6;
-    /* From when the sun is 2 degrees below: it rises within ten minutes, some 4 degrees an
-     * hour in azimuth and 12 in altitude. */
+    /* The sun starts 2 degrees below: it rises within ten minutes, some 4 degrees an hour in
+     * azimuth and 12 in altitude. */
     row.hour = 6;
     while (altitude_deg(&athens, &row) < -2)
         row.hour += 1.0 / 600;
@@ -142,7 +142,7 @@ static void test_part_of_an_hour(void **state)
 
 /* ---- The date line --------------------------------------------------------------------------- */
 
-/* By either method: as light as elsewhere, and no word about the site. */
+/* By either sun method, light is as elsewhere, without a warning about the site. */
 static void test_date_line(void **state)
 {
     static const struct place places[] = {
@@ -155,7 +155,8 @@ static void test_date_line(void **state)
         size_t lit = 0;
         for (int method = ORL_SUN_ACCURATE; method <= ORL_SUN_RADIANCE; method++) {
             weather.sun_method = (enum orl_sun_method)method;
-            /* By RADIANCE hours are dark whose sun rises in their second half. */
+            /* With the RADIANCE method, hours in which the sun rises in the second half are dark.
+             */
             if (count_dark(&weather, method == ORL_SUN_RADIANCE ? 300 : 0) > 0)
                 fail_msg("%s: dark", places[i].name);
             for (size_t k = 0; k < 48; k++) {
@@ -164,11 +165,11 @@ static void test_date_line(void **state)
                 lit += !sky.black;
             }
         }
-        assert_in_range(lit, 44, 68); /* of two days, by two methods */
+        assert_in_range(lit, 44, 68); /* two days, two methods */
     }
 }
 
-/* Commands in scenes take such time zones too, and still warn of a wrong sign. */
+/* Commands in scenes accept such time zones too, and still warn of a wrong sign. */
 static void test_commands(void **state)
 {
     static const char *const samoan[] = {"gendaylit", "1",  "15",   "12.5", "-a",  "-13.83", "-o",
@@ -188,9 +189,10 @@ static void test_commands(void **state)
     orl_text_done(&text);
 }
 
-/* ---- Light by night -------------------------------------------------------------------------- */
+/* ---- Light at night -------------------------------------------------------------------------- */
 
-static struct orl_night_light find(const struct orl_weather *weather, char *text, size_t size)
+static struct orl_night_light find_night_light(const struct orl_weather *weather, char *text,
+                                               size_t size)
 {
     const struct orl_night_light night = orl_night_light_find(weather);
     text[0] = '\0';
@@ -199,7 +201,7 @@ static struct orl_night_light find(const struct orl_weather *weather, char *text
     return night;
 }
 
-/* Against a count by the rows themselves. */
+/* The result against a count of the rows. */
 static void test_count(void **state)
 {
     static const struct place elsewhere = {"wrong sign", 39.74, 104.98, -7};
@@ -208,7 +210,7 @@ static void test_count(void **state)
     double lost = 0, total = 0;
     size_t n = 0;
     (void)state;
-    assert_int_equal(find(&weather, text, sizeof text).n_rows, 0);
+    assert_int_equal(find_night_light(&weather, text, sizeof text).n_rows, 0);
     assert_string_equal(text, "");
     weather.longitude_deg = elsewhere.longitude_deg;
     for (size_t i = 0; i < weather.n_rows; i++) {
@@ -220,7 +222,7 @@ static void test_count(void **state)
         lost += light;
         n++;
     }
-    const struct orl_night_light night = find(&weather, text, sizeof text);
+    const struct orl_night_light night = find_night_light(&weather, text, sizeof text);
     assert_int_equal(night.n_rows, n);
     assert_true(fabs(night.hours - (double)n) < 1e-9);
     assert_true(fabs(night.lost - lost) < 1e-6 * lost && fabs(night.total - total) < 1e-6 * total);
@@ -234,13 +236,13 @@ static void test_causes(void **state)
     char text[640];
     (void)state;
     weather.time_zone_h = -2;
-    assert_int_equal(find(&weather, text, sizeof text).cause, ORL_NIGHT_TIME_ZONE);
+    assert_int_equal(find_night_light(&weather, text, sizeof text).cause, ORL_NIGHT_TIME_ZONE);
     assert_non_null(strstr(text, "sign of the time zone"));
     weather.time_zone_h = 2;
     for (int shift = -1; shift <= 1; shift += 2) {
         for (size_t i = 0; i < weather.n_rows; i++)
             weather.rows[i].hour += shift;
-        const struct orl_night_light night = find(&weather, text, sizeof text);
+        const struct orl_night_light night = find_night_light(&weather, text, sizeof text);
         for (size_t i = 0; i < weather.n_rows; i++)
             weather.rows[i].hour -= shift;
         assert_int_equal(night.cause, ORL_NIGHT_SHIFT);
@@ -249,7 +251,8 @@ static void test_causes(void **state)
     }
 }
 
-/* Half an hour is told of rows of a quarter, which no part of an hour takes up. */
+/* For quarter-hour rows a shift of half an hour is reported: it exceeds the correction for a part
+ * of an hour. */
 static void test_half_an_hour(void **state)
 {
     struct orl_weather weather = clear_year(&samoa);
@@ -262,11 +265,11 @@ static void test_half_an_hour(void **state)
             weather.rows[i].direct = 300;
         weather.rows[i].hour += 0.5;
     }
-    assert_true(fabs(find(&weather, text, sizeof text).shift_h + 0.5) < 1e-9);
+    assert_true(fabs(find_night_light(&weather, text, sizeof text).shift_h + 0.5) < 1e-9);
     assert_non_null(strstr(text, "0.5 h too late"));
 }
 
-/* A single sky tells what it leaves out. */
+/* The warning of a single sky states the light that it leaves out. */
 static void test_single_sky(void **state)
 {
     struct orl_weather weather = clear_year(&athens);
@@ -290,7 +293,7 @@ static void move_times(struct orl_weather *weather, double by_h)
         weather->rows[i].hour += by_h;
 }
 
-/* contradicts: the file's numbers agree by no shift, and the text says that. */
+/* contradicts: true if no shift reconciles the file's numbers; the text then says so. */
 static struct orl_time_shift find_shift(const struct orl_weather *weather, bool contradicts,
                                         char *text, size_t size)
 {
@@ -304,8 +307,8 @@ static struct orl_time_shift find_shift(const struct orl_weather *weather, bool 
     return shift;
 }
 
-/* Half an hour either way, and 42 minutes as in files of PVGIS: the time zone that the warning
- * names is a remedy. */
+/* Half an hour either way, and 42 minutes as in files of PVGIS: the time zone in the warning
+ * removes the shift. */
 static void test_shifted_times(void **state)
 {
     static const struct place *const places[] = {&tromso, &athens, &samoa, &denver};
@@ -325,8 +328,8 @@ static void test_shifted_times(void **state)
         }
 }
 
-/* No shift is found in WEA files, which have no global irradiance, nor where global irradiance
- * agrees with no sun. */
+/* No shift is found in WEA files, which have no global irradiance, nor if the global irradiance
+ * fits no position of the sun. */
 static void test_shifts_unknown(void **state)
 {
     struct orl_weather weather = clear_year(&athens);

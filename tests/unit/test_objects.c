@@ -1,6 +1,6 @@
 /*
  * Meshes of other programs: OBJ files alone and by obj2rad with its rules, STL as text and binary,
- * against the polygons that they say; and what is wrong with them, by file and line.
+ * against the polygons that they define; errors by file and line.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -21,10 +21,10 @@
     "void plastic box 0 0 5 .3 .3 .3 0 0\nvoid plastic chair 0 0 5 .2 .2 .2 0 0\n"
 #define SQUARE "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\n"
 
-/* The scene, and beside it what it names. */
+/* The scene text, and a file that it names. */
 struct other {
     const char *name, *data;
-    size_t size; /* 0: as long as the text */
+    size_t size; /* 0: length of the text */
 };
 
 static int parse_files(const char *const *mains, size_t n_mains, const char *scene,
@@ -81,8 +81,8 @@ static void expect_corner(const struct orl_description *d, size_t surface, uint3
 
 /* ---- OBJ ------------------------------------------------------------------------------------- */
 
-/* Alone among the scene's files: names count from either end, lines are joined, and what has no
- * area is passed over. */
+/* An OBJ file alone among the scene's files: indices count from either end, continued lines are
+ * joined, faces without area are skipped. */
 static void test_alone(void **state)
 {
     static const char *const mains[] = {"s.rad", "a.OBJ"};
@@ -109,7 +109,7 @@ static void test_alone(void **state)
     orl_description_done(&d);
 }
 
-/* Placed by xform, in either way. */
+/* Placed by xform, in both forms. */
 static void test_placed(void **state)
 {
     const struct other obj = {"o/a.obj", SQUARE "f 1 2 3 4\n", 0};
@@ -125,7 +125,7 @@ static void test_placed(void **state)
     orl_description_done(&d);
 }
 
-/* A face that is not planar is cut as obj2rad cuts it, from the first corner on. */
+/* A face that is not planar is split as by obj2rad, from the first corner on. */
 static void test_bent(void **state)
 {
     const struct other obj = {"a.obj",
@@ -146,8 +146,8 @@ static void test_bent(void **state)
     orl_description_done(&d);
 }
 
-/* Corners whose normals differ from the face's make triangles of it; -f, normals that are the
- * face's own or look away, and a face that is not convex leave it whole. */
+/* Corner normals that differ from the face's split it into triangles. With -f, with normals equal
+ * to the face's or facing away, and for faces that are not convex, it stays whole. */
 static void test_normals(void **state)
 {
     const struct other obj = {"a.obj",
@@ -179,7 +179,7 @@ static void test_normals(void **state)
     orl_description_done(&d);
 }
 
-/* The last rule that holds says; void, and no rule, leave a face out. */
+/* The last matching rule applies; void, or no match, drops a face. */
 static void test_rules(void **state)
 {
     const struct other others[] = {{"a.obj",
@@ -205,7 +205,8 @@ static void test_rules(void **state)
     orl_description_done(&d);
 }
 
-/* What a generator writes, piped: faces as it says them, named, placed; and what is not one. */
+/* Output of a generator, piped: faces keep their order, names and places; other input is refused.
+ */
 static void test_piped(void **state)
 {
     (void)state;
@@ -262,7 +263,7 @@ static void test_wrong_objects(void **state)
     }
 }
 
-/* Scene text stays scene text, whatever its name ends with. */
+/* Scene text is read as scene text, for any file name extension. */
 static void test_radiance_named_obj(void **state)
 {
     const struct other obj = {"a.obj", "# a ball\nred sphere v 0 0 4 0 0 0 1\n", 0};

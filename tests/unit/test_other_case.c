@@ -1,4 +1,4 @@
-/* Names of files that differ in upper and lower case: candidates in folders, and in errors. */
+/* File names that differ only in case: candidates in folders, and in error messages. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -37,7 +37,7 @@ static void test_candidates(void **state)
                  {"./materials.mat", "./MATERIALS.MAT"},
                  {"model/ROOM.rad", "Model/Room.rad"},
                  {"Model/../materials.Mat", "Model/../MATERIALS.MAT"},
-                 {"MATERIALS.MAT", NULL}, /* that is there */
+                 {"MATERIALS.MAT", NULL}, /* it exists as written */
                  {"material.mat", NULL},
                  {"models/room.rad", NULL},
                  {"", NULL}};

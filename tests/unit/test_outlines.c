@@ -1,7 +1,8 @@
 /*
- * Any outline at all, against the even-odd rule: ten thousand random ones, self-crossing, touching,
- * keyholed either way round, with spikes, collinear and repeated corners; point by point, by area,
- * and by what triangles share. And large ones: what they cost, and where they are refused.
+ * Arbitrary outlines against the even-odd rule: ten thousand random ones, self-intersecting,
+ * touching, keyholed in either orientation, with spikes, collinear and repeated corners; compared
+ * point by point, by area, and by shared sides of triangles. And large ones: their cost and
+ * limits.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -35,7 +36,7 @@ static double uniform(struct orl_random *random)
 
 /* ---- Random outlines ------------------------------------------------------------------------- */
 
-/* Corners anywhere, or on a coarse grid where they meet and lie in lines. */
+/* Adds random corners, anywhere or on a coarse grid where they coincide and are collinear. */
 static void add_scribble(struct outline *o, struct orl_random *random, bool grid)
 {
     const int n = 3 + (int)(uniform(random) * (grid ? 14 : 22));
@@ -57,7 +58,7 @@ static void add_star(struct outline *o, struct orl_random *random, double x, dou
     outline_add(o, start_x, start_y);
 }
 
-/* Stars in stars and beside one another, each joined to the first corner by a seam. */
+/* Adds nested and adjacent stars, each joined to the first corner by a seam. */
 static void add_keyholes(struct outline *o, struct orl_random *random)
 {
     add_star(o, random, 0, 0, 4);
@@ -69,7 +70,7 @@ static void add_keyholes(struct outline *o, struct orl_random *random)
     }
 }
 
-/* Out and back again, from corners here and there; and corners twice over. */
+/* Adds spikes, out and back again, at random corners; and repeated corners. */
 static void add_spikes(struct outline *o, struct orl_random *random)
 {
     struct outline plain = {.n = 0};
@@ -106,7 +107,7 @@ static struct outline random_outline(uint64_t seed)
     return o;
 }
 
-/* ---- What is true of them -------------------------------------------------------------------- */
+/* ---- Reference results ----------------------------------------------------------------------- */
 
 static int compare_doubles(const void *left, const void *right)
 {
@@ -114,7 +115,7 @@ static int compare_doubles(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-/* Where the outline is cut at a height, from left to right. */
+/* Returns the intersections of the outline with a height, from left to right. */
 static uint32_t cuts_at(const struct outline *o, double y, double *ret_x)
 {
     uint32_t n = 0;
@@ -136,7 +137,7 @@ static double width_at(const struct outline *o, double y)
     return sum;
 }
 
-/* Heights of corners and crossings: between them the width is linear. */
+/* Returns the heights of corners and crossings: between them the width is linear. */
 static size_t levels_of(const struct outline *o, double *ret_levels, size_t room)
 {
     size_t n = 0;
@@ -168,7 +169,7 @@ static double even_odd_area(const struct outline *o)
     return sum;
 }
 
-/* ---- Their triangles, back in the plane ------------------------------------------------------ */
+/* ---- Triangles projected into the plane ------------------------------------------------------ */
 
 struct mesh {
     struct orl_triangulation cut;
@@ -205,19 +206,20 @@ static void mesh_done(struct mesh *mesh)
     free(mesh->xy);
 }
 
-static double turn(const double *a, const double *b, double x, double y)
+static double cross_product(const double *a, const double *b, double x, double y)
 {
     return (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]);
 }
 
-/* How many triangles hold the point. */
+/* Returns the number of triangles that contain the point. */
 static int holding(const struct mesh *mesh, double x, double y)
 {
     int n = 0;
     for (size_t i = 0; i < mesh->cut.n_triples; i++) {
         const uint32_t *t = mesh->cut.triples[i];
         const double *a = mesh->xy[t[0]], *b = mesh->xy[t[1]], *c = mesh->xy[t[2]];
-        n += turn(a, b, x, y) > 0 && turn(b, c, x, y) > 0 && turn(c, a, x, y) > 0;
+        n += cross_product(a, b, x, y) > 0 && cross_product(b, c, x, y) > 0 &&
+             cross_product(c, a, x, y) > 0;
     }
     return n;
 }
@@ -228,12 +230,12 @@ static double mesh_area(const struct mesh *mesh)
     for (size_t i = 0; i < mesh->cut.n_triples; i++) {
         const uint32_t *t = mesh->cut.triples[i];
         const double *c = mesh->xy[t[2]];
-        sum += 0.5 * turn(mesh->xy[t[0]], mesh->xy[t[1]], c[0], c[1]);
+        sum += 0.5 * cross_product(mesh->xy[t[0]], mesh->xy[t[1]], c[0], c[1]);
     }
     return sum;
 }
 
-/* Distance of a point from the nearest side of any triangle, and from the outline. */
+/* Returns the distance of a point from the line through a and b. */
 static double off_line(const double *a, const double *b, double x, double y)
 {
     const double dx = b[0] - a[0], dy = b[1] - a[1], l2 = dx * dx + dy * dy;
@@ -267,8 +269,8 @@ static bool has_side(const struct mesh *mesh, uint32_t from, uint32_t to)
     return false;
 }
 
-/* Sides that no other triangle has, the other way round, and that are not of the outline: there a
- * corner lies on a side, and rays may slip through. */
+/* Counts sides without an opposite side in another triangle that are not on the outline. There a
+ * corner lies on a side, and rays may leak. */
 static int seams_open(const struct mesh *mesh, const struct outline *o, double near)
 {
     int n = 0;
@@ -321,9 +323,9 @@ static void test_even_odd(void **state)
     }
 }
 
-/* ---- Named ones ------------------------------------------------------------------------------ */
+/* ---- Specific outlines ----------------------------------------------------------------------- */
 
-/* The traced outline: the inner loop runs the same way as the outer. */
+/* The traced outline: the inner loop has the orientation of the outer one. */
 static void test_hole_wound_alike(void **state)
 {
     static const double wall[][2] = {{0, 0},      {4, 0},     {4, 3.2},    {0, 3.2},
@@ -338,7 +340,7 @@ static void test_hole_wound_alike(void **state)
     mesh_done(&mesh);
 }
 
-/* Walked twice, it encloses nothing. */
+/* An outline traversed twice encloses nothing. */
 static void test_walked_twice(void **state)
 {
     static const double twice[][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1},
@@ -365,7 +367,7 @@ static char *scene_of(const struct outline *o, const struct orl_frame *frame)
     return text;
 }
 
-/* Aimed at the very sides and corners that triangles share, well within the polygon. */
+/* Rays aimed at the sides and corners that triangles share, well within the polygon. */
 static void test_no_leaks(void **state)
 {
     uint64_t aimed = 0, missed = 0;
@@ -434,7 +436,7 @@ static void large_done(struct large *l)
     free(l->vertices);
 }
 
-/* A star of long thin teeth: concave, and every tooth beside many others. */
+/* A star of long thin teeth: concave, and every tooth is close to many others. */
 static void place_teeth(uint32_t i, uint32_t n, double ret_xy[2])
 {
     const double r = i % 2 ? 1 : 0.1, phi = 2 * ORL_PI * i / n;
@@ -442,7 +444,7 @@ static void place_teeth(uint32_t i, uint32_t n, double ret_xy[2])
     ret_xy[1] = r * sin(phi);
 }
 
-/* Up and down aslant, and back beside it: all edges as long as the whole. */
+/* A slanted zigzag: all edges are as long as the whole. */
 static void place_slant(uint32_t i, uint32_t n, double ret_xy[2])
 {
     const double x = 10.0 * (i < n / 2 ? i : n - 1 - i) / n;
@@ -450,7 +452,7 @@ static void place_slant(uint32_t i, uint32_t n, double ret_xy[2])
     ret_xy[1] = (i % 2 ? 10 : 0) - (i < n / 2 ? 0 : 1e-4);
 }
 
-/* Each of a few turns of a many-cornered star crosses the others. */
+/* A star polygon of a few turns and many corners: each turn crosses the others. */
 static void place_knot(uint32_t i, uint32_t n, double ret_xy[2])
 {
     const double phi = 2 * ORL_PI * 7 * i / n, r = 1 + 0.5 * sin(phi * 5.0 / 7);
@@ -478,7 +480,7 @@ static void test_large(void **state)
     large_done(&l);
     l = cut_large(place_slant, ORL_LIMIT_POLYGON_VERTICES, "slant");
     assert_int_equal(l.code, 0);
-    /* All pairs would be 2e8. */
+    /* Testing all pairs would take 2e8 tests. */
     assert_true(l.cut.arrangement.tests < 500 * ORL_LIMIT_POLYGON_VERTICES);
     large_done(&l);
     l = cut_large(place_scribble, ORL_LIMIT_POLYGON_VERTICES, "scribble");

@@ -1,6 +1,6 @@
 /*
- * Which points are outside a sealed building: in the open, in the room, and between nearly closed
- * slats and the pane behind them, from where hardly a ray leaves the scene.
+ * Points outside a sealed building: in the open, in the room, and between nearly closed slats and
+ * the pane behind them, from which hardly a ray leaves the scene.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -18,7 +18,7 @@
 
 enum { SLATS = 10, COLUMNS = 9, ROWS = 9, RAYS = 32 };
 
-/* A room with a pane of 2 x 1 m; a frame .2 m deep about it; slats across that. */
+/* A room with a pane of 2 x 1 m; a frame .2 m deep around it; slats across the frame. */
 static const char around[] =
     "void glow sky 0 0 4 1 1 1 0\nsky source d 0 0 4 0 0 1 360\n"
     "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid glass p 0 0 3 .9 .9 .9\n"
@@ -34,7 +34,7 @@ static const char around[] =
     "w polygon west 0 0 12 -1 0 1 -1 -.2 1 -1 -.2 2 -1 0 2\n"
     "w polygon east 0 0 12 1 0 1 1 0 2 1 -.2 2 1 -.2 1\n";
 
-/* Of .12 m, .1 m apart, 75 degrees from lying flat. */
+/* Writes the scene; slats are .12 m wide, .1 m apart, 75 degrees from horizontal. */
 static char *write_scene(void)
 {
     const double y = 0.06 * cos(1.309), z = 0.06 * sin(1.309);
@@ -52,7 +52,7 @@ static char *write_scene(void)
     return text;
 }
 
-/* Of even directions, some that leave the scene with nothing before them. */
+/* Returns true if some of many uniform directions leave the scene unobstructed. */
 static bool sees_out(const struct orl_world *world, struct orl_vec3 point)
 {
     for (int i = 0; i < RAYS; i++) {

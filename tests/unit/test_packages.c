@@ -1,6 +1,6 @@
 /*
- * Panels that come out of BSDF files (pkgBSDF): their faces and geometry in the scene, in metres
- * and as Radiance's pkgBSDF places them; geometry in files of MGF; and what is refused.
+ * Panels from BSDF files (pkgBSDF): their faces and geometry in the scene, in metres and placed as
+ * by Radiance's pkgBSDF; geometry in MGF files; and refusals.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -21,7 +21,7 @@
 #define DEPTH "<Thickness unit=\"Millimeter\">40</Thickness>"
 #define MGF "m slat =\n rd .5\nv a =\n p -2 1 -3\nv b =\n p 2 1 -3\nv c =\n p 2 1 -1\nf a b c\n"
 
-/* A tensor tree of one value for the light from behind: 0.1 per steradian, everywhere. */
+/* Returns a panel whose tensor tree has one value for light from behind: 0.1 per steradian. */
 static const char *panel(const char *sizes, const char *geometry, const char *direction)
 {
     static char xml[4096];
@@ -56,7 +56,7 @@ static void assert_near(double a, double b)
         fail_msg("%.12g instead of %.12g", a, b);
 }
 
-/* A face without geometry is a plain material in the middle. */
+/* Without geometry, a panel is one face of plain material in the middle. */
 static void a_panel_alone_is_its_face(void **state)
 {
     struct orl_description d = {0};
@@ -78,7 +78,7 @@ static void a_panel_alone_is_its_face(void **state)
     orl_description_done(&d);
 }
 
-/* A face before geometry; one behind, too, where light comes back from behind. */
+/* With geometry, there is a face in front of it; and one behind, if light arrives from behind. */
 static void a_panel_with_geometry_is_a_proxy(void **state)
 {
     static const char geometry[] =
@@ -118,7 +118,7 @@ static void a_file_of_mgf_is_read(void **state)
     orl_description_done(&d);
 }
 
-/* Of a file beside it, which includes another beside itself. */
+/* An MGF file beside the scene, which includes another file beside itself. */
 static void a_file_of_mgf_includes_others(void **state)
 {
     static const char *const names[] = {"a.rad", "sub/p.mgf", "sub/q.mgf"};
@@ -147,7 +147,7 @@ static const struct {
     int code;
     const char *file;
     int line;
-    const char *message; /* part of it */
+    const char *message; /* part of the message */
 } refused[] = {
     {"!pkgBSDF p.xml\n", SIZE, "", ORL_ERR_SYNTAX, "a.rad", 1, "writes a file"},
     {"!pkgBSDF -s\n", SIZE, "", ORL_ERR_SYNTAX, "a.rad", 1, "takes one file"},

@@ -1,6 +1,6 @@
 /*
- * Facets and corners of many polygons, packed (scene/geometry/packed.h): against what the files say
- * of them, with what is round among them; rays that leave them; and copies of such geometries.
+ * Packed facets and corners of many polygons (scene/geometry/packed.h): compared with the files,
+ * with curved surfaces among them; rays that leave them; and copies of such geometries.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,8 @@
 #include "support/meshes.h"
 #include "support/scene_text.h"
 
-/* Leaves: triangles and parallelograms of a few centimetres, and a ball or a disc among some. */
+/* Leaves are triangles and parallelograms of a few centimetres, with some balls and discs among
+ * them. */
 enum { LEAVES = 150000, A_ROUND = 1000, LETTERS = 320, PREFIX = 256 };
 
 static const double forest_m = 100;
@@ -83,9 +84,9 @@ static void drop(struct forest *forest)
     orl_description_done(&forest->description);
 }
 
-/* ---- Against the files ----------------------------------------------------------------------- */
+/* ---- Comparison with the files --------------------------------------------------------------- */
 
-/* A corner is off by half a step, 2^-33 of the power of two below, at most by one. */
+/* The error of a corner is half a step, at most 2^-33 of the next lower power of two. */
 static void check_corner(struct orl_vec3 is, struct orl_vec3 ought)
 {
     const double most = 0x1p-31;
@@ -111,7 +112,7 @@ static void check_polygon(const struct orl_geometry *g, uint32_t facet, const st
         area += orl_triangle_area(&t);
         assert_int_equal(orl_triangle_facet(g, orl_facet_triangle(f, i)), facet);
     }
-    /* Sides of centimetres between corners that are off by up to 100 m * 2^-31. */
+    /* Sides are centimetres long, with corners accurate to 100 m * 2^-31. */
     assert_true(fabs(area - f->area) < 1e-8);
     assert_true(f->offset >= reach * 0x1p-20 * (1 - 1e-9));
     assert_true(f->offset < reach * 0x1p-20 * 1.19);
@@ -159,7 +160,7 @@ static void test_facets(void **state)
     drop(&forest);
 }
 
-/* Normals along the axes are kept to the bit. */
+/* Normals along the axes are exact. */
 static void test_axes(void **state)
 {
     enum { ONE = 1 << 30 };
@@ -179,8 +180,8 @@ static void test_axes(void **state)
 
 /* ---- Rays ------------------------------------------------------------------------------------ */
 
-/* The hit lies on its triangle; a ray that leaves it does not meet it again; and where there are
- * many rays the answers are the same. */
+/* The hit is on its triangle; a ray that leaves it does not hit it again; and batches of rays give
+ * equal results. */
 static void test_rays(void **state)
 {
     enum { RAYS = 100000 };
@@ -190,7 +191,7 @@ static void test_rays(void **state)
     int met = 0;
     (void)state;
     for (int i = 0; i < RAYS; i++) {
-        /* At a leaf, off its middle. */
+        /* Aimed at a leaf, off its middle. */
         const uint32_t aim = (uint32_t)(orl_random_uniform(&random) * LEAVES);
         const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
         struct orl_vec3 point, normal;
@@ -221,7 +222,8 @@ static void test_rays(void **state)
 
 /* ---- Copies ---------------------------------------------------------------------------------- */
 
-/* Of every second facet, packed again or few enough not to be: the numbers stay to the bit. */
+/* A copy of every second facet, packed again or small enough not to be, has the same numbers to
+ * the bit. */
 static void check_copy(const struct orl_geometry *whole, uint32_t every)
 {
     struct orl_geometry *part = NULL;
@@ -273,7 +275,7 @@ static struct orl_scene *scene_of(const struct grove *grove, const char *text)
     return scene;
 }
 
-/* What stands in four places is packed once; rays meet the same as of surfaces in each place. */
+/* A tree in four places is packed once; ray hits equal those of separate surfaces in each place. */
 static void test_places(void **state)
 {
     enum { TRIANGLES = 140000, ROUND = 12, PLACES = 4, RAYS = 20000 };

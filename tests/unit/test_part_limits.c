@@ -1,4 +1,4 @@
-/* What parts are held to by Slurm: with a margin, and never less than any part takes. */
+/* Limits that Slurm enforces on parts: with a margin, and never below the need of any part. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +19,8 @@ static void assert_limits(struct orl_part_needs needs, struct orl_limit_basis ba
     assert_int_equal(limits.mib, mib);
 }
 
-/* 120 s, four times 30 s, eight times 7200 s / 4; half as much again in steps of 64 MiB. */
+/* 120 s, four times 30 s, eight times 7200 s / 4; memory is half as much again in steps of 64 MiB.
+ */
 static void test_a_part_of_two_hours(void **state)
 {
     (void)state;
@@ -40,8 +41,8 @@ static void test_what_is_not_known_is_not_limited(void **state)
     assert_limits((struct orl_part_needs){0, 0}, usual, 0, 1536);
 }
 
-/* Parts that took three times as long as foreseen give those after them as much; faster ones take
- * nothing from them. */
+/* If parts took three times the predicted time, later limits are three times as long; faster parts
+ * do not reduce them. */
 static void test_parts_that_have_ended_count(void **state)
 {
     struct orl_limit_basis slow = usual, fast = usual;
@@ -52,7 +53,7 @@ static void test_parts_that_have_ended_count(void **state)
     assert_limits((struct orl_part_needs){7200, 0}, fast, 244, 1536);
 }
 
-/* Where nobody has told what the job takes: this process, and the piece. */
+/* Without a known memory use of the job, the limit covers this process and the piece. */
 static void test_memory_by_this_process(void **state)
 {
     struct orl_limit_basis unknown = usual;

@@ -1,6 +1,6 @@
 /*
- * A path's steps, and the loop of paths against the light, where closed forms say what is seen:
- * a pane before an even sky, a slab that absorbs, roulette, and mirrors that never end.
+ * Path steps, and the loop of paths towards the light, against closed forms: a pane under an even
+ * sky, an absorbing slab, Russian roulette, and an endless series of mirrors.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -62,7 +62,7 @@ static void panes_dim_what_is_seen_through_them(void **state)
     orl_world_free(world);
 }
 
-/* Beer's law from the surface where a solid was entered to the one where it is left. */
+/* Beer's law applies from the surface where a path enters a solid to the one where it leaves. */
 static void solids_absorb_on_the_way(void **state)
 {
     struct orl_world *world =
@@ -86,14 +86,15 @@ static void solids_absorb_on_the_way(void **state)
     assert_true(fabs(path.weight.r - .25) < offset);
     assert_true(fabs(path.weight.g - .36) < offset);
     assert_true(fabs(path.weight.b - .49) < offset);
-    /* In air again: nothing is lost however far it goes. */
+    /* In air nothing is absorbed, over any distance. */
     const struct orl_rgb before = path.weight;
     orl_path_escape(&path);
     assert_true(path.weight.r == before.r && path.weight.b == before.b);
     orl_world_free(world);
 }
 
-/* Each survivor stands for 1 / chance: the mean stays, with a variance of (1 - chance) / chance. */
+/* Each survivor has weight 1 / survival: the mean stays, with a variance of (1 - survival) /
+ * survival. */
 static void roulette_keeps_the_mean(void **state)
 {
     static const double chances[] = {.01, .3, .9, 1};
@@ -111,7 +112,8 @@ static void roulette_keeps_the_mean(void **state)
     }
 }
 
-/* Through a port outwards and inwards; what is mirrored, or passes no port, stays where it was. */
+/* A path changes sides through a port, outwards and inwards; reflection, or a surface without a
+ * port, keeps the side. */
 static void ports_tell_sides(void **state)
 {
     struct orl_world *world =
@@ -133,8 +135,7 @@ static void ports_tell_sides(void **state)
     orl_world_free(world);
 }
 
-/* ---- Paths against the light ------------------------------------------------------------------
- */
+/* ---- Paths towards the light ----------------------------------------------------------------- */
 
 static enum orl_lobes meet_anything(struct orl_eye_path *p, const struct orl_material *material)
 {
@@ -157,8 +158,8 @@ static bool go_on(struct orl_eye_path *p, const struct orl_scatter *scatter)
 static const struct orl_eye_sink follows = {.met = meet_anything, .sent_on = go_on};
 static const struct orl_eye_sink ends = {.met = end_there, .sent_on = go_on};
 
-/* Both ways lead to the sky: mirrored and straight shares, by lot; one pane has no variance then,
- * for the weight is their sum. */
+/* Both reflection and transmission lead to the sky, chosen at random by their shares. One pane has
+ * no variance, because the weight is the sum of both. */
 static void a_pane_shows_the_sky_both_ways(void **state)
 {
     struct orl_world *world =
@@ -191,7 +192,7 @@ static void what_lies_ahead_may_be_known(void **state)
     orl_eye_path_foresee(&p, NULL);
     orl_eye_path_follow(&p, &ends, &health);
     assert_true(p.seen.r == 3 && p.bounce == 0);
-    /* Unknown again, the pane is met, and ends it. */
+    /* With the pane unknown again, the path hits it and ends. */
     p = (struct orl_eye_path){.world = world, .random = &random, .path = upwards(world, 0)};
     orl_eye_path_follow(&p, &ends, &health);
     assert_true(p.seen.r == 0 && p.met);

@@ -1,6 +1,6 @@
 /*
- * The table of classes of paths: it is complete, the README shows it as it is, the planner finds
- * the classes of a scene, and chooses techniques that find all of them.
+ * The table of path classes: it is complete, the README shows it, the planner finds the classes of
+ * a scene, and it chooses techniques that find all of them.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,8 +19,8 @@
 
 #define SET(class) (1U << ORL_PATHS_##class)
 
-/* Every class is found by every technique, but mist, which photons do not know; and what is found
- * by chance is found by nothing else. */
+/* Every technique finds every class, except that photons do not find mist. Light that is found by
+ * chance has no other strategy. */
 static void test_table_is_complete(void **state)
 {
     (void)state;
@@ -65,7 +65,7 @@ static void add_names(unsigned found, char *text, size_t size)
         }
 }
 
-/* A row of the table: what both receivers have alike is said once. */
+/* Formats a row of the table: entries equal for both receivers are written once. */
 static void format_row(enum orl_path_class class_of, char *text, size_t size)
 {
     snprintf(text, size, "| `%s` | %s |", orl_path_class_name(class_of),
@@ -98,7 +98,7 @@ static void test_readme_shows_the_table(void **state)
     free(readme);
 }
 
-/* ---- What the planner finds ------------------------------------------------------------------ */
+/* ---- Classes that the planner finds ---------------------------------------------------------- */
 
 #define ALL_SKY "void glow g 0 0 4 20 20 20 0\ng source sky 0 0 4 0 0 1 180\n"
 #define SOUTH_SUN "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 -1 .5 .533\n"
@@ -131,7 +131,7 @@ static const struct {
      ORL_TECHNIQUE_GATHER},
     {SOUTH_SUN WALL METAL_BALL, SET(CURVED), SET(FLAT_MIRRORS), ORL_TECHNIQUE_GATHER,
      ORL_TECHNIQUE_GATHER},
-    /* A lens that only a sky lights: rays find that. */
+    /* A lens lit only by a sky: rays find its light. */
     {ALL_SKY WALL BALL, SET(SKY) | SET(SKY_CURVED), SET(CURVED), ORL_TECHNIQUE_BACKWARD,
      ORL_TECHNIQUE_GATHER},
     {SOUTH_SUN WALL ROUGH, SET(LOBES), SET(NARROW_LOBES) | SET(CURVED), ORL_TECHNIQUE_BACKWARD,
@@ -171,7 +171,7 @@ static void add_mirrors(char *text, size_t size)
     }
 }
 
-/* Suns may have no images in so many mirrors; a scene without a sun does not have that class. */
+/* In so many mirrors suns may have no virtual images; a scene without a sun lacks that class. */
 static void test_many_mirrors(void **state)
 {
     static const struct orl_sensor sensor = {{0, 0, 1}, {0, 0, 1}};
@@ -187,7 +187,7 @@ static void test_many_mirrors(void **state)
     }
 }
 
-/* A job without mirrors has no light by way of them. */
+/* A job without mirrors has no light reflected by them. */
 static void test_left_out_on_demand(void **state)
 {
     const struct orl_plan plan = plan_of(&(struct plan_query){.text = SOUTH_SUN WALL BALL,

@@ -1,6 +1,6 @@
 /*
  * Patterns of pictures and data files: values against rtrace's at 1 000 rays, PNG and OpenEXR,
- * what is wrong with files, which bytes count, and lamps whose light a picture parts.
+ * errors in files, cache keys, and lamps with a picture as their pattern.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,7 +27,7 @@
 
 enum { WIDE = 7, HIGH = 5, MOST = 512 };
 
-/* A flat picture of some colours, with an exposure that patterns do not heed. */
+/* Returns a flat picture of some colours, with an exposure that patterns ignore. */
 static struct orl_file picture(void)
 {
     static char bytes[MOST];
@@ -46,7 +46,7 @@ static struct orl_file picture(void)
     return (struct orl_file){bytes, (size_t)(at - (unsigned char *)bytes), NULL};
 }
 
-/* Numbers that go round: (i step mod cycle) / divisor + more. */
+/* Returns a data file of periodic numbers: (i step mod cycle) / divisor + more. */
 static struct orl_file data(char text[MOST], const char *head, int n, int step, int cycle,
                             double divisor, double more)
 {
@@ -92,13 +92,12 @@ static struct orl_scene *load(const char *text, const struct orl_file *first)
     return scene;
 }
 
-/* ---- Against rtrace ---------------------------------------------------------------------------
- */
+/* ---- Comparison with rtrace ------------------------------------------------------------------ */
 
 #define RED "void plastic red 0 0 5 .5 .1 .1 0 0\nred sphere r 0 0 4 0 0 0 1\n"
 #define FLOOR "floor polygon q 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"
 
-/* What a ray sees of the floor: what it shines, or lets through of light 1. */
+/* Returns the radiance that a ray sees of the floor: emitted, or transmitted of radiance 1. */
 static struct orl_rgb seen(const struct orl_scene *scene, struct orl_vec3 origin,
                            struct orl_vec3 direction)
 {
@@ -113,8 +112,8 @@ static struct orl_rgb seen(const struct orl_scene *scene, struct orl_vec3 origin
 }
 
 /*
- * Sums, sums by cos(i) and sums of squares of red, green and blue over these rays, as rtrace has
- * them (-fad -ov -ab 0, version 6.1a) for the same scenes and files.
+ * Sums, sums by cos(i) and sums of squares of red, green and blue over these rays, by rtrace (-fad
+ * -ov -ab 0, version 6.1a) for the same scenes and files.
  */
 static void test_rtrace(void **state)
 {
@@ -245,8 +244,7 @@ static void test_exr(void **state)
     orl_film_done(&film);
 }
 
-/* ---- What is wrong ----------------------------------------------------------------------------
- */
+/* ---- Errors ---------------------------------------------------------------------------------- */
 
 static void check_refused(const char *file, int code, const char *words, int line)
 {
@@ -294,7 +292,7 @@ static void test_errors(void **state)
     assert_non_null(strstr(err.message, "direction"));
 }
 
-/* Mixtures of what is not alike, or of too much. */
+/* Mixtures of unlike or too many components are refused. */
 static void test_mixtures(void **state)
 {
     static const struct {
@@ -315,14 +313,14 @@ static void test_mixtures(void **state)
         assert_non_null(strstr(err.message, cases[i].words));
     }
     int length = snprintf(text, sizeof text, "void plastic m0 0 0 5 .5 .5 .5 0 0\n");
-    for (int i = 0; i < 7; i++) /* twice as much each */
+    for (int i = 0; i < 7; i++) /* each doubles the size */
         length += snprintf(text + length, sizeof text - (size_t)length,
                            "void mixfunc m%d 4 m%d m%d Px . 0 0\n", i + 1, i, i);
     assert_int_equal(parse(text, NULL, &d, &err), ORL_ERR_LIMIT);
     assert_int_equal(err.line, 8);
 }
 
-/* In arrays a mixture is read again and again, and stays one. */
+/* In arrays a mixture is read repeatedly, and stored once. */
 static void test_mixture_twice(void **state)
 {
     static const char text[] = "void plastic a 0 0 5 .8 .4 .2 .05 0\n"
@@ -343,7 +341,7 @@ static void test_mixture_twice(void **state)
     orl_scene_release(scene);
 }
 
-/* Every byte of a data file changes what maps are called; a file that two patterns use is one. */
+/* Every byte of a data file changes the map key; a file that two patterns use counts once. */
 static void test_keys(void **state)
 {
     static const char text[] =
@@ -379,9 +377,9 @@ static void test_keys(void **state)
 enum { SENSORS = 3 };
 
 /*
- * A lamp of two halves, one four times as bright and both brighter straight down, is the same said
- * by data as by two lamps of functions of the direction alone; by photons, by paths to the lamp,
- * and where rays happen on it.
+ * A lamp of two halves, one four times as bright, and both brighter straight down. A pattern of
+ * data equals two lamps with functions of the direction; by photons, by next-event estimation, and
+ * by random ray hits.
  */
 static void test_lamps(void **state)
 {
@@ -422,8 +420,8 @@ static void test_lamps(void **state)
 }
 
 /*
- * Skies of functions and of pictures: a radiance of the sine of the altitude gives the ground
- * 2 pi / 3, of which a picture that holds 1, 0.5 and 0.25 leaves so much in its channels.
+ * Skies of functions and of pictures. A radiance of the sine of the altitude gives the ground 2 pi
+ * / 3; a picture of 1, 0.5 and 0.25 scales its channels by these.
  */
 static void test_skies(void **state)
 {
@@ -433,7 +431,7 @@ static void test_skies(void **state)
         "p glow g 0 0 4 1 1 1 0\ng source s 0 0 4 0 0 1 180\n"
         "void plastic dark 0 0 5 0 0 0 0 0\n"
         "dark polygon q 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n";
-    /* 127.5 / 128 and so on, twice two pixels; no byte of a text is 0. */
+    /* 127.5 / 128 and so on, two pixels twice; no byte of the text is 0. */
     static const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n"
                               "\x7f\x3f\x1f\x81\x7f\x3f\x1f\x81\x7f\x3f\x1f\x81\x7f\x3f\x1f\x81";
     static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
@@ -458,7 +456,7 @@ static void test_skies(void **state)
     }
 }
 
-/* A sky with its sun in it is told of. */
+/* A sky with its sun in the pattern gives a warning. */
 static void test_small_bright(void **state)
 {
     static const char text[] = "void brightfunc f 2 if(Dz-.999,1000,.01) . 0 0\n"
@@ -470,7 +468,7 @@ static void test_small_bright(void **state)
     orl_scene_release(scene);
 }
 
-/* A picture of before 1992, which begins with the commands that made it. */
+/* A picture from before 1992, which begins with the commands that made it. */
 static void test_pictures_without_magic(void **state)
 {
     static const char bytes[] = "ra_t16 -r\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n"

@@ -1,6 +1,6 @@
 /*
- * Patterns of functions on plastic and metal: their values at hits, what is cut, means and bounds,
- * whose files count, and whole jobs against floors that are two polygons of plain materials.
+ * Function patterns on plastic and metal: values at hits, clamping, means and bounds, cache keys
+ * of files, and whole jobs against floors of two polygons with plain materials.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -45,8 +45,8 @@ static struct orl_scene *load(const char *text, const char *function)
     return scene;
 }
 
-/* Diffuse reflectance where a ray from above or below that place goes, in the file's coordinates.
- */
+/* Returns the diffuse reflectance where a ray from above or below hits that place, in the file's
+ * coordinates. */
 static struct orl_rgb seen(const struct orl_scene *scene, double x, double y, double z, double dz)
 {
     struct orl_hit hit;
@@ -55,14 +55,15 @@ static struct orl_rgb seen(const struct orl_scene *scene, double x, double y, do
     return orl_material_diffuse(orl_scene_material(scene, hit.facet), &hit);
 }
 
-static void check(struct orl_rgb value, double r, double g, double b)
+static void check_color(struct orl_rgb value, double r, double g, double b)
 {
     const double most = fmax(fabs(value.r - r), fmax(fabs(value.g - g), fabs(value.b - b)));
-    if (!(most < 1e-5)) /* hits are made of floats */
+    if (!(most < 1e-5)) /* hits are computed from floats */
         fail_msg("%g %g %g, not %g %g %g", value.r, value.g, value.b, r, g, b);
 }
 
-/* In the function's own frame, wherever its transform and those of commands put it. */
+/* Patterns are evaluated in the function's own frame, for any transform of the pattern and of
+ * commands. */
 static void test_values(void **state)
 {
     static const char plain[] = "void brightfunc f 8 value f.cal -s 2 -t 1 0 0 0 2 .5 .25\n"
@@ -78,25 +79,26 @@ static void test_values(void **state)
     struct orl_scene *scene = load(plain, function);
     for (double x = .5; x < 4; x++) {
         const double factor = .9 * (.5 + .25 * (x - 1) / 2);
-        check(seen(scene, x, 1, 0, -1), .8 * factor, .4 * factor, .2 * factor);
-        check(seen(scene, x, 1, 0, 1), .8 * factor, .4 * factor, .2 * factor);
+        check_color(seen(scene, x, 1, 0, -1), .8 * factor, .4 * factor, .2 * factor);
+        check_color(seen(scene, x, 1, 0, 1), .8 * factor, .4 * factor, .2 * factor);
     }
     orl_scene_release(scene);
-    scene = load("void brightfunc f 2 .5+.25*Nz . 0 0\n" /* the front's, from behind too */
+    scene = load("void brightfunc f 2 .5+.25*Nz . 0 0\n" /* the front's normal, also from behind */
                  "f plastic tiled 0 0 5 .8 .4 .2 0 0\n!xform part.rad\n",
                  "");
-    check(seen(scene, 1, 1, 0, -1), .6, .3, .15);
-    check(seen(scene, 1, 1, 0, 1), .6, .3, .15);
+    check_color(seen(scene, 1, 1, 0, -1), .6, .3, .15);
+    check_color(seen(scene, 1, 1, 0, 1), .6, .3, .15);
     orl_scene_release(scene);
-    scene = load(moved, function); /* surfaces alone are moved: the pattern stays */
-    check(seen(scene, 2, 1, 7, -1), .72, .36, .18);
+    scene = load(moved, function); /* only the surfaces are moved: the pattern stays */
+    check_color(seen(scene, 2, 1, 7, -1), .72, .36, .18);
     orl_scene_release(scene);
     scene = load(turned, function);
-    check(seen(scene, 1, .5, 0, -1), .4, .5, 0);
+    check_color(seen(scene, 1, .5, 0, -1), .4, .5, 0);
     orl_scene_release(scene);
 }
 
-/* More than all, less than nothing, and no value at all. */
+/* Values above the albedo limit and below zero are clamped, and undefined ones ignored with a
+ * warning. */
 static void test_cut(void **state)
 {
     static const char text[] = "void brightfunc f 2 value f.cal 0 0\n"
@@ -104,10 +106,10 @@ static void test_cut(void **state)
     struct orl_scene *const scene =
         load(text, "value = if(Px-3, 4, if(Px-2, -1, if(Px-1, 1/0, .5)));");
     (void)state;
-    check(seen(scene, 3.5, 1, 0, -1), 1, 1, .8);
-    check(seen(scene, 2.5, 1, 0, -1), 0, 0, 0);
-    check(seen(scene, 1.5, 1, 0, -1), .8, .4, .2);
-    check(seen(scene, .5, 1, 0, -1), .4, .2, .1);
+    check_color(seen(scene, 3.5, 1, 0, -1), 1, 1, .8);
+    check_color(seen(scene, 2.5, 1, 0, -1), 0, 0, 0);
+    check_color(seen(scene, 1.5, 1, 0, -1), .8, .4, .2);
+    check_color(seen(scene, .5, 1, 0, -1), .4, .2, .1);
     assert_int_equal(scene->description.n_warnings, 1);
     int without = 0;
     assert_int_equal(sscanf(scene->description.warnings[0],
@@ -119,8 +121,8 @@ static void test_cut(void **state)
     orl_scene_release(scene);
 }
 
-/* Of a place that is anywhere the mean; bounds are the most. 1 024 places find a share of the area
- * to 1/1024 and a gradient to 1/2048 of its range. */
+/* At an unspecified place the pattern has its mean; bounds use its maximum. 1 024 places give a
+ * share of the area to 1/1024 and a gradient to 1/2048 of its range. */
 static void test_bounds(void **state)
 {
     static const char text[] = "void brightfunc f 2 value f.cal 0 0\n"
@@ -137,7 +139,7 @@ static void test_bounds(void **state)
     orl_scene_release(scene);
 }
 
-/* What never ends is told with its place. */
+/* An endless recursion gives an error with its place. */
 static void test_endless(void **state)
 {
     static const char text[] = "\nvoid brightfunc f 2 value f.cal 0 0\n"
@@ -153,7 +155,7 @@ static void test_endless(void **state)
     assert_string_equal(err.primitive, "brightfunc f");
 }
 
-/* A mistake in a function file is told where it is. */
+/* A mistake in a function file gives an error with its place. */
 static void test_file_errors(void **state)
 {
     static const char text[] = "void brightfunc f 2 value f.cal 0 0\n"
@@ -170,7 +172,7 @@ static void test_file_errors(void **state)
     assert_int_equal(err.line, 2);
 }
 
-/* Every byte of a function file changes what maps are called; a pattern twice over is one. */
+/* Every byte of a function file changes the map key; a pattern used twice counts once. */
 static void test_keys(void **state)
 {
     static const char text[] = "void brightfunc f 2 value f.cal 0 0\n"
@@ -209,8 +211,8 @@ static void test_keys(void **state)
 
 enum { SENSORS = 4 };
 
-static void run(const char *scene, enum orl_technique technique, uint32_t threads,
-                double ret_lx[SENSORS])
+static void run_scene(const char *scene, enum orl_technique technique, uint32_t threads,
+                      double ret_lx[SENSORS])
 {
     static const struct orl_sensor sensors[SENSORS] = {{{1, 2, .3}, {0, 0, -1}},
                                                        {{3, 2, .3}, {0, 0, -1}},
@@ -232,10 +234,10 @@ static void run(const char *scene, enum orl_technique technique, uint32_t thread
 }
 
 /*
- * A floor of two halves is the same however it is said, by every technique: the same paths meet the
- * same colours. What differs is the polygons' edge, which photons' searches do not look across, and
- * rays that start elsewhere; 6 % are three standard errors of these few photons. And the same bytes
- * come of any number of threads.
+ * A floor of two halves gives the same light in each form, by every technique: paths hit the same
+ * colours. Two differences remain: photon searches do not cross the edge between polygons, and
+ * some rays start elsewhere. 6 % are three standard errors of these few photons. Results are equal
+ * to the byte for any number of threads.
  */
 static void test_jobs(void **state)
 {
@@ -248,9 +250,9 @@ static void test_jobs(void **state)
     (void)state;
     for (size_t t = 0; t < sizeof techniques / sizeof *techniques; t++) {
         double split[SENSORS], one[SENSORS], two[SENSORS];
-        run(ROOM SPLIT, techniques[t], 1, split);
-        run(patterned, techniques[t], 1, one);
-        run(patterned, techniques[t], 2, two);
+        run_scene(ROOM SPLIT, techniques[t], 1, split);
+        run_scene(patterned, techniques[t], 1, one);
+        run_scene(patterned, techniques[t], 2, two);
         assert_memory_equal(one, two, sizeof one);
         for (int i = 0; i < SENSORS; i++)
             if (!(fabs(one[i] / split[i] - 1) < .06))
@@ -258,7 +260,7 @@ static void test_jobs(void **state)
     }
 }
 
-/* The sun in a mirror is dimmed by the mirror's pattern, whichever way it is written down. */
+/* The mirror's pattern dims the sun's reflection, in each form of the pattern. */
 static void test_patterned_mirrors(void **state)
 {
 #define SUN "void light l 0 0 3 1e5 1e5 1e5\nl source s 0 0 4 0 -1 1 .53\n"

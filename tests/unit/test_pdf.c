@@ -1,4 +1,4 @@
-/* Pages of PDF: their structure, what is drawn on them, and letters by the right codes. */
+/* PDF pages: structure, drawn content, and letters with the right codes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,7 @@
 
 static const unsigned char red[3] = {255, 0, 51};
 
-static void draw(const char *path, const char *text, const struct orl_canvas_letters *letters)
+static void draw_text(const char *path, const char *text, const struct orl_canvas_letters *letters)
 {
     static const double x[] = {10, 20, 20}, y[] = {10, 10, 30};
     struct orl_canvas *canvas = NULL;
@@ -29,7 +29,7 @@ static void draw(const char *path, const char *text, const struct orl_canvas_let
     assert_int_equal(orl_canvas_close(canvas, 0, &err), 0);
 }
 
-/* The page's content, as drawn; owned. */
+/* Returns the page's content stream; the caller frees it. */
 static char *content_of(const char *path)
 {
     size_t size;
@@ -55,14 +55,14 @@ static void assert_says(const char *text, const char *wanted)
         fail_msg("expected \"%s\" in:\n%s", wanted, text);
 }
 
-/* Every object stands where the table has it, and the table where the end says. */
+/* Every object is at its offset in the table, and the table is at the offset given at the end. */
 static void test_structure(void **state)
 {
     const struct orl_canvas_letters letters = {.size = 10};
     const char *path = scratch_path("page.pdf");
     size_t size;
     (void)state;
-    draw(path, "A page", &letters);
+    draw_text(path, "A page", &letters);
     char *file = (char *)scene_read_bytes(path, &size), *end = file + size;
     assert_memory_equal(file, "%PDF-1.4\n", 9);
     assert_memory_equal(end - 6, "%%EOF\n", 6);
@@ -91,14 +91,14 @@ static void test_what_is_drawn(void **state)
                                         .size = 7.2, .upright = true, .bold = true, .rimmed = true};
     const char *path = scratch_path("page.pdf");
     (void)state;
-    draw(path, "a (b) \\ c", &plain);
+    draw_text(path, "a (b) \\ c", &plain);
     char *text = content_of(path);
     assert_says(text, "0.5 0 0 -0.5 0 150 cm");
     assert_says(text, "1 0 0.2 rg 1 0 0.2 RG 0.3 w 10.00 10.00 m 20.00 10.00 l 20.00 30.00 l b\n");
     assert_says(text, "1 0 0.2 RG 1.25 w 1.00 2.00 m 3.50 4.00 l S\n");
     assert_says(text, "1 0 0 -1 100.00 200.00 Tm /F0 10.000 Tf (a \\(b\\) \\\\ c) Tj ET\n");
     free(text);
-    draw(path, "up", &up);
+    draw_text(path, "up", &up);
     text = content_of(path);
     assert_says(text, "BT 1 Tr ");
     assert_says(text, "1 1 1 RG 0 -1 -1 0 100.00 200.00 Tm /F1 10.000 Tf (up) Tj ET\n");
@@ -106,7 +106,8 @@ static void test_what_is_drawn(void **state)
     free(text);
 }
 
-/* Latin-1 by its codes, some more letters, signs of Symbol; others are boxes; controls spaces. */
+/* Latin-1 by its codes, some more letters, signs of Symbol; other characters become boxes, control
+ * characters blanks. */
 static void test_letters(void **state)
 {
     static const struct {
@@ -123,22 +124,21 @@ static void test_letters(void **state)
     const char *path = scratch_path("page.pdf");
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        draw(path, cases[i].text, &letters);
+        draw_text(path, cases[i].text, &letters);
         char *text = content_of(path);
         assert_says(text, cases[i].codes);
         free(text);
     }
 }
 
-/* No text goes beyond the room that a page was laid out with; to the right it ends where it is to.
- */
+/* No text is wider than the space it was laid out with; right-aligned text ends at its place. */
 static void test_no_text_is_wider_than_laid_out(void **state)
 {
     const struct orl_canvas_letters right = {.size = 7.2, .align = ORL_CANVAS_RIGHT};
     const char *path = scratch_path("page.pdf"), *wide = "WWWWWWWWWW";
     double squeezed, left, y;
     (void)state;
-    draw(path, wide, &right);
+    draw_text(path, wide, &right);
     char *text = content_of(path);
     const char *at = strstr(text, "BT 0 Tr ");
     assert_non_null(at);

@@ -1,6 +1,6 @@
 /*
- * The photon map file: what goes in comes out, the bytes depend on the photons alone, and damaged
- * files are refused.
+ * The photon map file: photons are read as written, the bytes depend on the photons only, and
+ * damaged files are refused.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -36,8 +36,8 @@ static struct orl_vec3 random_normal(struct orl_random *random)
 }
 
 /*
- * Photons anywhere in a box of 8 x 5 x 3 m, any normal. Each has its own flux, rising with its
- * index, so that a photon read back is known by its red flux rank.
+ * Makes photons in a box of 8 x 5 x 3 m with random normals. Each has its own flux, increasing
+ * with its index, so that a photon read back is identified by the rank of its red flux.
  */
 static struct orl_photon *make_photons(size_t count, uint64_t seed)
 {
@@ -82,9 +82,9 @@ static struct orl_photon_map *open_map(const char *path)
 }
 
 /*
- * A photon's code leads to its leaf, but for codes that more than one leaf begins with: then to the
- * last of them. Codes before the first photon's lead to the first leaf, and after the last to the
- * last. The numbers are not those of whole groups of leaves.
+ * A photon's code leads to its leaf. If several leaves begin with the code, it leads to the last
+ * of them. Codes before the first photon's lead to the first leaf, and those after the last to the
+ * last. The counts are not multiples of a group of leaves.
  */
 static void test_places_lead_to_leaves(void **state)
 {
@@ -116,7 +116,7 @@ static void test_places_lead_to_leaves(void **state)
 /* ---- Round trip -------------------------------------------------------------------------------
  */
 
-/* The photon of the map nearest to a place. */
+/* Returns the photon of the map nearest to a place. */
 static size_t find_photon(const struct orl_photon_map *map, const float position[3])
 {
     size_t best = 0;
@@ -135,9 +135,10 @@ static size_t find_photon(const struct orl_photon_map *map, const float position
 }
 
 /*
- * Places come back within half a cell a coordinate (and the rounding of floats near 8 m). A flux
- * rounds by at most one step of its mantissa: the largest channel has 256 steps or more, so that
- * the step is at most 1/256 of it, and half that when rounded to nearest; dither makes it a whole.
+ * Places are restored within half a cell per coordinate (and the rounding of floats near 8 m). A
+ * flux rounds by at most one step of its mantissa. The largest channel has 256 steps or more, so
+ * the step is at most 1/256 of it, and half that if rounded to nearest; dither makes it a whole
+ * step.
  */
 static void test_round_trip(void **state)
 {
@@ -168,8 +169,8 @@ static void test_round_trip(void **state)
 }
 
 /*
- * The dither keeps sums: rounding errors of N photons are independent, each uniform within a step
- * about its mean 0, so that the sum's standard error is at most sqrt(N) step / 2.
+ * Dither keeps sums: rounding errors of N photons are independent, each uniform within a step
+ * about its mean 0. The standard error of the sum is at most sqrt(N) step / 2.
  */
 static void check_sums(struct orl_photon *photons, size_t count)
 {
@@ -222,13 +223,13 @@ static void test_wild_fluxes_sum(void **state)
             photons[i].flux[k] *= scale;
     }
     check_sums(photons, COUNT);
-    /* One photon that outshines all others together by far: it is kept, not cut. */
+    /* One photon that outshines the sum of all others by far is kept, not clamped. */
     photons[COUNT / 2].flux[0] = 3e10F;
     check_sums(photons, COUNT);
     free(photons);
 }
 
-/* Two bytes a normal: axes exactly, everything else within a degree. */
+/* A normal takes two bytes: axes are exact, all others within a degree. */
 static void test_normals(void **state)
 {
     const struct orl_vec3 axes[6] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
@@ -258,7 +259,7 @@ static void test_same_bytes_for_any_crew(void **state)
     (void)state;
     for (int i = 0; i < VARIANTS; i++) {
         struct orl_photon *photons = make_photons(COUNT, 5);
-        /* Photons that are spent do for one map as well. */
+        /* A build that consumes its photons gives the same map. */
         const struct orl_map_build build = {
             .kind = "global", .emitted = COUNT, .seed = 5, .spend = i % 2 == 1};
         build_map(scratch_path("map"), photons, COUNT, &build, threads[i]);
@@ -370,8 +371,8 @@ static void test_wrong_headers(void **state)
 }
 
 /*
- * Counts that would need more than the file holds, among them ones whose sizes wrap around 64 bits:
- * everything in the header agrees with the layout of that count, and it is signed.
+ * Counts that need more than the file holds, including sizes that wrap around 64 bits. The whole
+ * header agrees with the layout of that count, and is signed.
  */
 static void test_huge_counts(void **state)
 {

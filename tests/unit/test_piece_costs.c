@@ -1,6 +1,6 @@
 /*
- * What pieces are thought to take, which Slurm's limits of time are made of: within a factor of
- * several of what they do, also where nothing is known of the errors of a job for an accuracy.
+ * Predicted costs of pieces, from which Slurm's time limits are made: within a factor of several
+ * of the real costs, also if the errors of an accuracy job are not yet known.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,15 +19,15 @@
 #include "support/room.h"
 #include "support/year.h"
 
-/* The margin that limits have (limits.c), and how much too long one may be. */
+/* The margin of the limits (limits.c), and the greatest allowed overestimate. */
 static const double least = 1.0 / 8, most = 60;
 
 struct fixture {
     char folder[64], kept[64];
     const char *kind;
-    size_t n;                /* pieces of that kind that were asked for */
-    double core_s, first_s;  /* of all of them, and of the first */
-    double began_s, until_s; /* of a year: until its sensors are asked for */
+    size_t n;                /* requested pieces of that kind */
+    double core_s, first_s;  /* CPU seconds of all of them, and of the first */
+    double began_s, until_s; /* annual runs: start, and the time until its sensors are requested */
 };
 
 static double now_s(void *ctx)
@@ -38,7 +38,7 @@ static double now_s(void *ctx)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Of this process: others on the machine do not count. */
+/* Returns the CPU time of this process; other processes do not count. */
 static double cpu_s(void)
 {
     struct timespec t;
@@ -46,8 +46,8 @@ static double cpu_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                  const struct orl_pieces_watch *watch, struct orl_error *err)
+static int divide_pieces(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                         const struct orl_pieces_watch *watch, struct orl_error *err)
 {
     struct fixture *f = ctx;
     (void)watch, (void)err;
@@ -110,7 +110,7 @@ static void run_skies(struct fixture *f, enum orl_technique technique, double re
     struct orl_map_store store;
     struct orl_error err = {0};
     struct orl_job job;
-    const struct orl_pieces pieces = {f, "a job", divide, NULL};
+    const struct orl_pieces pieces = {f, "a job", divide_pieces, NULL};
     atomic_bool cancel = false;
     orl_job_init(&job);
     fill_skies(skies);
@@ -158,11 +158,11 @@ static void test_skies_by_paths_with_an_accuracy(void **state)
     run_skies(f, ORL_TECHNIQUE_BACKWARD, 0.02);
 }
 
-/* Its suns, with what they send into the room. */
+/* Runs the year's suns, with the light they send into the room. */
 static void run_year(struct fixture *f, enum orl_annual_technique technique)
 {
     static const struct orl_sensor sensors[] = {{{2, 2, 0.8}, {0, 0, 1}}};
-    const struct orl_pieces pieces = {f, "a job", divide, NULL};
+    const struct orl_pieces pieces = {f, "a job", divide_pieces, NULL};
     const struct year_run run = {.scene = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE,
                                  .site = {50, 10, 1},
                                  .sensors = sensors,
@@ -176,7 +176,7 @@ static void run_year(struct fixture *f, enum orl_annual_technique technique)
     f->began_s = cpu_s();
     year = year_run(&run);
     assert_int_equal(f->n, 2);
-    f->core_s = f->first_s; /* of the suns, which make the map */
+    f->core_s = f->first_s; /* CPU seconds of the suns, which make the map */
     assert_within(f, f->until_s - f->began_s);
     orl_annual_done(&year);
 }

@@ -1,6 +1,6 @@
 /*
- * A pixel's rays: every place once, any four in a row one to a row and column; four where they
- * agree, all on an edge; and what comes of an edge at any slope.
+ * Rays of a pixel: every place once, any four in sequence cover four rows and columns; four rays
+ * if they agree, all on an edge; and the error at an edge of any slope.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,7 +31,8 @@ static void places(void **state)
     assert_int_equal(seen, 0xffff);
 }
 
-/* A pixel that a straight edge cuts, bright on one side; and how many rays it took. */
+/* Renders a pixel that a straight edge cuts, bright on one side; also returns the number of rays.
+ */
 static double edge_pixel(double angle, double offset, double dark, uint32_t *ret_rays)
 {
     struct orl_pixel_rays tally = {.rays = 0};
@@ -47,11 +48,11 @@ static double edge_pixel(double angle, double offset, double dark, uint32_t *ret
 }
 
 /*
- * An edge of one to a hundred that moves over the pixel. Of a lattice of four rows a line parallel
- * to them takes or leaves a row at a time: off by an eighth at most. Where all of the first four
- * lie on one side the others are not asked; that side then has a corner of less than a quarter.
- * Where light and dark differ by more than twice their mean there are 64: off by 0.067 at most, of
- * 2400 lines by chance, and by 0.014 in the root mean square.
+ * An edge of contrast one to a hundred moves over the pixel. In a lattice of four rows, a line
+ * parallel to the rows adds or removes a row at a time: an error of at most an eighth. If the
+ * first four rays all lie on one side, no more are traced; the other side is then a corner of less
+ * than a quarter. If light and dark differ by more than twice their mean, there are 64 rays: an
+ * error of at most 0.067 over 2400 random lines, and 0.014 in the root mean square.
  */
 static void edges(void **state)
 {
@@ -83,7 +84,7 @@ static void edges(void **state)
     assert_true(squares < 0.02 * 0.02 * most);
 }
 
-/* Slight differences are left to four rays, and so is a black pixel. */
+/* Slight differences, and black pixels, take four rays only. */
 static void even(void **state)
 {
     uint32_t rays;

@@ -1,6 +1,6 @@
 /*
- * What a scene has in several places and keeps once, against the same surfaces read for each place:
- * rays meet the same, and it takes the memory of one.
+ * Geometry in several places, stored once, against separate surfaces for each place: rays hit the
+ * same, and memory is that of one.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -65,7 +65,8 @@ static void drop_pair(struct pair *pair)
     grove_done(&pair->grove);
 }
 
-/* Into the box about one of the trees, from ten units away at most, or from within. */
+/* Returns a ray into the box around one of the trees, from at most ten units away, or from within.
+ */
 static struct orl_ray random_ray(const struct orl_geometry *g, struct orl_random *random)
 {
     const double number = floor(GROVE_PLACES * orl_random_uniform(random));
@@ -76,7 +77,8 @@ static struct orl_ray random_ray(const struct orl_geometry *g, struct orl_random
     return (struct orl_ray){orl_madd(orl_sub(there, g->center), direction, -away), direction};
 }
 
-/* Polygons of the expanded form come in the order of the files, what is round from the end on. */
+/* Returns the same facet in the expanded form. Its polygons are in the order of the files, with
+ * curved surfaces from the end on. */
 static uint32_t same_facet(const struct orl_geometry *shared, const struct orl_geometry *expanded,
                            uint32_t facet)
 {
@@ -89,8 +91,9 @@ static uint32_t same_facet(const struct orl_geometry *shared, const struct orl_g
                : (uint32_t)expanded->n_facets - GROVE_ROUND * (place + 1) + own - GROVE_TRIANGLES;
 }
 
-/* What light meets there: with patterns each place of the expanded form has materials of its own,
- * whose functions are rounded otherwise, and have slopes of up to 10 where hits differ by 1e-6. */
+/* Compares the reflection at both hits. With patterns, each place of the expanded form has its own
+ * materials, whose functions are rounded differently. Slopes are up to 10, and hits differ by
+ * 1e-6. */
 static void expect_same_looks(const struct pair *pair, const struct orl_hit *a,
                               const struct orl_hit *b)
 {
@@ -132,11 +135,11 @@ static bool is_same(const struct pair *pair, const struct orl_hit *a, const stru
 }
 
 /*
- * Of rays that pass an edge within the rounding of floats, either form is right. Places are up to
- * 90 from the middle, of which the rounding is 4e-6, some of it again in the tree's coordinates:
- * 1e-5 either way. A tree has 200 leaves with some 1.3 of edges each, 260 in 8 square units, so
- * that a ray passes one that near with a chance of 260 * 2e-5 / 8, or 6.5e-4, for each tree on its
- * way: of 10 000 fewer than 20, a bound that is 5 standard deviations off for two trees.
+ * If a ray passes an edge within the rounding of floats, either form is right. Places are up to 90
+ * from the middle, with a rounding of 4e-6, and some more in the tree's coordinates: 1e-5 either
+ * way. A tree has 200 leaves with some 1.3 edges each, 260 in 8 square units. A ray passes one
+ * that near with a probability of 260 * 2e-5 / 8, or 6.5e-4, for each tree on its way. The bound
+ * is fewer than 20 of 10 000 rays, 5 standard deviations off for two trees.
  */
 static void expect_same_hits(enum grove_leaves leaves)
 {
@@ -178,8 +181,9 @@ static void test_hits(void **state)
         expect_same_hits((enum grove_leaves)leaves);
 }
 
-/* The most and the mean of a pattern over all places, in one form as in the other, where each place
- * has a pattern of its own: by 1 024 places of each, of which 20 times as many say more. */
+/* Returns maximum and mean of a pattern over all places, in either form. In the expanded form each
+ * place has its own pattern. Each is estimated from 1 024 places; 20 times as many would tell
+ * more. */
 static struct orl_rgb widest(const struct orl_scene *scene, struct orl_rgb *ret_mean)
 {
     struct orl_rgb most = {0, 0, 0}, sum = {0, 0, 0};
@@ -212,7 +216,7 @@ static void test_bounds_of_patterns(void **state)
     drop_pair(&pair);
 }
 
-/* Side by side they meet what they meet alone. */
+/* Batches of rays hit the same as single rays. */
 static void test_many(void **state)
 {
     enum { N = 1000 };
@@ -245,7 +249,8 @@ static void test_many(void **state)
     assert_true(placed > 100);
 }
 
-/* Who leaves a surface is clear of it, on either side; so is who came from far away. */
+/* A ray that leaves a surface does not hit it again, on either side, also after arriving from far
+ * away. */
 static void test_leave(void **state)
 {
     struct pair pair;
@@ -271,10 +276,10 @@ static void test_leave(void **state)
     drop_pair(&pair);
 }
 
-/* ---- What else asks for facets and triangles --------------------------------------------------
- */
+/* ---- Other access to facets and triangles ---------------------------------------------------- */
 
-/* Hits on both forms of the same ray: calls it for those on what is placed. */
+/* Calls a function for pairs of hits of the same ray on both forms, if they are on placed
+ * geometry. */
 static void for_hits(const struct pair *pair, uint64_t seed,
                      void (*look)(const struct pair *pair, const struct orl_hit *shared,
                                   const struct orl_hit *expanded, void *ctx),
@@ -317,7 +322,7 @@ static void compare_places(const struct pair *pair, const struct orl_hit *a,
         return;
     orl_hit_uv(s.geometry, a, uv[0]);
     orl_hit_uv(e.geometry, b, uv[1]);
-    /* Triangles of a mirrored one are listed backwards, or from another corner. */
+    /* Triangles of a mirrored instance are listed backwards, or from another corner. */
     const double third = 1 - uv[0][0] - uv[0][1];
     const double products[2] = {uv[0][0] * uv[0][1] * third,
                                 uv[1][0] * uv[1][1] * (1 - uv[1][0] - uv[1][1])};
@@ -350,7 +355,7 @@ static void compare_squares(const struct pair *pair, const struct orl_hit *a,
     assert_int_equal(orl_sun_square_of(&squares->of[0], a) >> 29, (uint64_t)a->facet + 1);
 }
 
-/* Their axes are other sides of mirrored ones; in sum it is the same surface. */
+/* The axes of mirrored squares are other sides; the total surface is the same. */
 static void test_squares(void **state)
 {
     struct pair pair;
@@ -390,7 +395,7 @@ static void test_section(void **state)
     orl_section_cut(pair.expanded->geometry, &plane, add_piece, &sums[1]);
     assert_true(sums[0].n > 100);
     assert_int_equal(sums[0].n, sums[1].n);
-    /* Prisms for what is round stand about their axes as they happen to. */
+    /* Prisms that stand for curved surfaces have arbitrary rotations about their axes. */
     assert_true(fabs(sums[0].length / sums[1].length - 1) < 1e-3);
     drop_pair(&pair);
 }
@@ -407,7 +412,8 @@ static size_t resident_bytes(void)
     return resident * (size_t)sysconf(_SC_PAGESIZE);
 }
 
-/* What a scene of a tree in so many places takes, in a process that has held no other. */
+/* Returns the memory of a scene with a tree in so many places, in a process that has held no
+ * other. */
 static size_t scene_bytes(size_t triangles, size_t places)
 {
     int ends[2];
@@ -436,9 +442,9 @@ static size_t scene_bytes(size_t triangles, size_t places)
 }
 
 /*
- * A tree of 100 000 polygons in 1000 places, 100 million surfaces, takes what it takes in four
- * places, and for each of the others 2 kilobytes at most: half of one of this program's, and
- * Embree's own. A mebibyte is for what allocators round.
+ * A tree of 100 000 polygons in 1000 places, 100 million surfaces, takes the memory it takes in
+ * four places. Each other place adds at most 2 kilobytes: half a kilobyte of this program, and
+ * Embree's own. A mebibyte allows for rounding by allocators.
  */
 static void test_memory(void **state)
 {

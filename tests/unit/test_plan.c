@@ -1,6 +1,6 @@
 /*
- * Plans: of lights and windows, a scene that does not call for them, and one that does but where it
- * is easily missed; wishes; and that a plan is the same for any crew. Every reason holds a number.
+ * Plans for lights and windows: a scene that does not need an effect, and one that does but is
+ * easily missed; effect overrides; and equal plans for any crew. Every reason contains a number.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,7 +29,8 @@ static void test_sun(void **state)
     assert_int_equal(left.suns, 0);
 }
 
-/* Behind the house, with nothing outside, no sun comes in; a house opposite sends it in. */
+/* With the sun behind the house and nothing outside, no sun comes in; a house opposite reflects it
+ * in. */
 static void test_suns(void **state)
 {
     struct plan_left left;
@@ -44,7 +45,7 @@ static void test_suns(void **state)
     assert_int_equal(left.suns, 2);
 }
 
-/* On the roof it shines all the same; and so it does through a hole of 10 x 10 cm in the north. */
+/* It still shines on the roof, and through a hole of 10 x 10 cm in the north. */
 static void test_suns_that_are_seen(void **state)
 {
     static const struct orl_sensor roof = {{2, 2.5, 3.2}, {0, 0, 1}};
@@ -70,7 +71,8 @@ static void test_sky(void **state)
     struct plan_left left;
     (void)state;
     plan_expect_skipped(SUN ROOM, ORL_EFFECT_SKY, 0);
-    /* A ten-millionth of a watt beside the sun is 6e-5 lx; by itself it is all there is. */
+    /* A ten-millionth of a watt beside the sun is 6e-5 lx, and skipped; alone, it is all the
+     * light. */
     plan_expect_skipped(
         "void glow g 0 0 4 1e-7 1e-7 1e-7 0\ng source sky 0 0 4 0 0 1 180\n" SUN ROOM,
         ORL_EFFECT_SKY, 0.01);
@@ -104,14 +106,14 @@ static void test_exterior(void **state)
     (void)state;
     plan_expect_skipped(SKY SUN ROOM, ORL_EFFECT_EXTERIOR, 0);
     plan_expect_simulated(SKY SUN ROOM OPPOSITE, ORL_EFFECT_EXTERIOR);
-    /* A sill that stands out by 5 cm. */
+    /* A sill that extends outwards by 5 cm. */
     plan_expect_simulated(SKY SUN ROOM "w polygon sill 0 0 12 1 -.05 1 3 -.05 1 3 0 1 1 0 1\n",
                           ORL_EFFECT_EXTERIOR);
-    /* Black, it shades and reflects nothing. */
+    /* A black sill shades and reflects nothing. */
     plan_expect_skipped(SKY SUN ROOM "void plastic k 0 0 5 0 0 0 0 0\n"
                                      "k polygon sill 0 0 12 1 -.05 1 3 -.05 1 3 0 1 1 0 1\n",
                         ORL_EFFECT_EXTERIOR, 0);
-    /* But the panes do, and who stands before them sees it. */
+    /* But the panes reflect, and a sensor in front of them sees it. */
     static const struct orl_sensor before = {{2, -.5, 1.5}, {0, 1, 0}};
     const struct orl_plan seen = plan_of(
         &(struct plan_query){.text = SKY SUN ROOM "void plastic k 0 0 5 0 0 0 0 0\n"
@@ -126,7 +128,7 @@ static void test_exterior(void **state)
     assert_false(left.clear);
 }
 
-/* The only light stands about the northern horizon, or reaches a little round to the south. */
+/* The only light is around the northern horizon, or extends a little to the south. */
 static void test_ports(void **state)
 {
     struct plan_left left;
@@ -141,9 +143,9 @@ static void test_ports(void **state)
                           ORL_EFFECT_PORTS);
 }
 
-/* ---- Requests -------------------------------------------------------------------------------- */
+/* ---- Overrides and requests ------------------------------------------------------------------ */
 
-/* One of a thing is not several. */
+/* The text uses the singular for one item. */
 static void test_singular(void **state)
 {
     (void)state;
@@ -190,7 +192,7 @@ static void test_techniques(void **state)
     assert_int_equal(plan.photons_caustic, 1234);
 }
 
-/* Everything there is, in one room. */
+/* A room with all effects. */
 static const char all_of_it[] = SKY SUN SECOND_NORTH_SUN ROOM OPPOSITE DISH
     "void dielectric d 0 0 5 .9 .8 .9 1.5 0\nd sphere bead 0 0 4 2 1.5 .5 .003\n"
     "void light led 0 0 3 50 50 40\nled sphere s 0 0 4 2 2 2 .01\n"
@@ -210,7 +212,7 @@ static void test_wishes(void **state)
         assert_int_equal(forced.effects[i].wish, ORL_WISH_FORCE);
         assert_int_equal(skipped.effects[i].wish, ORL_WISH_SKIP);
         assert_int_equal(forced.effects[i].simulated, !fixed);
-        /* Straight through panes goes by shadow rays: it cannot be left out. */
+        /* Light straight through panes uses shadow rays: it cannot be left out. */
         assert_int_equal(skipped.effects[i].simulated, effect == ORL_EFFECT_CAUSTICS_GLASS);
         assert_int_equal(planned.effects[i].simulated, !fixed);
         if (planned.effects[i].unit != ORL_BOUND_NONE && effect != ORL_EFFECT_CAUSTICS_GLASS)
@@ -250,7 +252,7 @@ static void test_skips_are_done(void **state)
     assert_false(left.clear);
 }
 
-/* The same for any crew, but for the seconds. */
+/* The plan is equal for any crew, except for the seconds. */
 static void test_threads(void **state)
 {
     struct orl_plan one = plan_of(&(struct plan_query){.text = all_of_it, .threads = 1}, NULL);
@@ -267,7 +269,7 @@ static void test_threads(void **state)
                 one.photons_caustic == three.photons_caustic);
 }
 
-/* A diffuse room without sun or colour plans none of either. */
+/* The plan of a diffuse room without sun or colour has neither. */
 static void test_plain_room(void **state)
 {
     struct plan_left left;

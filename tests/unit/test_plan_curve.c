@@ -32,7 +32,7 @@ static const char lobes[] =
     "m(x,y,z) = x*(Dx + 2*RdotP*NxP) + y*(Dy + 2*RdotP*NyP) + z*(Dz + 2*RdotP*NzP);\n"
     "lobe(x,y,z,o) = if(m(x,y,z) - .9995, 100, 0);\n";
 
-/* The plan that was made, and the state of the clock. */
+/* The resulting plan, and the state of the clock. */
 struct planned {
     double step_s, now;
     unsigned plans;
@@ -58,7 +58,7 @@ static int record_plan(void *ctx, const char *sky, const struct orl_result *resu
     return 0;
 }
 
-/* Plans a job of the scene on a machine whose clock goes on by so much at each look. */
+/* Plans a job of the scene on a machine whose clock advances by step_s per reading. */
 static struct planned plan(const char *wall, double step_s)
 {
     char *names[] = {(char[]){"room.rad"}};
@@ -91,7 +91,7 @@ static struct planned plan(const char *wall, double step_s)
     return planned;
 }
 
-/* Steps of the clock: a plan looks at it often, and takes over 20 s with the last of these. */
+/* Steps of the clock: planning reads it often, and takes over 20 s with the slow one. */
 static const double fast_s = 1e-6, slow_s = 30;
 
 static void test_fast(void **state)

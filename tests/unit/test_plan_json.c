@@ -1,4 +1,4 @@
-/* What a job document wishes of effects, and how a result tells its plan. */
+/* Effect overrides in job documents, and plans in result documents. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,7 +31,7 @@ static int decode(const char *effects, struct orl_job *job, struct orl_error *er
     return rc;
 }
 
-/* Decodes effects that are sound; the job is done with. */
+/* Decodes valid effects and frees the job. */
 static void wishes_of(const char *effects, enum orl_wish ret_wishes[ORL_EFFECT_COUNT])
 {
     struct orl_job job;
@@ -66,7 +66,7 @@ static void test_caustics_stands_for_three(void **state)
     } cases[] = {
         {"{\"caustics\":\"skip\"}", ORL_WISH_SKIP, ORL_WISH_SKIP, ORL_WISH_SKIP},
         {"{\"caustics\":\"force\"}", ORL_WISH_FORCE, ORL_WISH_FORCE, ORL_WISH_FORCE},
-        /* The one that is named wins, first or last, with whatever it says. */
+        /* The specific member wins, first or last, with any value. */
         {"{\"caustics\":\"skip\",\"caustics_bsdf\":\"force\"}", ORL_WISH_SKIP, ORL_WISH_FORCE,
          ORL_WISH_SKIP},
         {"{\"caustics_bsdf\":\"force\",\"caustics\":\"skip\"}", ORL_WISH_SKIP, ORL_WISH_FORCE,
@@ -113,7 +113,7 @@ static void test_mistakes_say_what_is_wanted(void **state)
     }
 }
 
-/* The hint of a misspelt effect names them all: none may fall off its end. */
+/* The hint for a misspelt effect lists all names without truncation. */
 static void test_the_hint_holds_every_name(void **state)
 {
     (void)state;
@@ -124,7 +124,7 @@ static void test_the_hint_holds_every_name(void **state)
         assert_non_null(strstr(err.hint, orl_effect_name((enum orl_effect)i)));
 }
 
-/* A plan in which no two members are alike. */
+/* Returns a plan in which no two members are equal. */
 static struct orl_plan example(void)
 {
     struct orl_plan plan = {.technique = ORL_TECHNIQUE_PRECOMPUTED,
@@ -148,7 +148,7 @@ static struct orl_plan example(void)
     return plan;
 }
 
-/* As it is written, and as it is read again. */
+/* Returns the plan written as JSON and parsed again. */
 static json_t *written_and_read(const struct orl_plan *plan)
 {
     json_t *made = orl_plan_to_json(plan);
@@ -206,7 +206,7 @@ static void test_a_plan_is_told_whole(void **state)
     json_decref(doc);
 }
 
-/* All reflections, a bound without an end, a name in Latin-1: what JSON has no word for. */
+/* Values that JSON cannot express: unlimited reflections, an infinite bound, a name in Latin-1. */
 static void test_what_json_cannot_say(void **state)
 {
     (void)state;

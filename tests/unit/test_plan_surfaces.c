@@ -1,4 +1,4 @@
-/* Plans: caustics, and what surfaces do with light, as test_plan.c has it of lights and windows. */
+/* Plans for caustics and for surfaces, as test_plan.c for lights and windows. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -40,9 +40,9 @@ static void test_mirrors(void **state)
 }
 
 /*
- * A mirror in the sun's patch, by an open window: a sensor that faces the sun's image there has the
- * mirror's reflectance of what the sun brings, to a half angle a the irradiance pi sin^2 a L. What
- * is curved may gather the sun, and so add more.
+ * A mirror in the sun's patch, by an open window. A sensor that faces the sun's image receives the
+ * mirror's reflectance times the sun's irradiance, pi sin^2 a L for half angle a. A curved mirror
+ * may focus the sun, and so add more.
  */
 static void test_what_mirrors_may_add(void **state)
 {
@@ -62,7 +62,7 @@ static void test_what_mirrors_may_add(void **state)
     }
 }
 
-/* A small pane of a house opposite throws the northern sun into the window. */
+/* A small pane of a house opposite reflects the northern sun into the window. */
 static void test_mirrors_outside(void **state)
 {
     (void)state;
@@ -71,7 +71,8 @@ static void test_mirrors_outside(void **state)
                           "m polygon q 0 0 12 2.2 -9 10.5 1.8 -9 10.5 1.8 -9 10.9 "
                           "2.2 -9 10.9\n",
                           ORL_EFFECT_CAUSTICS_MIRROR);
-    /* Lower down it throws it at the wall below: shadow rays see to that, without photons. */
+    /* Lower down it reflects the sun at the wall below: shadow rays sample that, without photons.
+     */
     struct plan_left left;
     const struct orl_plan plan = plan_of(
         &(struct plan_query){.text = SKY NORTH_SUN ROOM
@@ -82,7 +83,7 @@ static void test_mirrors_outside(void **state)
     assert_true(plan.effects[ORL_EFFECT_CAUSTICS_MIRROR].simulated);
     assert_false(left.caustics_lit);
     assert_int_equal(plan.photons_caustic, 0);
-    /* With nothing outside for it to be thrown at there is nothing to simulate. */
+    /* With nothing outside for light to be reflected at, there is nothing to simulate. */
     plan_expect_skipped(SKY NORTH_SUN ROOM, ORL_EFFECT_CAUSTICS_MIRROR, 0);
 }
 
@@ -100,20 +101,20 @@ static void test_lobes(void **state)
     plan = plan_of(&(struct plan_query){.text = small, .bsdf = bsdf}, NULL);
     assert_true(plan.effects[ORL_EFFECT_CAUSTICS_BSDF].simulated);
     assert_true(plan.effects[ORL_EFFECT_CAUSTICS_BSDF].bound > 0);
-    /* The same window, and the sun behind the house. */
+    /* The window with the sun behind the house. */
     plan =
         plan_of(&(struct plan_query){.text = SKY NORTH_SUN ROOM_GREY ROOM_SHELL ROOM_BSDF ROOM_PANE,
                                      .bsdf = bsdf},
                 NULL);
     assert_false(plan.effects[ORL_EFFECT_CAUSTICS_BSDF].simulated);
     plan_expect_skipped(SKY SUN ROOM, ORL_EFFECT_CAUSTICS_BSDF, 0);
-    /* Rough steel, a coin of it, in the sun's patch. */
+    /* Rough steel, the size of a coin, in the sun's patch. */
     plan_expect_simulated(SKY SUN ROOM "void metal s 0 0 5 .6 .6 .6 .9 .1\n"
                                        "s ring coin 0 0 8 2 1.5 .001 0 0 1 0 .01\n",
                           ORL_EFFECT_CAUSTICS_BSDF);
 }
 
-/* What a technique cannot leave out it does not claim to. */
+/* If a technique cannot leave out an effect, the plan does not claim that it does. */
 static void test_caustics_of_paths(void **state)
 {
     const struct orl_plan plan = plan_of(&(struct plan_query){.text = SKY SUN ROOM DISH,
@@ -163,7 +164,7 @@ static void test_interreflection(void **state)
                                         .wish = ORL_WISH_SKIP,
                                         .technique = ORL_TECHNIQUE_DIRECT},
                    &left);
-    /* Of direct photons those that land first are still the sky's own. */
+    /* With photons for direct light, first landings still count as the sky's direct light. */
     assert_int_equal(plan.most_reflections, 0);
     assert_int_equal(left.omit.most_reflections, 1);
     assert_true(plan.photons_global > 0);

@@ -1,7 +1,7 @@
 /*
- * Work whose length depends on the input is polled for cancellation: the polls between its begin
- * and its end grow with it, and a cancel at any of them ends it early and leaves no file. Counts,
- * so the machine's speed does not matter.
+ * Work whose length depends on the input polls for cancellation. The number of polls between its
+ * begin and its end grows with the input. A cancel at any poll ends the work early and leaves no
+ * file. Counts do not depend on the machine's speed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,22 +27,22 @@
 #include "support/scratch.h"
 
 static int polls;
-static int cancel_at; /* the poll from which on the answer is yes; negative: never */
+static int cancel_at; /* the poll from which on the result is true; negative: never */
 static const atomic_bool flag;
 
-/* The core's polls come here: this stands in the place of core/base/cancel.c. */
+/* Replaces core/base/cancel.c: the core's polls call this. */
 bool orl_is_cancelled(const atomic_bool *cancel)
 {
     return cancel && polls++ >= cancel_at && cancel_at >= 0;
 }
 
-static void begin(int at)
+static void begin_count(int at)
 {
     polls = 0;
     cancel_at = at;
 }
 
-/* ---- Files of results ------------------------------------------------------------------------ */
+/* ---- Result files ---------------------------------------------------------------------------- */
 
 enum { ROWS = 2000, COLUMNS = 3000, LONG = ROWS * COLUMNS };
 static float *values;
@@ -81,7 +81,7 @@ static int write_sensors(struct orl_error *err)
 static const struct {
     const char *name;
     int (*write)(struct orl_error *err);
-    int least; /* polls */
+    int least; /* minimum number of polls */
 } files[] = {{"NPY", write_npy, 5},
              {"matrix", write_float, 5},
              {"text matrix", write_ascii, ROWS / 10},
@@ -95,14 +95,14 @@ static void test_files(void **state)
     values = calloc(LONG, sizeof *values);
     assert_non_null(values);
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
-        begin(-1);
+        begin_count(-1);
         assert_int_equal(files[i].write(&err), 0);
         print_message("# %s: %d polls\n", files[i].name, polls);
         assert_true(polls >= files[i].least);
         assert_int_equal(unlink(scratch_path("file")), 0);
         const int at[] = {0, polls / 2, polls - 1};
         for (int k = 0; k < 3; k++) {
-            begin(at[k]);
+            begin_count(at[k]);
             assert_int_equal(files[i].write(&err), ORL_ERR_CANCELLED);
             assert_int_equal(access(scratch_path("file"), F_OK), -1);
             assert_int_equal(access(scratch_path("file.part"), F_OK), -1);
@@ -158,7 +158,7 @@ static void expect_series(const struct orl_annual_report *report,
 {
     float *series = calloc(report->year.steps.count, sizeof *series);
     assert_non_null(series);
-    begin(-1);
+    begin_count(-1);
     assert_int_equal(
         orl_annual_series_of(report, result, ORL_ALL_GRIDS, ORL_SERIES_MEAN, 0, &flag, series), 0);
     assert_int_equal(polls, YEAR_SENSORS);
@@ -171,7 +171,7 @@ static void expect_series(const struct orl_annual_report *report,
         assert_float_equal(series[report->year.step_of_column[k]], (float)(mean / area), 1e-3F);
     }
     for (int at = 0; at < YEAR_SENSORS; at += YEAR_SENSORS / 20) {
-        begin(at);
+        begin_count(at);
         assert_int_equal(orl_annual_series_of(report, result, ORL_ALL_GRIDS, ORL_SERIES_SHARE, 300,
                                               &flag, series),
                          ORL_ERR_CANCELLED);
@@ -196,7 +196,7 @@ static void test_reports(void **state)
     assert_non_null(wishes.targets);
     assert_int_equal(orl_annual_target_parse("sDA300/50 >= 55 %", wishes.targets, &err), 0);
     wishes.n_targets = 1;
-    begin(-1);
+    begin_count(-1);
     assert_int_equal(
         orl_annual_report_make(&request, &result, &wishes, NULL, &flag, NULL, &report, &err), 0);
     const int all = polls;
@@ -205,7 +205,7 @@ static void test_reports(void **state)
     print_message("# report of %d sensors: %d polls\n", YEAR_SENSORS, all);
     assert_true(all >= (1 + 3 * 2) * YEAR_SENSORS);
     for (int at = 0; at < all; at += all / 20) {
-        begin(at);
+        begin_count(at);
         assert_int_equal(
             orl_annual_report_make(&request, &result, &wishes, NULL, &flag, NULL, &report, &err),
             ORL_ERR_CANCELLED);
@@ -214,7 +214,7 @@ static void test_reports(void **state)
     orl_annual_wishes_done(&wishes);
 }
 
-/* Sensors of the document itself: a poll at each grid. */
+/* Sensors in the document itself: a poll at each grid. */
 static void test_grids(void **state)
 {
     static char *names[YEAR_GRIDS];
@@ -224,10 +224,10 @@ static void test_grids(void **state)
     (void)state;
     name_grids(&request);
     request.sensors = calloc(YEAR_SENSORS, sizeof *request.sensors);
-    begin(YEAR_GRIDS / 2);
+    begin_count(YEAR_GRIDS / 2);
     assert_int_equal(orl_annual_grids_read(&request, names, &none, &flag, &err), ORL_ERR_CANCELLED);
     assert_int_equal(polls, YEAR_GRIDS / 2 + 1);
-    begin(-1);
+    begin_count(-1);
     assert_int_equal(orl_annual_grids_read(&request, names, &none, &flag, &err), 0);
     assert_int_equal(polls, YEAR_GRIDS);
     free(request.sensors);
@@ -248,7 +248,7 @@ static void test_trees(void **state)
     for (int k = 0; k < 2; k++) {
         char *text = NULL;
         FILE *out = open_memstream(&text, &sizes[k]);
-        begin(k == 0 ? -1 : BRANCHES / 2);
+        begin_count(k == 0 ? -1 : BRANCHES / 2);
         orl_gonio_forest_write(&forest, root, false, &flag, out);
         assert_int_equal(fclose(out), 0);
         free(text);
@@ -257,7 +257,7 @@ static void test_trees(void **state)
     assert_true(sizes[1] < sizes[0] * 2 / 3);
 }
 
-/* ---- What is read ---------------------------------------------------------------------------- */
+/* ---- Readers --------------------------------------------------------------------------------- */
 
 static int load_sensors(struct orl_files *provider, size_t *ret_count, struct orl_error *err)
 {
@@ -282,11 +282,11 @@ static void test_sensors(void **state)
     const struct orl_file contents[] = {{text, size, NULL}};
     struct orl_memory_files memory = {names, contents, 1};
     struct orl_files provider = orl_files_from_memory(&memory);
-    begin(-1);
+    begin_count(-1);
     assert_int_equal(load_sensors(&provider, &count, &err), 0);
     assert_int_equal(count, SENSORS);
     assert_true(polls >= SENSORS / 5000);
-    begin(polls / 2);
+    begin_count(polls / 2);
     assert_int_equal(load_sensors(&provider, &count, &err), ORL_ERR_CANCELLED);
     free(text);
 }
@@ -297,7 +297,7 @@ static int read_none(void *ctx, const char *name, char **ret_text, struct orl_er
     return orl_error_set(err, ORL_ERR_NOT_FOUND, "'%s' is not there", name);
 }
 
-/* A generator's text. */
+/* The text of a generator. */
 static void test_generators(void **state)
 {
     const char *const words[] = {"gensurf", "w", "s", "s*10", "t*10", "s*t", "80", "80"};
@@ -307,7 +307,7 @@ static void test_generators(void **state)
     for (int k = 0; k < 2; k++) {
         struct orl_text text = {.cancel = &flag};
         struct orl_error err;
-        begin(k == 0 ? -1 : 1);
+        begin_count(k == 0 ? -1 : 1);
         assert_int_equal(orl_gensurf(words, 8, &none, &text, &err), 0);
         assert_int_equal(text.failed, k);
         if (k == 0) {
@@ -333,7 +333,7 @@ static int compare_keys(const void *a, const void *b)
     return (one > other) - (one < other);
 }
 
-/* In order, equal items in the order they had, for any number of blocks. */
+/* Sorting is stable, for any number of blocks. */
 static void test_sorting(void **state)
 {
     static const size_t counts[] = {0, 1, 1000, 16384, 16385, 40000, 100000, 131072};
@@ -348,7 +348,7 @@ static void test_sorting(void **state)
                 random = random * 1664525U + 1013904223U;
                 items[i] = (struct item){random >> 18, i};
             }
-            begin(k == 0 ? -1 : polls / 2);
+            begin_count(k == 0 ? -1 : polls / 2);
             assert_int_equal(orl_sort(items, n, sizeof *items, compare_keys, &flag),
                              k == 0 ? 0 : ORL_ERR_CANCELLED);
             for (size_t i = 1; i < n && k == 0; i++)
@@ -361,11 +361,11 @@ static void test_sorting(void **state)
     }
 }
 
-/* ---- Surfaces in one place ------------------------------------------------------------------- */
+/* ---- Coincident surfaces --------------------------------------------------------------------- */
 
 enum { SIDE = 200, TRIANGLES = SIDE * SIDE };
 
-/* Triangles beside each other in one plane. */
+/* Lays adjacent triangles in one plane. */
 static void lay_triangles(struct orl_description *d)
 {
     static struct orl_vec3 corners[TRIANGLES][3];
@@ -392,7 +392,8 @@ static void lay_triangles(struct orl_description *d)
     }
 }
 
-/* The search for duplicates, for the planes, for what lies under the largest, and for pairs. */
+/* Polls in the search for duplicates, for planes, for what lies under the largest, and for pairs.
+ */
 static void test_places(void **state)
 {
     enum { STEPS = 20 };
@@ -403,11 +404,11 @@ static void test_places(void **state)
     for (int k = 0; k <= STEPS; k++) {
         lay_triangles(&d);
         const int at = k == 0 ? -1 : all * (k - 1) / STEPS;
-        begin(at);
+        begin_count(at);
         assert_int_equal(orl_coincident_settle(&d, &err), k == 0 ? 0 : ORL_ERR_CANCELLED);
         if (k == 0)
             all = polls;
-        assert_true(k == 0 || polls <= at + 8); /* those on the way out */
+        assert_true(k == 0 || polls <= at + 8); /* polls while it returns */
         free(d.surfaces);
         free(d.opposed);
     }
@@ -424,11 +425,11 @@ static void test_maps(void **state)
     struct orl_photon_map *map = NULL;
     struct orl_error err;
     (void)state;
-    begin(-1);
+    begin_count(-1);
     assert_int_equal(orl_photon_map_write(scratch_path("map"), &photon, 1, &build, crew, &err), 0);
     assert_int_equal(orl_photon_map_read(scratch_path("map"), &flag, &map, &err), 0);
     orl_photon_map_free(map);
-    begin(0);
+    begin_count(0);
     assert_int_equal(orl_photon_map_read(scratch_path("map"), &flag, &map, &err),
                      ORL_ERR_CANCELLED);
     orl_crew_free(crew);

@@ -1,5 +1,5 @@
-/* What rounds find, put together; the error that a share keeps to; the schedule and what it costs.
- */
+/* Pooled results of rounds; the error bound for a share of sensors; the schedule of rounds and its
+ * cost. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 #include "run/goals/pooled_estimates.h"
 #include "run/goals/round_cost.h"
 
-/* Normal, by Box and Muller. */
+/* Returns a standard normal number, by Box and Muller. */
 static double normal(struct orl_random *random)
 {
     const double u = 1 - orl_random_uniform(random), v = orl_random_uniform(random);
@@ -74,15 +74,16 @@ static void test_groups_that_go_on(void **state)
                                                            .groups = groups[r]});
     assert_near(pool.mean[0], 5, 1e-15);
     assert_true(orl_pooled_errors(&pool, 0, &ret));
-    assert_near(ret, sqrt((4 + 0 + 4) / 3.0 / 2), 1e-15); /* of 7, 5 and 3 */
+    assert_near(ret, sqrt((4 + 0 + 4) / 3.0 / 2), 1e-15); /* sums of 7, 5 and 3 */
     assert_near(orl_pooled_degrees(&pool), 2, 1e-15);
     orl_pooled_done(&pool);
 }
 
 enum { VALUES = 4000 };
 
-/* Rounds of normal errors whose variance is as the inverse of effort, told as factor of it. */
-static void fill(struct orl_pooled *pool, const double *efforts, int rounds, double factor)
+/* Fills in rounds of normal errors with variance 1 / effort; the reported variance is `factor`
+ * times that. */
+static void fill_pool(struct orl_pooled *pool, const double *efforts, int rounds, double factor)
 {
     double *value = malloc(VALUES * sizeof *value), *error = malloc(VALUES * sizeof *error);
     assert_true(value && error && orl_pooled_init(pool, VALUES, 0, NULL) == 0);
@@ -100,7 +101,7 @@ static void fill(struct orl_pooled *pool, const double *efforts, int rounds, dou
     free(error);
 }
 
-/* Mean of (what is told / what it is)^2. */
+/* Returns the mean of (reported error / true error)^2. */
 static double ratio(const struct orl_pooled *pool)
 {
     double *errors = malloc(VALUES * sizeof *errors), sum = 0;
@@ -112,9 +113,9 @@ static double ratio(const struct orl_pooled *pool)
 }
 
 /*
- * From the spread alone, with two rounds: variances of 4000 values with one degree of freedom each
- * have a mean that scatters by sqrt(2 / 4000) = 2.2 %; the bound is three of that. Drawn together
- * as they are, single ones are within the factor 3 that 4 degrees of freedom allow.
+ * Errors from the spread alone, with two rounds: 4000 variances of one degree of freedom each have
+ * a mean that scatters by sqrt(2 / 4000) = 2.2 %; the bound is three times that. Pooled over
+ * sensors, single errors are within the factor 3 that 4 degrees of freedom allow.
  */
 static void test_errors_from_the_spread(void **state)
 {
@@ -122,7 +123,7 @@ static void test_errors_from_the_spread(void **state)
     struct orl_pooled pool;
     double errors[VALUES];
     (void)state;
-    fill(&pool, efforts, 2, 0);
+    fill_pool(&pool, efforts, 2, 0);
     assert_near(ratio(&pool), 1, 0.067);
     assert_near(orl_pooled_degrees(&pool), 5, 1e-15);
     orl_pooled_errors(&pool, 1e-3, errors);
@@ -131,17 +132,17 @@ static void test_errors_from_the_spread(void **state)
     orl_pooled_done(&pool);
 }
 
-/* The dispersion of 3 x 4000 squares scatters by sqrt(2 / 12000) = 1.3 %; bounds are three of it.
- */
+/* If rounds report too small errors, the pool corrects them. The dispersion of 3 x 4000 squares
+ * scatters by sqrt(2 / 12000) = 1.3 %; bounds are three times that. */
 static void test_rounds_that_tell_too_little(void **state)
 {
     static const double efforts[4] = {1, 2, 4, 2};
     struct orl_pooled honest, boastful;
     (void)state;
-    fill(&honest, efforts, 4, 1);
+    fill_pool(&honest, efforts, 4, 1);
     assert_near(orl_pooled_dispersion(&honest), 1, 0.04);
     assert_near(ratio(&honest), 1, 1e-12);
-    fill(&boastful, efforts, 4, 0.5);
+    fill_pool(&boastful, efforts, 4, 0.5);
     assert_near(orl_pooled_dispersion(&boastful), 4, 0.04);
     assert_near(ratio(&boastful), 1, 0.04);
     orl_pooled_done(&honest);
@@ -152,7 +153,7 @@ static void test_rounds_that_tell_too_little(void **state)
 
 enum { SENSORS = 57 };
 
-/* Probability that at most so many of n trials come to pass: the binomial distribution. */
+/* Returns the probability of at most `allowed` successes in n trials: the binomial distribution. */
 static double at_most(int n, int allowed, double p)
 {
     double sum = 0;
@@ -164,8 +165,8 @@ static double at_most(int n, int allowed, double p)
 
 enum { MANY = 400 };
 
-/* n normal errors all alike: how likely one is to be beyond the bound that the estimate gives, over
- * how likely it may be by the binomial distribution. */
+/* n equal normal errors: returns the probability that one exceeds the estimated bound, over the
+ * allowed probability by the binomial distribution. */
 static double likelihood_at_bound(int n, int allowed, double *ret_bound)
 {
     double value[MANY], error[MANY], low = 1e-9, high = 1 - 1e-9;
@@ -185,7 +186,8 @@ static double likelihood_at_bound(int n, int allowed, double *ret_bound)
     return erfc(*ret_bound * 50 / sqrt(2)) / low;
 }
 
-/* Exactly where few may be beyond; of 400, 20, Cornish and Fisher leave 1 % of x, 5 % of p. */
+/* Exact if few may exceed the bound. For 20 of 400, Cornish and Fisher's expansion leaves 1 % of
+ * x, 5 % of p. */
 static void test_even_errors(void **state)
 {
     double ten, all, many;
@@ -197,8 +199,8 @@ static void test_even_errors(void **state)
 }
 
 /*
- * Uneven ones, drawn 20000 times: the share of draws whose 55th error of 57 is within the bound is
- * 0.975; of so many it scatters by 0.0011, and three of that are allowed.
+ * Unequal errors, sampled 20000 times: the share of samples whose 55th error of 57 is within the
+ * bound is 0.975. It scatters by 0.0011, and three times that are allowed.
  */
 static void test_uneven_errors_and_biases(void **state)
 {
@@ -221,15 +223,16 @@ static void test_uneven_errors_and_biases(void **state)
         within += beyond <= 2;
     }
     assert_near(within / 20000.0, 0.975, 0.0033);
-    /* Half the error takes more than four times the work where some of it is bias. */
+    /* Half the error takes more than four times the work if some of it is bias. */
     assert_true(orl_percentile_work(&estimates, 0.95, x / 200) > 4);
 }
 
 /*
- * Errors that are estimates of 15 degrees of freedom each: in 0.975 of draws of both the bound
- * holds. Of 6000 draws that scatters by 0.0020, and three of that are allowed; below, 0.01 more,
- * for what is unbiased is a probability, not the bound that solves for it. Taken for exact, such
- * errors have a bound that holds in 0.987 of these draws, which is too much.
+ * Errors that are estimates of 15 degrees of freedom each: the bound holds in 0.975 of samples of
+ * both. With 6000 samples that scatters by 0.0020, and three times that are allowed. Below, 0.01
+ * more are allowed, because the unbiased quantity is a probability, not the bound that solves for
+ * it. If such errors are taken for exact, the bound holds in 0.987 of these samples, which is too
+ * much.
  */
 static void test_errors_that_scatter(void **state)
 {
@@ -265,7 +268,7 @@ static void test_what_is_not_known_and_dark(void **state)
     double value[4] = {100, 100, 100, 0}, error[4] = {1, 1, 1, 0.2};
     struct orl_estimates estimates = {.value = value, .error = error, .count = 4, .floor = 1e-3};
     (void)state;
-    /* The dark one is divided by 0.1 % of 75: it is off by more than its share. */
+    /* The dark sensor is divided by 0.1 % of 75: its error exceeds its share. */
     assert_true(orl_percentile_error(&estimates, 1) > 1);
     assert_true(orl_percentile_error(&estimates, 0.75) < 0.05);
     error[0] = NAN;
@@ -292,7 +295,8 @@ static void test_schedule(void **state)
     assert_true(orl_work_photons(&work, ORL_MAP_CAUSTIC, 4096) == 0);
 }
 
-/* Lamps that go with 4096 samples in rounds of so many sensors, where the planner has 57000. */
+/* Returns the number of lamps for 4096 samples in rounds of that many sensors; the planner chose
+ * 57000. */
 static uint64_t lamps_for(size_t sensors, enum orl_technique technique, size_t views)
 {
     const struct orl_job job = {.n_views = views};
@@ -302,7 +306,7 @@ static uint64_t lamps_for(size_t sensors, enum orl_technique technique, size_t v
     return orl_work_photons(&work, ORL_MAP_GLOBAL, 4096);
 }
 
-/* As many fewer as there are fewer sensors to be lit by them, down to a quarter; of lamps alone. */
+/* Lamps are reduced in proportion to the sensors they light, down to a quarter; only lamps are. */
 static void test_lamps_of_few_sensors(void **state)
 {
     (void)state;
@@ -314,7 +318,8 @@ static void test_lamps_of_few_sensors(void **state)
     assert_int_equal(lamps_for(19, ORL_TECHNIQUE_GATHER, 0), 57000);
 }
 
-/* Kernels of rounds alike: by all photons to the power -1/3; of one large round, 2/3 of its own. */
+/* Kernels of equal rounds: the number of all photons to the power -1/3; with one large round, 2/3
+ * of its own. */
 static void test_bandwidths(void **state)
 {
     double first[ORL_MAP_KINDS], eighth[ORL_MAP_KINDS], large[ORL_MAP_KINDS];
@@ -329,7 +334,7 @@ static void test_bandwidths(void **state)
     assert_near(large[ORL_MAP_CAUSTIC], 4, 1e-12);
 }
 
-/* Seconds of a schedule written out: rounds of 256, 2048 and what 1.02 x 4000 leaves, 1776. */
+/* Seconds of a schedule in full: rounds of 256, 2048 and the remainder of 1.02 x 4000, 1776. */
 static void test_seconds(void **state)
 {
     const struct orl_work work = {

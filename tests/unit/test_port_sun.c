@@ -1,6 +1,6 @@
 /*
- * Suns in ports: wherever on a pane a shadow ray is spared, it would have met nothing; and it is
- * spared on most of the pane, where little stands in the way.
+ * Suns in ports: wherever on a pane a shadow ray is spared, it would have been unobstructed; and
+ * rays are spared on most of the pane if few obstacles are near.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,7 +12,8 @@
 #include "photon/flight/port_sun.h"
 #include "support/room.h"
 
-/* A frame before the pane, a block and a ball beyond, the ground; suns high, low and aslant. */
+/* A frame in front of the pane, a block and a ball beyond, the ground; suns high, low and oblique.
+ */
 #define SUNS                                                                                       \
     "void light solar 0 0 3 1e6 1e6 1e6\n"                                                         \
     "solar source a 0 0 4 0 -0.6 0.8 0.53\n"                                                       \
@@ -34,7 +35,7 @@ static struct orl_world *open_world(const char *text, struct orl_crew *crew)
     return world;
 }
 
-/* The share of the pane where rays are spared; what is spared is checked. */
+/* Returns the share of the pane where rays are spared; checks each spared ray. */
 static double spared(const struct orl_world *world, const struct orl_stratum *stratum)
 {
     enum { POINTS = 20000 };
@@ -57,7 +58,7 @@ static double spared(const struct orl_world *world, const struct orl_stratum *st
     return (double)n / POINTS;
 }
 
-static void check(const char *text, double least_spared)
+static void check_spared(const char *text, double least_spared)
 {
     struct orl_crew *crew = orl_crew_start(1);
     struct orl_world *world = open_world(text, crew);
@@ -76,7 +77,7 @@ static void check(const char *text, double least_spared)
 static void test_spared_rays_meet_nothing(void **state)
 {
     (void)state;
-    check(SUNS ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE OUTSIDE, 0.3);
+    check_spared(SUNS ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE OUTSIDE, 0.3);
 }
 
 int main(void)

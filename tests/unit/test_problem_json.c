@@ -1,4 +1,4 @@
-/* Problem documents (RFC 9457): there and back, and a status for every error. */
+/* Problem documents (RFC 9457): round trip, and an HTTP status for every error. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -65,7 +65,7 @@ static void test_every_code_has_a_status(void **state)
     assert_int_equal(orl_problem_status(-999), 500);
 }
 
-/* Faults of the sender's are 4xx, ours are 5xx. */
+/* Errors of the client are 4xx, those of the server 5xx. */
 static void test_blame(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* Which program runs: the same for copies of its file, another with other libraries. */
+/* The digest of the running program: equal for copies of its file, different with other libraries.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,13 +16,13 @@
 #include "runner/build_id.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define PRELOADS 0 /* sanitizers want to come first */
+#define PRELOADS 0 /* sanitizers must be preloaded first */
 #else
 #define PRELOADS 1
 #endif
 
-/* What the file says of itself when it runs, with a library more or NULL. */
-static void ask(const char *path, const char *library, char ret_digest[ORL_SHA_HEX])
+/* Runs the file and returns the digest it prints, with an additional library or NULL. */
+static void read_digest(const char *path, const char *library, char ret_digest[ORL_SHA_HEX])
 {
     char command[1024];
     snprintf(command, sizeof command, "LD_PRELOAD='%s' '%s' digest", library ? library : "", path);
@@ -55,14 +56,14 @@ static void test_program(void **state)
     snprintf(path, sizeof path, "%s/one", folder);
     snprintf(other, sizeof other, "%s/two", folder);
     copy_self(path);
-    ask(path, NULL, here);
-    /* Elsewhere, and of another time. */
+    read_digest(path, NULL, here);
+    /* A copy in another place, with another time. */
     copy_self(other);
     assert_int_equal(utimensat(0, other, (const struct timespec[2]){{1, 0}, {1, 0}}, 0), 0);
-    ask(other, NULL, there);
+    read_digest(other, NULL, there);
     assert_string_equal(here, there);
     if (PRELOADS) {
-        ask(path, "libutil.so.1", with);
+        read_digest(path, "libutil.so.1", with);
         assert_string_not_equal(here, with);
     }
     unlink(path);

@@ -1,5 +1,6 @@
 /*
- * Random numbers: streams that never meet, uniform; Sobol points that fill every elementary box.
+ * Random numbers: streams that never coincide and are uniform; Sobol points that fill every
+ * elementary interval.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -52,7 +53,7 @@ static void test_streams_repeat(void **state)
         assert_true(orl_random_bits(&a) == orl_random_bits(&b));
 }
 
-/* Pearson's chi-square of counts against their mean. */
+/* Returns Pearson's chi-square of counts against their mean. */
 static double chi_square(const uint32_t *counts, size_t n, double mean)
 {
     double sum = 0;
@@ -61,7 +62,7 @@ static double chi_square(const uint32_t *counts, size_t n, double mean)
     return sum;
 }
 
-/* Upper bound of chi-square with n degrees at 99.99 %, by Wilson and Hilferty. */
+/* Returns the 99.99 % quantile of chi-square with n degrees of freedom, by Wilson and Hilferty. */
 static double chi_square_bound(double n)
 {
     const double c = 2 / (9 * n), root = 1 - c + 3.72 * sqrt(c);
@@ -100,7 +101,7 @@ static double draw_across(uint64_t i, void *arg)
     return orl_random_uniform(&r);
 }
 
-/* Along one stream, and across the first numbers of neighbouring ones. */
+/* Numbers along one stream, and the first numbers of neighbouring streams. */
 static void test_uniform(void **state)
 {
     struct orl_random random = orl_random_stream(3, ORL_PURPOSE_PIXEL, 4);
@@ -110,7 +111,7 @@ static void test_uniform(void **state)
     check_uniform(draw_across, &seed);
 }
 
-/* Seeds s and s + 1, index for index: correlation below 3 / sqrt N. */
+/* Seeds s and s + 1, index by index: correlation below 3 / sqrt N. */
 static void test_seeds_uncorrelated(void **state)
 {
     enum { DRAWS = 1 << 18 };
@@ -131,7 +132,7 @@ static void test_seeds_uncorrelated(void **state)
 
 /*
  * 2^8 points from a multiple of 2^8 on hit every interval of length 2^-8 in each dimension once.
- * Dimensions 0 and 1 are a (0,2)-sequence: each box of 2^-a by 2^-(8-a) is hit once, too.
+ * Dimensions 0 and 1 are a (0,2)-sequence: each box of 2^-a by 2^-(8-a) is also hit once.
  */
 static void check_block(const struct orl_sobol *sobol, uint32_t first, uint32_t seed)
 {
@@ -164,9 +165,9 @@ static void test_elementary_boxes(void **state)
 }
 
 /*
- * Every pair of dimensions is spread more evenly than chance: 2^12 points in 32 x 32 boxes, four
- * each. Chance would leave a chi-square of about 1023; the worst pair of dimensions has a net of
- * quality t = 3 or so, a few boxes doubled, and stays below half of that.
+ * Every pair of dimensions is more uniform than random points: 2^12 points in 32 x 32 boxes, four
+ * each. Random points would have a chi-square of about 1023. The worst pair of dimensions has a
+ * net of quality t = 3 or so, a few boxes doubled, and stays below half of that.
  */
 static void test_projections(void **state)
 {
@@ -188,7 +189,7 @@ static void test_projections(void **state)
     }
 }
 
-/* Two seeds: sequences as independent as chance has them, point for point. */
+/* Sequences of two seeds are as independent as random ones, point by point. */
 static void test_sobol_seeds(void **state)
 {
     enum { POINTS = 1 << 16 };
@@ -210,8 +211,7 @@ static void test_sobol_seeds(void **state)
     }
 }
 
-/* Points of 16 sequences at once are those of each, to the bit, whatever vectors the machine has.
- */
+/* Points of 16 sequences computed at once equal those of each, to the bit, for any vector width. */
 static void test_blocks(void **state)
 {
     struct orl_sobol sobol;
@@ -234,7 +234,7 @@ static void test_blocks(void **state)
     }
 }
 
-/* Near is within an ulp of 1, and so is the whole turn. */
+/* orl_circle_near is within an ulp of 1, and so is orl_circle_turn over the whole turn. */
 static void test_circle(void **state)
 {
     (void)state;
@@ -247,7 +247,8 @@ static void test_circle(void **state)
     }
 }
 
-/* A mean over the points beats chance by far: x y over 2^16 points, to 1e-5 rather than 1e-3. */
+/* Means over the points converge much faster than random ones: x y over 2^16 points, to 1e-5
+ * rather than 1e-3. */
 static void test_integral(void **state)
 {
     enum { POINTS = 1 << 16 };

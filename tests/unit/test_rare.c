@@ -1,6 +1,7 @@
 /*
- * Rare light: what sensors that have met little or none of it are told by the others of their job.
- * Counts are Poisson's, of rates that differ from sensor to sensor. Seeds are fixed.
+ * Sparse events: error bounds for sensors that have found few or none of some rare light, from the
+ * other sensors of their job. Counts are Poisson distributed, with rates that differ between
+ * sensors. Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,10 +18,11 @@
 #include "base/rare.h"
 
 enum { SENSORS = 24, JOBS = 1000, BODY = 2000 };
-static const double event = 30, of_body = 1; /* what a ray adds that meets it, and that does not */
-static const double light = 2500;            /* of every sensor */
+/* Value of a ray that meets the rare light, and of one that does not. */
+static const double event = 30, of_body = 1;
+static const double light = 2500; /* light of every sensor */
 
-/* Of a Poisson law: arrivals of unit rate up to that time. */
+/* Returns a Poisson number: arrivals of unit rate up to time `rate`. */
 static uint32_t draw_count(struct orl_random *random, double rate)
 {
     uint32_t count = 0;
@@ -30,7 +32,7 @@ static uint32_t draw_count(struct orl_random *random, double rate)
     return count;
 }
 
-/* A sensor whose rays have met so many. */
+/* Returns a sensor's ray moments for that many events. */
 static struct orl_rays rays_of(uint32_t events)
 {
     struct orl_rays rays = {0, 0};
@@ -41,7 +43,7 @@ static struct orl_rays rays_of(uint32_t events)
     return rays;
 }
 
-/* All face up. */
+/* Pools the sensors of a job; all of them face up. */
 static struct orl_rare rare_of(const struct orl_rays *rays, const double *errors)
 {
     struct orl_sensor sensors[SENSORS];
@@ -58,9 +60,10 @@ static struct orl_rare rare_of(const struct orl_rays *rays, const double *errors
 }
 
 /*
- * The share of sensors whose interval holds what their rate is worth: by the own spread of 16
- * groups, as good as that can be (2.13 of Poisson's deviations, for so many degrees of freedom), or
- * by the bounds where these reach further. even: all rates are the mean.
+ * Returns the share of sensors whose interval contains the expectation of their rate. The interval
+ * is by the spread of 16 groups, assumed exact (2.13 Poisson standard deviations, for that many
+ * degrees of freedom), or by the bounds if these reach further. even: all rates are equal to the
+ * mean.
  */
 static double covered(double mean, bool even, bool with_bounds, uint64_t seed)
 {
@@ -89,11 +92,11 @@ static double covered(double mean, bool even, bool with_bounds, uint64_t seed)
 }
 
 /*
- * Where rates are as thought, exponential, 95 of 100 are held but for what is not quite so: of few
- * events a job's mean is itself uncertain (five of them tell it to 45 %, which costs 3), and the
- * wider of two intervals holds more (up to 3). Of 24 000 intervals chance is 0.3. Where all rates
- * are one the law thought of is wider, and at least as many are held. By themselves sensors hold
- * no more than those that have met some.
+ * If rates follow the assumed exponential law, coverage is 95 % up to two effects. With few events
+ * a job's mean is itself uncertain (five of them give it to 45 %, which costs 3 %). The wider of
+ * two intervals covers more (up to 3 %). The scatter of 24 000 intervals is 0.3 %. If all rates
+ * are equal, the assumed law is wider, and coverage is at least as high. Without bounds only
+ * sensors that have found events cover their rate.
  */
 static void test_coverage(void **state)
 {
@@ -111,7 +114,8 @@ static void test_coverage(void **state)
     }
 }
 
-/* Where the brightest rays are many, or what few have met is not felt, nothing is told. */
+/* There are no bounds if the brightest rays are many, or if events are insignificant within the
+ * sensors' errors. */
 static void test_silence(void **state)
 {
     struct orl_rays rays[SENSORS];
@@ -135,7 +139,7 @@ static void test_silence(void **state)
     assert_true(orl_rare_bounds(&rare, rays, light).standard_error > 0);
 }
 
-/* Parts of two rounds are rays of their mean. */
+/* Moments of two merged rounds are those of the rays with weights. */
 static void test_mix(void **state)
 {
     struct orl_rays half = {0, 0}, whole = {0, 0};
@@ -148,7 +152,7 @@ static void test_mix(void **state)
     assert_true(fabs(mixed.eighths / whole.eighths - 1) < 1e-12);
 }
 
-/* What one that faces down has met is nothing to those that face another way. */
+/* Events of a sensor that faces down do not count for those that face another way. */
 static void test_sides(void **state)
 {
     static const struct orl_vec3 ways[ORL_RARE_SIDES] = {{0.1, 0, 1}, {0, 0.3, -2},  {0, 3, 1},
@@ -170,7 +174,8 @@ static void test_sides(void **state)
         assert_true((rare[side].events > 1.9) == (side == 1));
 }
 
-/* A tenth of the light: an event goes by the root. In the dark it is not nothing. */
+/* At a hundredth of the light, the bound scales with the root: a tenth. In the dark it is not
+ * zero. */
 static void test_dim_sensors(void **state)
 {
     const struct orl_rare rare = {.events = 1, .size = 2, .light = light};

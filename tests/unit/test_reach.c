@@ -1,6 +1,6 @@
 /*
- * Whether light reaches a place: by a hole however small, from a lamp however small, through glass;
- * not into closed rooms and solids, and not where there is none. The same for any crew.
+ * Reachability of places by light: through a hole of any size, from a lamp of any size, through
+ * glass; not into closed rooms and solids, and not without a light. Equal for any crew.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +17,7 @@
 #define CLOSED ROOM_SKY ROOM_SUN ROOM_GREY "!genbox w room 4 5 3 -i\n"
 #define LAMP "void light lamp 0 0 3 1 1 1\n"
 
-/* From one place of the files' coordinates, all round. */
+/* Tests all directions from one place in the files' coordinates. */
 static bool reaches(const char *text, struct orl_vec3 from, uint32_t threads)
 {
     struct orl_crew *crew = orl_crew_start(threads);

@@ -1,6 +1,6 @@
 /*
- * Radiance pictures read: what we write, flat and run-length encoded by component; by pixel, as old
- * programs wrote; exposures; orders of scanlines; and what is refused.
+ * Reading of Radiance pictures: our own files, flat and run-length encoded by component; by pixel,
+ * as old programs wrote; exposures; orders of scanlines; and refusals.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -28,7 +28,8 @@ static struct orl_hdr_picture read_bytes(const void *bytes, size_t size)
     return picture;
 }
 
-/* Of a size, with runs and without: as written, within RGBE's step of 1/256 of the largest part. */
+/* Writes and reads a picture of that size, with runs and without: values agree within RGBE's step
+ * of 1/256 of the largest channel. */
 static void round_trip(uint32_t width, uint32_t height)
 {
     struct orl_film film = {0};
@@ -68,7 +69,7 @@ static void test_written_and_read(void **state)
     round_trip(300, 2);
 }
 
-/* Pixels of 1/2 (128, 1/256 of 2^0 each, and the half) in the order that is written. */
+/* Pixels of 1/2 (128, 1/256 of 2^0 each, and the half), read in the order of the file. */
 static void check_order(const char *order, const int wanted[4])
 {
     unsigned char bytes[256];
@@ -118,7 +119,7 @@ static void test_old_runs(void **state)
     orl_hdr_done(&p);
 }
 
-/* A header of before 1992: no "#?", but a format, which is all that Radiance asks for. */
+/* A header from before 1992: no "#?", but a format, which is all that Radiance requires. */
 static void test_without_magic(void **state)
 {
     static const char bytes[] = "ra_t16 -r\nFORMAT=32-bit_rle_rgbe\npfilt -x 1\nEXPOSURE=2\n\n"

@@ -1,7 +1,7 @@
 /*
- * A cancel that comes at the k-th poll, of everything that reads a scene and its files, for every
- * place in the code that polls, and for every k in the long suite: the reader says that it was
- * cancelled, blames no line and leaves nothing behind (which AddressSanitizer watches).
+ * A cancel at the k-th poll of every reader of a scene and its files. The short suite covers every
+ * place in the code that polls, the long suite every k. The reader returns the cancellation error
+ * without a line and leaks nothing (AddressSanitizer checks).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,9 +29,10 @@
 
 /* ---- Every poll ------------------------------------------------------------------------------ */
 
-static atomic_int polls;     /* since the count began */
-static atomic_int cancel_at; /* the poll from which on the answer is yes; negative: never */
-/* The callers that polled, as hashes of their return addresses. Callers beyond PLACES share one. */
+static atomic_int polls;     /* polls since the count began */
+static atomic_int cancel_at; /* the poll from which on the result is true; negative: never */
+/* Callers that polled, as hashes of their return addresses. Callers beyond PLACES share one entry.
+ */
 enum { PLACES = 4096, FRAMES = 6 };
 static uintptr_t places[PLACES];
 
@@ -40,12 +41,12 @@ static uintptr_t place_of_caller(void)
     void *frames[FRAMES] = {NULL};
     uintptr_t hash = 0;
     const int count = backtrace(frames, FRAMES);
-    for (int i = 1; i < count; i++) /* the first is here */
+    for (int i = 1; i < count; i++) /* frame 0 is this function */
         hash = hash * 1000003 + (uintptr_t)frames[i];
     return hash;
 }
 
-/* The core's polls come here: this stands in the place of core/base/cancel.c. */
+/* Replaces core/base/cancel.c: the core's polls call this. */
 bool orl_is_cancelled(const atomic_bool *cancel)
 {
     if (!cancel)
@@ -56,7 +57,7 @@ bool orl_is_cancelled(const atomic_bool *cancel)
     return atomic_load(cancel) || (at >= 0 && poll >= at);
 }
 
-/* Reads something once; returns 0 or an error, which stands in err. */
+/* Reads something once. Returns 0 or an error code, with details in err. */
 typedef int (*reading)(const void *what, const atomic_bool *cancel, struct orl_error *err);
 
 static int read_with(reading read, const void *what, int at, struct orl_error *err)
@@ -70,7 +71,8 @@ static int read_with(reading read, const void *what, int at, struct orl_error *e
     return code;
 }
 
-/* The first poll of each place, and the last of all; every poll in the long suite. */
+/* The short suite tries the first poll of each place, and the last of all; the long suite every
+ * poll. */
 static bool is_tried(int at, int most)
 {
     int before = 0;
@@ -79,7 +81,8 @@ static bool is_tried(int at, int most)
     return extent_is_long() || before == 0 || at == most - 1;
 }
 
-/* Whether it was accepted. Refused files are cancelled all the same, or refused before. */
+/* Returns true if the input was accepted. Refused files are cancelled too, or refused before the
+ * poll. */
 static bool drive(const char *name, reading read, const void *what)
 {
     struct orl_error whole, err;
@@ -122,7 +125,7 @@ static int read_scene(const void *what, const atomic_bool *cancel, struct orl_er
     return code;
 }
 
-/* Every kind of surface, of material and of command; outlines that cross, and two in one place. */
+/* Every kind of surface, material and command; outlines that cross, and two coincident ones. */
 static const char everything[] =
     "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid metal m 0 0 5 .5 .5 .5 .9 .1\n"
     "void plastic2 w2 4 1 0 0 . 0 6 .5 .5 .5 .1 .1 .2\nvoid trans t 0 0 7 .5 .5 .5 0 0 .5 .5\n"
@@ -187,10 +190,10 @@ static int read_bsdf(const void *what, const atomic_bool *cancel, struct orl_err
     return code;
 }
 
-/* Blanks amid the data and a long comment, so that it is read in many slices. */
-static struct text spread(struct text t)
+/* Inserts blanks in the data and a long comment, so that the text is read in many slices. */
+static struct text pad_with_blanks(struct text t)
 {
-    const int blanks = extent_is_long() ? 3 << 20 : 3 << 19; /* a slice is a mebibyte at the most */
+    const int blanks = extent_is_long() ? 3 << 20 : 3 << 19; /* a slice is at most a mebibyte */
     struct text long_one;
     const char *data = strstr(t.data, "<ScatteringData>") + strlen("<ScatteringData>");
     text_open(&long_one);
@@ -212,8 +215,8 @@ static void test_bsdfs(void **state)
 {
     static const char *const fixtures[] = {"tests/fixtures/bsdf_klems41.xml",
                                            "tests/fixtures/bsdf_lcp8.xml"};
-    struct text made[] = {spread(make_tree_file(3)), spread(make_iso_file(3)),
-                          spread(make_clear_file(2, .5, .1))};
+    struct text made[] = {pad_with_blanks(make_tree_file(3)), pad_with_blanks(make_iso_file(3)),
+                          pad_with_blanks(make_clear_file(2, .5, .1))};
     (void)state;
     for (int i = 0; i < 2; i++) {
         size_t size;
@@ -227,11 +230,11 @@ static void test_bsdfs(void **state)
     }
 }
 
-/* With others that read blocks beside the lead: when a poll comes is not fixed, so until none is
- * left. */
+/* Other threads read blocks beside the lead, so the order of polls varies: cancels until no poll
+ * is left. */
 static void test_blocks_side_by_side(void **state)
 {
-    struct text tree = spread(make_tree_file(3));
+    struct text tree = pad_with_blanks(make_tree_file(3));
     struct orl_error err;
     struct bsdf file = {tree.data, tree.size, orl_crew_start(3)};
     int code = ORL_ERR_CANCELLED, at = 0;
@@ -265,7 +268,7 @@ static void drive_corpus(const char *folder, void (*drive_one)(const char *, cha
     closedir(entries);
 }
 
-/* As fuzz_scene.c reads it: behind a byte of 0x1c begins the included file. */
+/* Reads the input as fuzz_scene.c does: the included file begins after a byte 0x1c. */
 static void drive_scene(const char *name, char *data, size_t size)
 {
     char xml[2048];
@@ -287,7 +290,7 @@ static void drive_xml(const char *name, char *data, size_t size)
 
 /* ---- Measurements ---------------------------------------------------------------------------- */
 
-/* Read, and fitted in the smallest tree. */
+/* Reads measurements and fits the smallest tree to them. */
 static int fit_measured(const void *what, const atomic_bool *cancel, struct orl_error *err)
 {
     const struct folder *folder = what;
@@ -333,7 +336,7 @@ static void test_measured(void **state)
 
 /* ---- Jobs ------------------------------------------------------------------------------------ */
 
-/* A job document, parsed and decoded; also what is left when either is cancelled. */
+/* Parses and decodes a job document; also checks for leaks if either is cancelled. */
 static int read_job(const void *what, const atomic_bool *cancel, struct orl_error *err)
 {
     const struct text *text = what;

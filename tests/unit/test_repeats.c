@@ -1,6 +1,6 @@
 /*
- * Which files a scene keeps once for their places (parse/repeats.h), and when each place has
- * surfaces of its own after all.
+ * Files that a scene stores once for all their places (parse/repeats.h), and the cases in which
+ * each place gets its own surfaces.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -66,8 +66,10 @@ static void test_expand(void **state)
 }
 
 struct fitness {
-    const char *head;    /* before the tree's own text */
-    size_t places, kept; /* of which one in five is inside out: the third */
+    const char *head; /* text before the tree's own */
+    /* Number of places, and of those that share a prototype. Every fifth place, starting with the
+     * third, is inside out. */
+    size_t places, kept;
     size_t prototypes;
 };
 
@@ -79,7 +81,7 @@ static void test_fitness(void **state)
         {"", 4, 4, 1},
         {"", 3, 0, 0},
         {"void metal m 0 0 5 .5 .5 .5 0 0\n" BALL, 4, 4, 1},
-        {"void sphere s 0 0 4 0 0 0 1\n", 4, 4, 1}, /* is not there */
+        {"void sphere s 0 0 4 0 0 0 1\n", 4, 4, 1}, /* surfaces of void are absent */
         {"void plastic m 0 0 5 .5 .5 .5 .1 0\n" BALL, 4, 4, 1},
         {"void metal2 m 4 1 0 0 . 0 6 .5 .5 .5 .1 .1 .2\n" BALL, 4, 0, 0},
         {"void glass m 0 0 3 .5 .5 .5\n" BALL, 4, 0, 0},
@@ -88,7 +90,8 @@ static void test_fitness(void **state)
         {"void trans m 0 0 7 .5 .5 .5 0 0 .5 .1\n" BALL, 4, 0, 0},
         {"void trans m 0 0 7 .5 .5 .5 .1 0 .5 0\n" BALL, 4, 4, 1},
         {"void light m 0 0 3 5 5 5\nm source s 0 0 4 0 0 1 1\n", 4, 0, 0},
-        /* Functions: those inside out are apart, two are enough, all stay where they are read. */
+        /* With functions, inside-out places are separate, two places are enough, and all functions
+         * stay in the frame in which they are read. */
         {"void brightfunc f 2 Px . 0 0\nf plastic m 0 0 5 .5 .5 .5 0 0\n" BALL, 4, 3, 1},
         {"void brightfunc f 2 Px . 0 0\nf plastic m 0 0 5 .5 .5 .5 0 0\n" BALL, 8, 8, 2},
         {"void brightfunc f 2 Px . 0 0\nf plastic m 0 0 5 .5 .5 .5 0 0\n" BALL, 2, 2, 1},
@@ -114,7 +117,7 @@ static void test_fitness(void **state)
     }
 }
 
-/* A pair of trees in five places is ten trees; so is one in a file that is not kept once. */
+/* A pair of trees in five places is ten trees; so is a pair in a file that is not stored once. */
 static void test_nested(void **state)
 {
     struct grove grove;
@@ -169,7 +172,8 @@ static void test_names(void **state)
     grove_done(&grove);
 }
 
-/* A swap about one of the places gives each its own; about anything else it leaves them. */
+/* A material override for one of the places gives each its own surfaces; an override for anything
+ * else does not. */
 static void test_swaps(void **state)
 {
     char *names[2] = {"bc.leaf7", "ball"};
@@ -196,7 +200,7 @@ static void test_swaps(void **state)
     }
 }
 
-/* Where there is antimatter, or mist, each place has its own. */
+/* If the scene has antimatter or mist, each place has its own surfaces. */
 static void test_apart(void **state)
 {
     static const char *const more[2] = {

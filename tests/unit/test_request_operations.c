@@ -19,7 +19,7 @@
 #include "http/reply.h"
 #include "support/http_wire.h"
 
-/* ---- A server of one route, in a process of its own ------------------------------------------ */
+/* ---- A server with one route, in a child process --------------------------------------------- */
 
 static void work_first(struct orl_request *request)
 {
@@ -99,7 +99,7 @@ static void serve(int out)
     struct sockaddr_storage bound;
     struct orl_error err;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    signal(SIGSEGV, SIG_DFL); /* cmocka's handler would go on with the tests */
+    signal(SIGSEGV, SIG_DFL); /* cmocka's handler would continue with the tests */
     if (orl_http_start(&context, (struct sockaddr *)&address, &http, &err))
         _exit(4);
     orl_http_address(http, &bound);
@@ -137,7 +137,7 @@ static int stop_server(void **state)
     return 0;
 }
 
-static void ask(const struct daemon *server, const char *line, struct reply *ret_reply)
+static void send_request(const struct daemon *server, const char *line, struct reply *ret_reply)
 {
     char host[64];
     snprintf(host, sizeof host, "Host: localhost:%s\r\n", strrchr(server->url, ':') + 1);
@@ -149,7 +149,7 @@ static void ask(const struct daemon *server, const char *line, struct reply *ret
 static void test_one_operation_replies(void **state)
 {
     struct reply reply;
-    ask(*state, "GET /once", &reply);
+    send_request(*state, "GET /once", &reply);
     assert_int_equal(reply.status, 200);
     assert_string_equal(reply.body, "first");
     reply_done(&reply);
@@ -167,14 +167,14 @@ static void test_second_operation_aborts(void **state)
     assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT);
 }
 #else
-/* The first operation ends, the second never runs, and the server lives on. */
+/* The first operation ends, the second never runs, and the server stays up. */
 static void test_second_operation_is_a_500(void **state)
 {
     struct reply reply;
-    ask(*state, "GET /twice", &reply);
+    send_request(*state, "GET /twice", &reply);
     assert_int_equal(reply.status, 500);
     reply_done(&reply);
-    ask(*state, "GET /once", &reply);
+    send_request(*state, "GET /once", &reply);
     assert_int_equal(reply.status, 200);
     reply_done(&reply);
 }

@@ -1,4 +1,5 @@
-/* result.json: its members by name, for scripts rely on them; and what JSON cannot say. */
+/* result.json: its members by name, because scripts rely on them; and values that JSON cannot
+ * express. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -80,7 +81,7 @@ static void test_members(void **state)
     json_decref(expected);
 }
 
-/* A plan that was made stands in the result, and in what `oriel plan` prints. */
+/* The plan appears in the result, and in the output of `oriel plan`. */
 static void test_plan(void **state)
 {
     (void)state;
@@ -114,7 +115,7 @@ static void test_plan(void **state)
     json_decref(plan);
 }
 
-/* Errors appear where they are known; a warning in Latin-1 does not lose the result. */
+/* Errors appear if they are known; a warning in Latin-1 does not make the result fail. */
 static void test_errors_and_odd_warnings(void **state)
 {
     (void)state;
@@ -182,7 +183,7 @@ static void test_scene_summary(void **state)
 static void test_bsdf_info(void **state)
 {
     (void)state;
-    const struct orl_bsdf_info info = {.name = "na\xefve", /* Latin-1, which is not UTF-8 */
+    const struct orl_bsdf_info info = {.name = "na\xefve", /* Latin-1, which is not valid UTF-8 */
                                        .kind = "Klems full",
                                        .resolution = 145,
                                        .has = {{true, false}, {false, true}},

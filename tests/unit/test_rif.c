@@ -1,4 +1,4 @@
-/* Files of Radiance's rad as projects. */
+/* Files of Radiance's rad program as projects. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -53,7 +53,7 @@ static void test_commands_become_files(void **state)
     json_decref(project);
 }
 
-/* What rpict's -bv- says is said of each view. */
+/* rpict's option -bv- applies to each view. */
 static void test_backs_are_unseen_where_rpict_is_told_so(void **state)
 {
     (void)state;
@@ -69,7 +69,7 @@ static void test_backs_are_unseen_where_rpict_is_told_so(void **state)
     json_decref(project);
 }
 
-/* Pictures fit a size with square pixels if nothing else is said. */
+/* Pictures fit a size with square pixels by default. */
 static void test_pixels_have_the_aspect_asked_for(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /*
- * What the runner of Slurm makes of what sbatch, squeue and scancel say, by commands of the test's
- * own that lie first on PATH: they note their arguments, and do as files of a folder tell them.
+ * The Slurm runner's use of sbatch, squeue and scancel. The test puts its own commands first on
+ * PATH: they record their arguments, and act by files of a folder.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,7 +29,7 @@ static const char squeue[] = "#!/bin/sh\n"
 static const char sinfo[] = "#!/bin/sh\n"
                             "cd \"${0%/*}\" && echo \"$@\" >>sinfo.args\n"
                             "cat partitions\n";
-/* Its first try does nothing where it is told so. */
+/* The first call does nothing if a file says so. */
 static const char scancel[] = "#!/bin/sh\n"
                               "cd \"${0%/*}\" && echo \"$@\" >>scancel.args\n"
                               "[ ! -e scancel.fails ] || { rm scancel.fails; exit 1; }\n"
@@ -44,7 +44,7 @@ struct fixture {
     struct orl_error err;
 };
 
-static double clock_s, tick_s; /* the runner's clock, and what it goes on by when it is read */
+static double clock_s, tick_s; /* the runner's clock, and its advance per reading */
 
 static double now_s(void *ctx)
 {
@@ -117,18 +117,18 @@ static int start(struct fixture *f)
     return f->runner.start(f->runner.ctx, "wave1", orders, 3, 3, &f->err);
 }
 
-static int look(struct fixture *f, struct orl_part_seen seen[3])
+static int look_at_parts(struct fixture *f, struct orl_part_seen seen[3])
 {
     return f->runner.look(f->runner.ctx, "wave1", seen, 3, &f->err);
 }
 
-/* A second later, so that Slurm is asked. */
+/* Waits a second, so that the runner queries Slurm. */
 static void assert_states(struct fixture *f, enum orl_part_state a, enum orl_part_state b,
                           enum orl_part_state c)
 {
     struct orl_part_seen seen[3];
     clock_s += 1.1;
-    if (look(f, seen))
+    if (look_at_parts(f, seen))
         fail_msg("%s", f->err.message);
     assert_int_equal(seen[0].state, a);
     assert_int_equal(seen[1].state, b);
@@ -170,14 +170,15 @@ static void test_what_is_handed_in(void **state)
     assert_holds(f, "sbatch.args", "--array=0-1%4 --time=30 --mem=512M ");
     assert_holds(f, "sbatch.args", "--array=2%4 --time=60 --mem=512M ");
     assert_holds(f, "sbatch.args", "/part.sh /opt/oriel/bin/oriel ");
-    assert_holds(f, "sbatch.args", " --partition=long; touch x "); /* one word, for no shell */
+    assert_holds(f, "sbatch.args", " --partition=long; touch x "); /* one word, no shell */
     assert_int_equal(access("x", F_OK), -1);
     cli_write_file(f->folder, "queue", "0|R \n1|PD\n7|R\nN/A|R\n");
     assert_states(f, ORL_PART_RUNNING, ORL_PART_WAITING, ORL_PART_GONE);
     assert_holds(f, "squeue.args", "--name=oriel-0123456789ab-wave1");
 }
 
-/* No more than the partition gives, nothing that the options set, nor memory that no node tells. */
+/* A limit is at most the partition's, does not replace one set by the options, and is omitted for
+ * memory if no node states its size. */
 static void test_limits_have_bounds(void **state)
 {
     static const char *const short_words[] = {"--partition=short"};
@@ -189,7 +190,7 @@ static void test_limits_have_bounds(void **state)
     assert_int_equal(start(f), 0);
     assert_holds(f, "sinfo.args", "--partition=short");
     assert_holds(f, "sbatch.args", "--array=0-1%4 --time=10 --mem=512M ");
-    assert_int_equal(look(f, seen), 0);
+    assert_int_equal(look_at_parts(f, seen), 0);
     assert_int_equal(seen[2].limits.minutes, 10);
     assert_int_equal(seen[2].task, 77);
     forget(f, "sbatch.args");
@@ -197,7 +198,7 @@ static void test_limits_have_bounds(void **state)
     cli_write_file(f->folder, "partitions", "long|infinite|1\n");
     assert_int_equal(start(f), 0);
     assert_holds(f, "sbatch.args", "--array=0-1%4 --time=5 -plong ");
-    assert_int_equal(look(f, seen), 0);
+    assert_int_equal(look_at_parts(f, seen), 0);
     assert_int_equal(seen[2].limits.minutes, 0);
 }
 
@@ -213,7 +214,7 @@ static void test_what_a_part_came_up_against(void **state)
     cli_write_file(f->folder, "queue", "0|OOM |77\n1|TO|77\n2|TO|76\n");
     assert_int_equal(end_of(f, 0), ORL_PART_OUT_OF_MEMORY);
     assert_int_equal(end_of(f, 1), ORL_PART_OUT_OF_TIME);
-    assert_int_equal(end_of(f, 2), ORL_PART_ENDED); /* of an earlier try */
+    assert_int_equal(end_of(f, 2), ORL_PART_ENDED); /* the end is of an earlier try */
     forget(f, "queue");
     cli_write_file(f->shared, "slurm-77_0.log",
                    "oriel: slurmstepd: DUE TO TIME LIMIT\n"
@@ -234,7 +235,7 @@ static void test_a_refusal_ends_it(void **state)
     assert_non_null(strstr(f->err.message, "invalid partition specified"));
 }
 
-/* What cannot be handed in now is handed in when Slurm is back, and until then waits. */
+/* A wave that cannot be submitted waits, and is submitted when Slurm is back. */
 static void test_slurm_is_away_at_the_start(void **state)
 {
     struct fixture *f = *state;
@@ -242,7 +243,7 @@ static void test_slurm_is_away_at_the_start(void **state)
     cli_write_file(f->folder, "squeue.says", away);
     assert_int_equal(start(f), 0);
     assert_states(f, ORL_PART_WAITING, ORL_PART_WAITING, ORL_PART_WAITING);
-    assert_int_equal(count_lines(f, "sbatch.args"), 1); /* the first says that Slurm is away */
+    assert_int_equal(count_lines(f, "sbatch.args"), 1); /* the first: Slurm is away */
     forget(f, "squeue.says");
     forget(f, "sbatch.says");
     assert_states(f, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN);
@@ -252,7 +253,7 @@ static void test_slurm_is_away_at_the_start(void **state)
     assert_int_equal(count_lines(f, "sbatch.args"), 3);
 }
 
-/* One that is cut off may have handed in what it was to: that is not handed in twice. */
+/* An sbatch that hangs and is killed may have submitted its job, which is not submitted twice. */
 static void test_sbatch_hangs(void **state)
 {
     struct fixture *f = *state;
@@ -262,7 +263,7 @@ static void test_sbatch_hangs(void **state)
     cli_write_file(f->folder, "queue", "0|R\n1|PD\n");
     clock_s += 1.1;
     struct orl_part_seen seen[3];
-    assert_int_equal(look(f, seen), 0);
+    assert_int_equal(look_at_parts(f, seen), 0);
     assert_int_equal(seen[0].state, ORL_PART_RUNNING);
     assert_int_equal(seen[1].state, ORL_PART_WAITING);
     assert_int_equal(count_lines(f, "sbatch.args"), 2);
@@ -277,12 +278,12 @@ static void test_patience_ends(void **state)
     cli_write_file(f->folder, "squeue.says", away);
     assert_states(f, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN);
     clock_s += 101;
-    assert_int_equal(look(f, seen), ORL_ERR_IO);
+    assert_int_equal(look_at_parts(f, seen), ORL_ERR_IO);
     assert_non_null(strstr(f->err.message, "has not answered for 100 s: slurm_load_jobs error"));
     assert_non_null(strstr(f->err.hint, "scontrol ping"));
 }
 
-/* A thousand seconds of looks: once a second at first, and ever more rarely. */
+/* A thousand seconds of polling: once a second at first, then at growing intervals. */
 static void test_slurm_is_not_asked_all_the_time(void **state)
 {
     struct fixture *f = *state;
@@ -290,7 +291,7 @@ static void test_slurm_is_not_asked_all_the_time(void **state)
     assert_int_equal(start(f), 0);
     for (int i = 0; i < 10000; i++) {
         clock_s += 0.1;
-        assert_int_equal(look(f, seen), 0);
+        assert_int_equal(look_at_parts(f, seen), 0);
     }
     const int asked = count_lines(f, "squeue.args");
     if (asked < 20 || asked > 210)

@@ -1,4 +1,4 @@
-/* Samples shared out among sensors by their noise, and the work that it saves. */
+/* Allocation of samples to sensors by their noise, and the work that it saves. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 
 enum { SENSORS = 60 };
 
-/* One in twelve is five times as noisy as the others; all by 64 samples. */
+/* One sensor in twelve is five times as noisy as the others; all have 64 samples. */
 struct sensors {
     double value[SENSORS], error[SENSORS], noise[SENSORS];
 };
@@ -35,7 +35,7 @@ static struct orl_estimates make_sensors(struct sensors *s, double of_one)
                                   .floor = 1e-3};
 }
 
-/* By relative deviation: 5 against 1, the mean 4 / 3, and a fifth of all evenly. */
+/* Allocation by relative deviation: 5 against 1, the mean 4 / 3, and a fifth of all uniformly. */
 static void test_shares(void **state)
 {
     const double noisy = 0.2 + 0.8 * 5 * 3 / 4, quiet = 0.2 + 0.8 * 3 / 4;
@@ -53,9 +53,10 @@ static void test_shares(void **state)
 }
 
 /*
- * The work for a target, checked by the errors that it leaves: a round of 64 samples each and one
- * that is shared out, weighted by their means, have the bound at the target; and it is less than
- * 0.7 of what it takes with as many for all (16.9 against 25 times the first).
+ * The predicted work for a target, checked by the resulting errors. A uniform round of 64 samples
+ * each and an allocated one, weighted by their mean numbers of samples, have the bound at the
+ * target. The work is less than 0.7 of that with uniform samples (16.9 against 25 times the
+ * first).
  */
 static void test_work(void **state)
 {
@@ -77,7 +78,7 @@ static void test_work(void **state)
     assert_true(orl_allocation_work(&estimates, 0.95, 6 * target) == 1);
 }
 
-/* Long-tailed samples of mean 1: the exponential of a normal. */
+/* Returns a mean of long-tailed samples of mean 1: the exponential of a normal. */
 static double group_mean(struct orl_random *random, double sigma, int samples)
 {
     double sum = 0;
@@ -88,7 +89,7 @@ static double group_mean(struct orl_random *random, double sigma, int samples)
     return sum / samples;
 }
 
-/* A first round's sensor: its mean of 16 groups, and their spread as error. */
+/* Returns a sensor's first round: the mean of 16 groups; their spread gives the error. */
 static double first_round(struct orl_random *random, double sigma, double *ret_error)
 {
     double mean = 0, squares = 0;
@@ -102,8 +103,9 @@ static double first_round(struct orl_random *random, double sigma, double *ret_e
 }
 
 /*
- * What comes of two rounds is right in the mean, 1, however long the tails: 100 runs of 60 sensors,
- * where weights by sensor would be off by more than 1 %. The mean's own error is told by the runs.
+ * The combination of two rounds is unbiased, with mean 1, for long-tailed samples: 100 runs of 60
+ * sensors, where weights by sensor would have a bias of more than 1 %. The mean's own error is the
+ * scatter of the runs.
  */
 static void test_no_bias(void **state)
 {
@@ -139,7 +141,7 @@ static void test_no_bias(void **state)
         fail_msg("%.4f +- %.4f is not 1", sum, error);
 }
 
-/* Nothing lit, or nothing noisy: as many for all, and nothing to gain. */
+/* Without light, or without noise, the allocation is uniform and saves nothing. */
 static void test_nothing_to_share_out_by(void **state)
 {
     struct sensors s;

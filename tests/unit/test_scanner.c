@@ -1,4 +1,4 @@
-/* The scanner of text files: lines, words, cells and numbers, and what it refuses. */
+/* The scanner of text files: lines, words, cells and numbers, and refusals. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -26,7 +26,7 @@ static void assert_span(struct orl_slice span, const char *wanted)
         fail_msg("'%.*s' is not '%s'", (int)span.length, span.text, wanted);
 }
 
-/* "1:first 2:second ..." */
+/* Checks lines in the form "1:first 2:second ..." */
 static void assert_lines(const char *text, const char *wanted)
 {
     struct orl_scanner scanner = scanner_of(text, 0);
@@ -120,7 +120,7 @@ static void test_a_head_is_followed_by_bytes(void **state)
     assert_false(orl_scanner_line(&scanner, &line));
 }
 
-/* "line:word line:word ..." */
+/* Checks words in the form "line:word line:word ..." */
 static void assert_words(const char *text, unsigned options, const char *wanted)
 {
     struct orl_scanner scanner = scanner_of(text, options);
@@ -147,7 +147,7 @@ static void test_words(void **state)
     assert_words("a \\\nb", 0, "1:a 1:\\ 2:b ");
 }
 
-/* Lines that are joined are one: words of it go on, and the next is behind the last. */
+/* Joined lines are one line: its words continue, and the next line follows the last of them. */
 static void test_words_of_a_line(void **state)
 {
     struct orl_scanner scanner = scanner_of("a \\\n b # c\n\nd", 3);
@@ -183,7 +183,7 @@ static void test_quoted_words(void **state)
     assert_int_equal(orl_slice_take_quoted(&rest, &word), 0);
 }
 
-/* "[a][b]..." */
+/* Checks cells in the form "[a][b]..." */
 static void assert_table(const char *line, char separator, const char *wanted)
 {
     struct orl_slice rest = {line, strlen(line)}, cell;
@@ -236,7 +236,7 @@ static void test_cells_of_numbers(void **state)
     assert_cells("", "");
 }
 
-/* Asserts how the first number that is refused is refused. */
+/* Checks the error of the first number that is refused. */
 static void assert_refused(const char *text, int code, const char *message)
 {
     struct orl_scanner scanner = scanner_of(text, 0);

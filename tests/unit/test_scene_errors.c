@@ -1,6 +1,4 @@
-/*
- * Scene text that must be refused: the code, the line and the primitive that the user is told.
- */
+/* Scene text that must be refused: the code, the line and the primitive in the error. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +21,7 @@
 struct bad {
     const char *text;
     int code, line;
-    const char *primitive, *message; /* message: a part of it */
+    const char *primitive, *message; /* part of the message */
 };
 
 static const struct bad bad_scenes[] = {
@@ -146,7 +144,7 @@ static const struct bad bad_scenes[] = {
      "type 5"},
     {"void brightfunc f 4 skybright perezlum.cal -rx 9 0 10 1 1 1 -1 1 -1 1 0 0 1",
      ORL_ERR_UNSUPPORTED, 1, "brightfunc f", "vertical"},
-    /* BSDFs, before their file is looked at */
+    /* BSDFs, before their file is opened */
     {BSDF("5 0 x.xml 0 0 1", "0"), ORL_ERR_SYNTAX, 1, "BSDF b", "six string"},
     {BSDF("8 1e300 x.xml 0 0 1 . -s 1e9", "0"), ORL_ERR_RANGE, 1, "BSDF b", "thickness"},
     {"void aBSDF b\n4 x.xml 0 0 1\n0\n0\n", ORL_ERR_SYNTAX, 1, "aBSDF b", "five string"},
@@ -211,14 +209,15 @@ static int parse_memory(const char *const *names, const struct orl_file *content
     const struct orl_files files = orl_files_from_memory(&memory);
     struct orl_description description = {0};
     const int code = orl_scene_parse(names, 1, &files, &description, err);
-    /* Outputs stay untouched on failure. */
+    /* Outputs stay unchanged on failure. */
     if (code < 0)
         assert_null(description.arena);
     orl_description_done(&description);
     return code;
 }
 
-/* The same with a surface of what the bad primitive defines: modifiers are refused when used. */
+/* Parses the text with a surface of the bad primitive's modifier: modifiers are refused when used.
+ */
 static int parse_used(const struct bad *bad, struct orl_error *err)
 {
     char text[2048];
@@ -287,7 +286,7 @@ static void test_function_file_as_scene(void **state)
     assert_non_null(strstr(err.hint, "file of functions"));
 }
 
-/* By '\\', of commands and of BSDFs: as files say it that were written on Windows. */
+/* Paths with '\\', in commands and in BSDFs, as files written on Windows have them. */
 static void test_windows_paths(void **state)
 {
     static const char *const names[] = {"a.rad", "parts/box.rad", "bsdf/one pane.xml"};
@@ -309,7 +308,7 @@ static void test_windows_paths(void **state)
     assert_non_null(strstr(err.message, "parts/no such.rad"));
 }
 
-/* A file that is missing says where it is looked for. */
+/* The error for a missing file names the places that were searched. */
 static void test_missing_files(void **state)
 {
     static const char *const texts[] = {
@@ -328,7 +327,7 @@ static void test_missing_files(void **state)
     }
 }
 
-/* What gains light says which of its numbers add up to too much. */
+/* The error for a material that gains light names the numbers whose sum is too large. */
 static void test_gain_of_glazing(void **state)
 {
     struct orl_error err = {0};
@@ -348,7 +347,7 @@ static void test_gain_of_glazing(void **state)
     }
 }
 
-/* A file without text is said, and no error unless all are. */
+/* An empty file gives a warning; it is an error only if all are empty. */
 static void test_empty_file_beside(void **state)
 {
     static const char *const names[] = {"a.rad", "b.rad"};
@@ -364,7 +363,7 @@ static void test_empty_file_beside(void **state)
     orl_description_done(&d);
 }
 
-/* Every prefix of a good scene either parses or is refused with a place; none crashes. */
+/* Every prefix of a valid scene either parses or is refused with a place; none crashes. */
 static void test_every_cut(void **state)
 {
     static const char text[] =
@@ -480,14 +479,14 @@ static void test_bsdf_up_along_normal(void **state)
     assert_int_equal(parse_memory(names, contents, 2, &err), ORL_ERR_RANGE);
     assert_string_equal(err.primitive, "polygon roof");
     assert_non_null(strstr(err.message, "up vector"));
-    /* Truncated XML: the place is in the XML. */
+    /* Truncated XML: the error's place is in the XML. */
     assert_int_equal(parse_memory(names, cut, 2, &err), ORL_ERR_SYNTAX);
     assert_string_equal(err.file, "b.xml");
     assert_true(err.line > 0);
 }
 
-/* A file may be named from its reader's folder or from the top, and with Windows' strokes: once it
- * is found nothing is left of where it was not. */
+/* A file may be named relative to its reader's folder or to the top, and with backslashes. Once it
+ * is found, no error remains from places where it was not. */
 static void what_is_found_in_the_end_is_no_error(void **state)
 {
     static const char *const names[] = {"group/a.rad", "parts/b.rad"};

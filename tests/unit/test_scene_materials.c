@@ -1,6 +1,6 @@
 /*
- * Every type of material: what its numbers become, under transforms too; and that each of
- * Radiance's types of primitive has an answer of its own, be it a refusal that helps.
+ * Every type of material: parsed parameters, under transforms too. Each of Radiance's types of
+ * primitive has its own answer, at least a refusal with a hint.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -73,7 +73,7 @@ static void test_clear_materials(void **state)
     orl_description_done(&d);
 }
 
-/* A window that is told as a mirror, lest Radiance miss the suns in it, is its glass. */
+/* A window declared as a mirror, so that Radiance finds the suns in it, becomes its glass. */
 static void test_mirrors_are_what_they_are_seen_as(void **state)
 {
     struct orl_description d =
@@ -90,7 +90,7 @@ static void test_mirrors_are_what_they_are_seen_as(void **state)
     assert_true(same_rgb(m->transmissivity, d.materials[0].transmissivity.r,
                          d.materials[0].transmissivity.g, d.materials[0].transmissivity.b));
     assert_null(m->pattern);
-    assert_int_equal(d.n_warnings, 3); /* two mirrors, and what void modifies */
+    assert_int_equal(d.n_warnings, 3); /* two mirrors, and a surface of void */
     assert_non_null(strstr(d.warnings[0], "mirror m at"));
     assert_non_null(strstr(d.warnings[0], "it is 'g'"));
     orl_description_done(&d);
@@ -119,7 +119,7 @@ static void test_lights(void **state)
     orl_description_done(&d);
 }
 
-/* What is accepted but not simulated as written is said. */
+/* Materials that are accepted but not simulated as written give a warning. */
 static void test_warnings(void **state)
 {
     static const char *const texts[3][2] = {
@@ -135,7 +135,7 @@ static void test_warnings(void **state)
     }
 }
 
-/* Turned by 90 degrees about z and ten times as large, as xform has it. */
+/* Rotated by 90 degrees about z and scaled by ten, as by xform. */
 static void test_transforms(void **state)
 {
     static const char materials[] = "void dielectric d 0 0 5 .5 .5 .5 1.5 0\n"
@@ -159,7 +159,7 @@ static void test_transforms(void **state)
     orl_description_done(&d);
 }
 
-/* All of Radiance's types of primitive; those read here, and those refused by name, with a hint. */
+/* All of Radiance's types of primitive: those read here, and those refused by name, with a hint. */
 static void test_every_type_has_an_answer(void **state)
 {
     static const char *const read[] = {
@@ -185,13 +185,14 @@ static void test_every_type_has_an_answer(void **state)
         struct orl_memory_files memory = {names, &file, 1};
         const struct orl_files files = orl_files_from_memory(&memory);
         const int code = orl_scene_parse(names, 1, &files, &d, &err);
-        /* Without arguments they end too soon. */
+        /* Without arguments the text ends too soon. */
         assert_int_equal(code, ORL_ERR_SYNTAX);
         assert_null(strstr(err.message, "no type of primitive"));
     }
 }
 
-/* A shelf is told of a scene's BSDFs too: one material more by the same file adds but itself. */
+/* The memory size of a scene includes its BSDFs; a second material with the same file adds only
+ * itself. */
 static void test_bytes_of_bsdfs(void **state)
 {
     static const char *const bsdfs[3] = {"", "void BSDF a 6 0 a.xml 0 1 0 . 0 0\n",

@@ -1,6 +1,4 @@
-/*
- * Scene text that parses, and what it becomes.
- */
+/* Valid scene text and the parsed result. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -33,7 +31,7 @@ static const char uniform_xml[] =
     "<ScatteringData>{ 0.1 }</ScatteringData></WavelengthDataBlock></WavelengthData></Layer>"
     "</Optical></WindowElement>\n";
 
-/* Parses files given as name, text pairs; the first count_main are the main ones. */
+/* Parses files given as pairs of name and text; the first count_main are the main ones. */
 static int parse_files(const char *const (*pairs)[2], size_t count, size_t count_main,
                        struct orl_description *ret_description, struct orl_error *err)
 {
@@ -49,7 +47,7 @@ static int parse_files(const char *const (*pairs)[2], size_t count, size_t count
     return orl_scene_parse(names, count_main, &files, ret_description, err);
 }
 
-/* Parses one text that must be good. */
+/* Parses one valid text. */
 static struct orl_description parse(const char *text)
 {
     const char *const pairs[1][2] = {{"a.rad", text}};
@@ -137,8 +135,7 @@ static void test_good_scenes(void **state)
     }
 }
 
-/* ---- What the numbers become --------------------------------------------------------------------
- */
+/* ---- Parsed numbers -------------------------------------------------------------------------- */
 
 static void test_materials(void **state)
 {
@@ -167,7 +164,7 @@ static void test_latest_definition_counts(void **state)
     orl_description_done(&d);
 }
 
-/* A slip that Radiance takes for a source without light: so it is here, and it is said. */
+/* A mistake that Radiance takes for a source without light: it is dark here too, with a warning. */
 static void test_a_pattern_alone_is_dark(void **state)
 {
     struct orl_description d =
@@ -232,7 +229,7 @@ static void test_keyhole_is_kept(void **state)
 
 static void test_far_polygon_is_kept(void **state)
 {
-    /* A 1 cm square, 100 km away: the normal must survive. */
+    /* A square of 1 cm, 100 km away: the normal must stay accurate. */
     struct orl_description d = parse(RED "red polygon p 0 0 12 1e5 1e5 1e5  1e5 100000.01 1e5\n"
                                          "1e5 100000.01 100000.01  1e5 1e5 100000.01\n");
     (void)state;
@@ -291,7 +288,8 @@ static void test_xform_arrays(void **state)
     orl_description_done(&d);
 }
 
-/* What has no extent is dropped with a warning, as by oconv; the last of each kind stays. */
+/* Surfaces without extent are dropped with a warning, as by oconv; the last three have an extent
+ * and stay. */
 static void test_no_extent(void **state)
 {
     struct orl_description d =
@@ -326,7 +324,8 @@ static void test_bent_polygons(void **state)
     orl_description_done(&d);
 }
 
-/* A shell ends a command where a word begins with '#'; within a word it is a sign. */
+/* As in a shell, '#' at the beginning of a word ends a command; within a word it is an ordinary
+ * character. */
 static void test_command_comments(void **state)
 {
     struct orl_description d =
@@ -401,7 +400,7 @@ static void test_sky_turns_with_its_scene(void **state)
                                      "void brightfunc s 4 skybright perezlum.cal -rz -90\n0\n"
                                      "10 1 2 3 .4 5 6 7 1 0 0\n");
     (void)state;
-    /* A southern sun turned by a quarter, counter-clockwise from above, stands in the east. */
+    /* A southern sun rotated by a quarter turn, counter-clockwise from above, is in the east. */
     assert_true(fabs(d.skies[0].a[4] - cos(30 * ORL_DEG_TO_RAD)) < 1e-6);
     assert_true(fabs(d.skies[0].a[5]) < 1e-6 && fabs(d.skies[0].a[6] - .5) < 1e-6);
     assert_int_equal(d.skies[1].kind, ORL_SKY_PEREZ);
@@ -471,9 +470,9 @@ static void test_xml_among_main_files_is_no_scene(void **state)
     orl_description_done(&d);
 }
 
-/* ---- Which files are the scene --------------------------------------------------------------- */
+/* ---- Choice of the scene's files ------------------------------------------------------------- */
 
-/* The main ones of those files, in a row. */
+/* Returns the main files of those, in one string. */
 static void guess(const char *const (*pairs)[2], size_t count, char ret_main[256])
 {
     const char *names[8];
@@ -494,7 +493,7 @@ static void guess(const char *const (*pairs)[2], size_t count, char ret_main[256
             snprintf(ret_main + strlen(ret_main), 256 - strlen(ret_main), "%s ", names[i]);
 }
 
-/* Zipped with the folder around them, files are found all the same. */
+/* Files are found in an archive with their enclosing folder. */
 static void test_main_files(void **state)
 {
     static const char *const top[][2] = {{"a.rad", "!xform -t 1 0 0 ./b.rad\n"},

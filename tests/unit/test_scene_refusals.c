@@ -1,6 +1,6 @@
 /*
- * What a scene has that is not simulated: told all together, by kind, with the place of the first;
- * and passed over where nothing uses it.
+ * Primitives that are not simulated: listed together in one error, by kind, with the place of the
+ * first; ignored if nothing uses them.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,8 +15,8 @@
 
 #define RED "void plastic red 0 0 5 .5 .2 .1 0 0\n"
 
-/* All that is not simulated is told at once: what, how many, where first; and what hangs on it is
- * not told as an error of its own. */
+/* One error lists everything that is not simulated: kind, number, first place. Primitives that
+ * depend on these give no error of their own. */
 static void test_refusals_together(void **state)
 {
     static const char text[] =
@@ -41,7 +41,7 @@ static void test_refusals_together(void **state)
     assert_non_null(strstr(err.hint, "BRTDfunc: describe it as a BSDF"));
 }
 
-/* Of one kind: as one alone is told, and how many. */
+/* Several primitives of one kind: the message is that of a single one, and states their number. */
 static void test_refusals_alike(void **state)
 {
     static const char text[] = "void brightfunc p 2 T . 0 0\np plastic a 0 0 5 .1 .1 .1 0 0\n"
@@ -57,7 +57,7 @@ static void test_refusals_alike(void **state)
     assert_string_equal(err.primitive, "brightfunc p");
 }
 
-/* What no surface is of spoils nothing, and is told in one line. */
+/* Primitives that no surface uses do not make the scene fail; one warning covers them. */
 static void test_unused(void **state)
 {
     static const char text[] =
@@ -78,7 +78,7 @@ static void test_unused(void **state)
     orl_description_done(&d);
 }
 
-/* Libraries of materials hold what nothing uses, patterns on materials and aliases among it. */
+/* Libraries of materials contain unused primitives, also patterns on materials and aliases. */
 static void test_refusals_unused(void **state)
 {
     static const char library[] =
@@ -103,7 +103,7 @@ static void test_refusals_unused(void **state)
     }
 }
 
-/* More kinds than fit are cut, not lost without a word. */
+/* If there are more kinds than fit, the list is cut and says so. */
 static void test_refusals_without_end(void **state)
 {
     char text[4096] = "";
@@ -116,7 +116,7 @@ static void test_refusals_without_end(void **state)
     assert_string_equal(err.message + strlen(err.message) - 3, "...");
 }
 
-/* Blanks between '!' and the command's name are no part of a kind. */
+/* Blanks between '!' and the command's name are not part of the kind. */
 static void test_refusals_of_commands_with_a_blank(void **state)
 {
     static const char text[] = "!  cat *.rad\n! genless\nvoid no m 0 0 0\n";

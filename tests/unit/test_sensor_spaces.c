@@ -1,7 +1,7 @@
 /*
- * Sensors outdoors, in solids, in other rooms and below floors are warned of with their numbers;
- * sensors on surfaces, in rooms with inner panes, in open models and on terrain are not. The check
- * has a limit of rays, heeds cancellation, and does not depend on the number of threads.
+ * Sensors outdoors, in solids, in other rooms and below floors give warnings with their numbers.
+ * Sensors on surfaces, in rooms with inner panes, in open models and on terrain do not. The check
+ * has a limit of rays, can be cancelled, and does not depend on the number of threads.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,8 +19,8 @@
 #include "run/stages.h"
 #include "support/scene_text.h"
 
-/* A room of 4 x 4 x 3 m, its front wall with a hole of 2 x 1 m, the pane in that, a ground below,
- * and a box of 0.5 x 0.5 x 2 m in a corner. */
+/* A room of 4 x 4 x 3 m, its front wall with a hole of 2 x 1 m, the pane in the hole, a ground
+ * below, and a box of 0.5 x 0.5 x 2 m in a corner. */
 #define LOOK "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid glass p 0 0 3 .9 .9 .9\n"
 #define SHELL                                                                                      \
     "w polygon floor 0 0 12 -2 0 0 -2 4 0 2 4 0 2 0 0\n"                                           \
@@ -61,22 +61,23 @@ static void warn(void *ctx, const char *text)
     told->count++;
 }
 
-static void add(struct told *told, double x, double y, double z, struct orl_vec3 direction)
+static void add_sensor(struct told *told, double x, double y, double z, struct orl_vec3 direction)
 {
     assert_true(told->n < MOST);
     told->sensors[told->n++] = (struct orl_sensor){orl_v3(x, y, z), direction};
 }
 
-/* Rows of sensors that look up, half a metre apart. */
+/* Returns rows of sensors that face up, half a metre apart. */
 static struct told grid(double x, double y, double z, int columns, int rows)
 {
     struct told told = {.n = 0};
     for (int i = 0; i < columns * rows; i++)
-        add(&told, x + 0.5 * (i % columns), y + 0.5 * (double)(i / columns), z, orl_v3(0, 0, 1));
+        add_sensor(&told, x + 0.5 * (i % columns), y + 0.5 * (double)(i / columns), z,
+                   orl_v3(0, 0, 1));
     return told;
 }
 
-/* Checks the ranges with one thread and with three, which have to agree. */
+/* Checks the ranges with one thread and with three, which must agree. */
 static void check_ranges(struct told *told, const char *scene, struct orl_sensor_check *check)
 {
     struct told again = {.n = 0};
@@ -96,7 +97,7 @@ static void check_ranges(struct told *told, const char *scene, struct orl_sensor
     orl_crew_stop(crew);
 }
 
-static struct orl_sensor_check check(struct told *told, const char *scene)
+static struct orl_sensor_check check_spaces(struct told *told, const char *scene)
 {
     const struct orl_sensor_range range = {"desks", 0, told->n};
     struct orl_sensor_check check = {.ranges = &range, .n_ranges = 1};
@@ -107,13 +108,13 @@ static struct orl_sensor_check check(struct told *told, const char *scene)
 
 static void assert_silent(struct told told, const char *scene)
 {
-    check(&told, scene);
+    check_spaces(&told, scene);
     assert_string_equal(told.text, "");
 }
 
 static void assert_warns(struct told told, const char *scene, const char *wanted)
 {
-    check(&told, scene);
+    check_spaces(&told, scene);
     if (told.count != 1 || !strstr(told.text, wanted))
         fail_msg("expected \"%s\" alone in:\n%s", wanted, told.text);
 }
@@ -129,7 +130,7 @@ static void test_right_places(void **state)
     assert_silent(grid(-1.7, -10, 0.8, 6, 7), room);  /* all outdoors */
     assert_silent(grid(-1.7, -10, -0.2, 6, 7), room); /* on the ground */
     for (int i = 0; i < 12; i++)
-        add(&on_walls, -2, 0.3 * (i + 1), 1, orl_v3(1, 0, 0));
+        add_sensor(&on_walls, -2, 0.3 * (i + 1), 1, orl_v3(1, 0, 0));
     assert_silent(on_walls, room);
 }
 
@@ -138,13 +139,13 @@ static void test_misplaced(void **state)
     struct told told = grid(-1.7, 0.3, 0.8, 6, 7);
     const size_t n = told.n;
     (void)state;
-    add(&told, -2.1, 2, 0.8, orl_v3(0, 0, 1));
-    add(&told, 0, 2, -0.1, orl_v3(0, 0, 1));
+    add_sensor(&told, -2.1, 2, 0.8, orl_v3(0, 0, 1));
+    add_sensor(&told, 0, 2, -0.1, orl_v3(0, 0, 1));
     assert_warns(told, room,
                  "grid 'desks': 2 of 44 sensors lie outdoors, and the others in a closed space: "
                  "numbers 43-44 (from 1), the first at (-2.1, 2, 0.8) behind 'left' (");
     told.n = n;
-    add(&told, 1.6, 3.6, 0.8, orl_v3(0, 0, 1));
+    add_sensor(&told, 1.6, 3.6, 0.8, orl_v3(0, 0, 1));
     assert_warns(told, room,
                  "1 of 43 sensors lies in closed spaces without windows, as within a "
                  "solid or a wall, and the others do not: number 43 (from 1)");
@@ -158,14 +159,14 @@ static void test_rooms(void **state)
     static const char rooms[] = LOOK SHELL FRONT PANE SECOND GROUND;
     struct told told = grid(-1.7, 0.3, 0.8, 6, 7);
     (void)state;
-    add(&told, 3, 2, 0.8, orl_v3(0, 0, 1));
+    add_sensor(&told, 3, 2, 0.8, orl_v3(0, 0, 1));
     assert_warns(told, rooms,
                  "1 of 43 sensors lies in another closed space than the others: "
                  "number 43 (from 1), the first at (3, 2, 0.8) behind 'right' (");
-    assert_silent(grid(-1.7, 0.3, 0.8, 15, 7), rooms); /* of both rooms, on purpose */
+    assert_silent(grid(-1.7, 0.3, 0.8, 15, 7), rooms); /* in both rooms, on purpose */
 }
 
-/* Beside panes and without walls nothing tells what is outdoors. */
+/* With panes but no walls, nothing determines the outdoors. */
 static void test_open_models(void **state)
 {
     static const char panes[] = LOOK SHELL FRONT PANE INNER_PANE GROUND;
@@ -173,14 +174,14 @@ static void test_open_models(void **state)
     struct told told = grid(-1.7, 0.3, 0.8, 6, 7);
     const size_t n = told.n;
     (void)state;
-    add(&told, 0, 0.01, 1.5, orl_v3(0, -1, 0));
+    add_sensor(&told, 0, 0.01, 1.5, orl_v3(0, -1, 0));
     assert_silent(told, panes); /* between the panes */
     told.n = n;
-    add(&told, 0, -3, 0.8, orl_v3(0, 0, 1));
-    assert_warns(told, no_pane, "number 43 (from 1)"); /* before an unglazed window */
+    add_sensor(&told, 0, -3, 0.8, orl_v3(0, 0, 1));
+    assert_warns(told, no_pane, "number 43 (from 1)"); /* in front of an unglazed window */
     assert_silent(told, no_front);
-    add(&told, 1.6, 3.6, 0.8, orl_v3(0, 0, 1));
-    assert_warns(told, no_front, "number 44 (from 1)"); /* within the box, all the same */
+    add_sensor(&told, 1.6, 3.6, 0.8, orl_v3(0, 0, 1));
+    assert_warns(told, no_front, "number 44 (from 1)"); /* within the box */
 }
 
 /* Hills of 1 m: no straight line over them connects sensors in the valleys. */
@@ -195,18 +196,18 @@ static void test_terrain(void **state)
         snprintf(text + at, sizeof text - at,
                  "w polygon hill%d 0 0 12 %d -20 %d %d -20 %d %d 20 %d %d 20 %d\n", i, i, low,
                  i + 1, high, i + 1, high, i, low);
-        add(&told, i + 0.4, 3, 0.55 + (low ? 0.1 : -0.1), orl_v3(0, 0, 1));
+        add_sensor(&told, i + 0.4, 3, 0.55 + (low ? 0.1 : -0.1), orl_v3(0, 0, 1));
     }
     assert_silent(told, text);
 }
 
-/* Many numbers are cut short. */
+/* Long lists of numbers are shortened. */
 static void test_numbers(void **state)
 {
     struct told told = {.n = 0};
     (void)state;
     for (int i = 0; i < 100; i++)
-        add(&told, i % 5 == 4 ? -3 : -1.5, 0.1 + 0.03 * i, 0.8, orl_v3(0, 0, 1));
+        add_sensor(&told, i % 5 == 4 ? -3 : -1.5, 0.1 + 0.03 * i, 0.8, orl_v3(0, 0, 1));
     assert_warns(told, room,
                  "20 of 100 sensors lie outdoors, and the others in a closed space: "
                  "numbers 5, 10, 15, 20, 25, 30, 35, 40 and 12 more (from 1)");
@@ -214,8 +215,8 @@ static void test_numbers(void **state)
 
 /* ---- Limits ---------------------------------------------------------------------------------- */
 
-/* A room above the sensors, its floor of two triangles: each is explored once, not at each change
- * from one to the other. */
+/* A room above the sensors, with a floor of two triangles: each is explored once, not at each
+ * change between them. */
 static void test_alternating_facets(void **state)
 {
     static const char raised[] = LOOK "w polygon floor1 0 0 9 0 0 1 10 0 1 10 10 1\n"
@@ -229,17 +230,17 @@ static void test_alternating_facets(void **state)
     (void)state;
     for (int i = 0; i < MOST; i++) {
         const double across = 0.05 * i;
-        add(&told, i % 2 ? across + 1 : across + 2, i % 2 ? across + 2 : across + 1, 0.8,
-            orl_v3(0, 0, 1));
+        add_sensor(&told, i % 2 ? across + 1 : across + 2, i % 2 ? across + 2 : across + 1, 0.8,
+                   orl_v3(0, 0, 1));
     }
-    const uint64_t rays = check(&told, raised).rays;
+    const uint64_t rays = check_spaces(&told, raised).rays;
     assert_non_null(strstr(told.text, "128 of 128 sensors lie closely below the floor"));
     assert_in_range(rays, MOST, 2 * MOST + 3 * 512);
 }
 
 enum { CELLS = 6, GRIDS = 40 };
 
-/* Cells of 1 m, closed by walls and a roof of glass; and a sensor in each. */
+/* Adds cells of 1 m, closed by walls and a roof of glass, each with a sensor. */
 static void add_cells(struct told *told, char *text, size_t size)
 {
     size_t at = (size_t)snprintf(text, size,
@@ -252,10 +253,10 @@ static void add_cells(struct told *told, char *text, size_t size)
                                "w polygon y%d 0 0 12 0 %d 0 %d %d 0 %d %d 1 0 %d 1\n",
                                i, i, i, CELLS, i, CELLS, i, i, i, CELLS, i, CELLS, i, i);
     for (int i = 0; i < CELLS * CELLS; i++)
-        add(told, i % CELLS + 0.5, (double)(i / CELLS) + 0.5, 0.5, orl_v3(0, 0, 1));
+        add_sensor(told, i % CELLS + 0.5, (double)(i / CELLS) + 0.5, 0.5, orl_v3(0, 0, 1));
 }
 
-/* One limit for all grids; those that reach it are named, and later ones are still checked. */
+/* One limit for all grids; grids that reach it are named, and later ones are still checked. */
 static void test_limit_of_rays(void **state)
 {
     enum { RAYS = 20000, MOST_OF_A_GRID = 4096 + 16 * CELLS * CELLS };
@@ -269,8 +270,8 @@ static void test_limit_of_rays(void **state)
         ranges[i] = (struct orl_sensor_range){"cells", 0, told.n};
     ranges[GRIDS] = (struct orl_sensor_range){"last", told.n, 41};
     for (int i = 0; i < 40; i++)
-        add(&told, 0.1 + 0.02 * i, 0.4, 0.5, orl_v3(0, 0, 1));
-    add(&told, -3, 0.5, 0.5, orl_v3(0, 0, 1));
+        add_sensor(&told, 0.1 + 0.02 * i, 0.4, 0.5, orl_v3(0, 0, 1));
+    add_sensor(&told, -3, 0.5, 0.5, orl_v3(0, 0, 1));
     check_ranges(&told, text, &limited);
     assert_in_range(limited.rays, RAYS, RAYS + (GRIDS + 2) * MOST_OF_A_GRID);
     assert_int_equal(told.count, 2);

@@ -1,4 +1,4 @@
-/* Views under several skies: one exposure for all of them, the sheet, the animation's chunks. */
+/* Views under several skies: a common exposure, the contact sheet, the animation's chunks. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -45,15 +45,15 @@ static char *path_of(const char *name, char ret_path[128])
 
 /* ---- A decoder of animations ----------------------------------------------------------------- */
 
-/* What an animation holds, chunks checked on the way. */
+/* The decoded animation; chunks are checked while they are read. */
 struct animation {
     uint32_t width, height, frames, plays, controls, numbered;
     unsigned delay, per_second;
-    unsigned char *coded; /* of the frame that is read; owned */
+    unsigned char *coded; /* data of the current frame; owned */
     size_t coded_size;
-    unsigned char *pixels; /* of all frames that are read; owned */
+    unsigned char *pixels; /* pixels of all frames so far; owned */
     uint32_t read;
-    unsigned char *poster; /* NULL: the first frame is what PNG shows; owned */
+    unsigned char *poster; /* the still PNG image; NULL: the first frame; owned */
 };
 
 static uint32_t number_at(const unsigned char *at)
@@ -61,7 +61,7 @@ static uint32_t number_at(const unsigned char *at)
     return (uint32_t)at[0] << 24 | (uint32_t)at[1] << 16 | (uint32_t)at[2] << 8 | at[3];
 }
 
-/* Undoes Paeth's filter, by the specification's words. */
+/* Inverts Paeth's filter, as the PNG specification defines it. */
 static unsigned char paeth(int a, int b, int c)
 {
     const int p = a + b - c, pa = abs(p - a), pb = abs(p - b), pc = abs(p - c);
@@ -164,7 +164,7 @@ static void animation_done(struct animation *a)
     free(a->poster);
 }
 
-/* Noise, which codes into many chunks, and flat frames. */
+/* Noise, which is coded into many chunks, and flat frames. */
 static void test_animation_is_read_back(void **state)
 {
     enum { WIDTH = 301, HEIGHT = 203, FRAMES = 3 };
@@ -194,7 +194,7 @@ static void test_animation_is_read_back(void **state)
     free(rgb);
 }
 
-/* One that is not finished leaves nothing behind. */
+/* An unfinished animation leaves no file. */
 static void test_animation_is_whole_or_absent(void **state)
 {
     const unsigned char rgb[3] = {1, 2, 3};
@@ -211,11 +211,12 @@ static void test_animation_is_whole_or_absent(void **state)
     assert_int_equal(orl_apng_close(NULL, ORL_ERR_RANGE, NULL), ORL_ERR_RANGE);
 }
 
-/* ---- Pictures in common ---------------------------------------------------------------------- */
+/* ---- Common exposure ------------------------------------------------------------------------- */
 
 enum { SIDE = 64 };
 
-/* A ramp of radiance over columns, as bright as that at its left, a thousand times at its right. */
+/* Writes a ramp of radiance over columns, from `darkest` at the left to a thousand times that at
+ * the right. */
 static void write_ramp(const char *name, double darkest, uint32_t width)
 {
     struct orl_film film;
@@ -264,7 +265,7 @@ static int write_sequence(const char *const names[2], enum orl_tone tone, const 
     return orl_sequence_write(&sequence, err);
 }
 
-/* The ramps overlap: where the second has what the first has, both look alike, by any tone. */
+/* Two ramps overlap: equal radiances look alike in both, with any tone mapping. */
 static void test_one_exposure(void **state)
 {
     static const char *const names[2] = {"dark.hdr", "bright.hdr"};
@@ -287,7 +288,7 @@ static void test_one_exposure(void **state)
     }
 }
 
-/* By itself the dark one would be as bright as the other. */
+/* Alone, the dark picture would be as bright as the other. */
 static void test_sheet_and_animation(void **state)
 {
     static const char *const names[2] = {"dark.hdr", "bright.hdr"};
@@ -312,8 +313,7 @@ static void test_sheet_and_animation(void **state)
     free(sheet);
 }
 
-/* A day from before dawn on: the night is shown first, and noon is what stands for the animation.
- */
+/* A day from before dawn on: the animation begins with the night, and its still image is noon. */
 static void test_poster(void **state)
 {
     static const char *const dawn[2] = {"night.hdr", "bright.hdr"};
@@ -363,7 +363,7 @@ static void test_what_is_refused(void **state)
     assert_null(fopen(path, "r"));
 }
 
-/* Of nights alone nothing is seen, and nothing goes wrong. */
+/* Night views only: black pictures, and no error. */
 static void test_black(void **state)
 {
     static const char *const names[2] = {"night.hdr", "night.hdr"};
@@ -389,7 +389,7 @@ static void count_text(void *ctx, const XML_Char *text, int length)
         snprintf(all + used, 4096 - used, "%.*s\n", length, text);
 }
 
-/* All texts of an SVG, one a line. */
+/* Returns all texts of an SVG, one per line. */
 static void read_texts(const char *path, char ret_texts[4096])
 {
     XML_Parser parser = XML_ParserCreate(NULL);
@@ -423,7 +423,7 @@ static void test_chart(void **state)
     assert_non_null(strstr(texts, "undecided"));
     assert_non_null(strstr(texts, "disturbing"));
     assert_non_null(strstr(texts, "no light"));
-    /* One hour, none that is known, none at all. */
+    /* One hour, no known hour, no hour at all. */
     for (size_t n = 0; n < 2; n++) {
         assert_int_equal(orl_glare_chart_write(hours + 4, n, "", ORL_CANVAS_SVG, path, NULL), 0);
         read_texts(path, texts);

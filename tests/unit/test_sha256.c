@@ -1,4 +1,4 @@
-/* SHA-256 as Nettle has it against libsodium's, whole and in pieces. */
+/* Nettle's SHA-256 against libsodium's, whole and in pieces. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -33,7 +33,7 @@ static void every_length_agrees(void **state)
     }
 }
 
-/* FIPS 180-4's example. */
+/* The example of FIPS 180-4. */
 static void abc_is_as_published(void **state)
 {
     static const unsigned char wanted[4] = {0xba, 0x78, 0x16, 0xbf};

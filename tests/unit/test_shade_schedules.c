@@ -1,4 +1,4 @@
-/* States of shades by the hour, from tables. */
+/* Hourly states of shades, from tables. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 static char file_name[] = "s.csv", group_name[] = "south", open_name[] = "open",
             blinds_name[] = "blinds, half";
 
-/* Reads a table of the group's, which has two states; series is the caller's. */
+/* Reads a table for the group, which has two states. The caller frees the series. */
 static int read_text(const char *text, unsigned char **ret_series, size_t *ret_count,
                      struct orl_error *err)
 {
@@ -62,7 +62,7 @@ static void test_what_is_wrong(void **state)
     } cases[] = {
         {"", "empty", ORL_ERR_SYNTAX, 0},
         {"# nothing\n", "empty", ORL_ERR_SYNTAX, 0},
-        {"nan\n0\n", "no state 'nan'", ORL_ERR_RANGE, 1}, /* a row, and no heading */
+        {"nan\n0\n", "no state 'nan'", ORL_ERR_RANGE, 1}, /* a data row, not a heading */
         {"inf\n0\n", "no state 'inf'", ORL_ERR_RANGE, 1},
         {"7\n0\n", "no state '7'", ORL_ERR_RANGE, 1},
         {"0\n2\n", "no state '2'", ORL_ERR_RANGE, 2},
@@ -86,7 +86,7 @@ static void test_what_is_wrong(void **state)
     }
 }
 
-/* More rows than a year can have. */
+/* A table with more rows than a year can have is refused. */
 static void test_limit(void **state)
 {
     enum { ROWS = ORL_LIMIT_YEAR_ROWS + 1 };

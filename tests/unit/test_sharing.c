@@ -1,6 +1,6 @@
 /*
- * Waves of parts, from their files to their ends, with a program of the test's own in oriel's place
- * that notes that it ran, and does as files beside it tell.
+ * Waves of parts, from their files to their ends. A program of the test's own replaces oriel: it
+ * records that it ran, and acts by files beside it.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,8 +19,9 @@
 #include "support/cli.h"
 
 /*
- * oriel part FILE. "fails", "full" and "dies" hold how often a part is still to do so. What leaves
- * a file in the job's folder is the process that the runner ends, none of its children.
+ * oriel part FILE. The files "fails", "full" and "dies" hold the number of times that a part will
+ * still do so. The process that writes a file to the job's folder is the one that the runner ends,
+ * not a child of it.
  */
 static const char program[] =
     "#!/bin/sh\n"
@@ -35,7 +36,7 @@ static const char program[] =
     "\"detail\": \"no room\"}' >e; exec mv e \"$stem.error\"; }\n"
     "echo '{}' >\"$stem.done\"\n";
 
-/* So much faster goes the clock of a sharing. */
+/* Speed factor of a sharing's clock. */
 enum { HASTE = 50 };
 
 struct fixture {
@@ -45,7 +46,7 @@ struct fixture {
     atomic_bool cancel, leaves;
     struct orl_parts_count told;
     double share;
-    int n_news[3]; /* of parts: starts, ends, further tries */
+    int n_news[3]; /* number of parts: starts, ends, further tries */
     struct orl_error err;
 };
 
@@ -125,7 +126,7 @@ static void on_share(void *ctx, double share)
     f->share = share;
 }
 
-static int divide(struct fixture *f)
+static int divide_job(struct fixture *f)
 {
     const struct orl_pieces_watch watch = {on_share, f};
     f->share = 0;
@@ -146,7 +147,7 @@ static int count_runs(const struct fixture *f)
 static void test_each_part_runs_once(void **state)
 {
     struct fixture *f = *state;
-    assert_int_equal(divide(f), 0);
+    assert_int_equal(divide_job(f), 0);
     assert_int_equal(count_runs(f), 3);
     assert_int_equal(f->told.done, 3);
     assert_int_equal(f->told.waiting + f->told.running + f->told.again, 0);
@@ -156,13 +157,13 @@ static void test_each_part_runs_once(void **state)
     assert_int_equal(f->n_news[1], 3);
 }
 
-/* One that fails or dies is done once more, and counted. */
+/* A part that fails or dies is run once more, and counted. */
 static void test_parts_are_tried_again(void **state)
 {
     struct fixture *f = *state;
     cli_write_file(f->folder, "fails", "x\n");
     cli_write_file(f->folder, "dies", "x\n");
-    assert_int_equal(divide(f), 0);
+    assert_int_equal(divide_job(f), 0);
     assert_int_equal(count_runs(f), 5);
     assert_int_equal(f->told.again, 2);
     assert_int_equal(f->told.done, 3);
@@ -174,16 +175,16 @@ static void test_a_part_fails_for_good(void **state)
 {
     struct fixture *f = *state;
     cli_write_file(f->folder, "fails", "x\nx\nx\nx\nx\nx\nx\nx\nx\n");
-    assert_int_equal(divide(f), ORL_ERR_RANGE);
+    assert_int_equal(divide_job(f), ORL_ERR_RANGE);
     assert_non_null(strstr(f->err.message, "the glass is cracked"));
 }
 
-/* A full disk is nobody's fault: parts are held back, and tried as often as it takes. */
+/* A full disk is not an error of a part: parts wait, and are retried until there is room. */
 static void test_the_disk_is_full(void **state)
 {
     struct fixture *f = *state;
     cli_write_file(f->folder, "full", "x\nx\nx\nx\nx\nx\nx\nx\nx\nx\n");
-    assert_int_equal(divide(f), 0);
+    assert_int_equal(divide_job(f), 0);
     assert_int_equal(count_runs(f), 13);
     assert_int_equal(f->told.done, 3);
     assert_int_equal(f->told.held, 0);
@@ -193,44 +194,44 @@ static void test_a_part_dies_for_good(void **state)
 {
     struct fixture *f = *state;
     cli_write_file(f->folder, "dies", "x\nx\nx\nx\nx\nx\nx\nx\nx\n");
-    assert_int_equal(divide(f), ORL_ERR_INTERNAL);
+    assert_int_equal(divide_job(f), ORL_ERR_INTERNAL);
     assert_non_null(strstr(f->err.message, "3 times without a word"));
 }
 
-/* A run that ends and leaves its wave: the next one finishes that, and starts none of its own. */
+/* A run ends and leaves its wave: the next run finishes that wave, and starts none of its own. */
 static void test_a_wave_is_taken_up(void **state)
 {
     struct fixture *f = *state;
     cli_write_file(f->folder, "slow", "");
     atomic_store(&f->cancel, true);
     atomic_store(&f->leaves, true);
-    assert_int_equal(divide(f), ORL_ERR_CANCELLED);
-    orl_sharing_done(&f->sharing, false); /* which ends processes, as a kill would */
+    assert_int_equal(divide_job(f), ORL_ERR_CANCELLED);
+    orl_sharing_done(&f->sharing, false); /* also ends the processes, as a kill would */
     char path[128];
     snprintf(path, sizeof path, "%s/slow", f->folder);
     assert_int_equal(unlink(path), 0);
     atomic_store(&f->cancel, false);
     assert_int_equal(open_sharing(f), 0);
     const int before = count_runs(f);
-    assert_int_equal(divide(f), 0);
+    assert_int_equal(divide_job(f), 0);
     assert_int_equal(count_runs(f), before + 3);
     assert_int_equal(f->told.waves, 1);
     assert_int_equal(f->told.done, 3);
 }
 
-/* Without `leaves` a cancelled wave is over: nobody is to wait for it. */
+/* Without `leaves` a cancelled wave is removed, so that no run waits for it. */
 static void test_a_cancelled_wave_is_forgotten(void **state)
 {
     struct fixture *f = *state;
     cli_write_file(f->folder, "slow", "");
     atomic_store(&f->cancel, true);
-    assert_int_equal(divide(f), ORL_ERR_CANCELLED);
+    assert_int_equal(divide_job(f), ORL_ERR_CANCELLED);
     char command[160];
     snprintf(command, sizeof command, "ls %s/*.wave >/dev/null 2>&1", f->job);
     assert_int_not_equal(system(command), 0); /* NOLINT(cert-env33-c) */
 }
 
-/* What no run has made is nobody's to remove. */
+/* A folder that no run has made is refused, and not removed. */
 static void test_a_folder_of_somebody_else(void **state)
 {
     struct fixture *f = *state;
@@ -241,7 +242,7 @@ static void test_a_folder_of_somebody_else(void **state)
     assert_int_equal(rmdir(f->job), 0);
 }
 
-/* Of a runner that holds parts to limits: those of the parts started last. */
+/* A runner that enforces limits on parts: the orders of the parts started last. */
 static struct orl_runner inner;
 static struct orl_part_order last_orders[PIECES];
 static size_t n_last;
@@ -279,27 +280,27 @@ static void hold_to_limits(struct fixture *f, enum orl_part_end end)
     says = end;
 }
 
-/* What came up against its memory is started with twice as much. */
+/* A part that ran out of memory is restarted with twice as much. */
 static void test_limits_are_raised(void **state)
 {
     struct fixture *f = *state;
     f->sharing.spec.memory_bytes = 1;
     hold_to_limits(f, ORL_PART_OUT_OF_MEMORY);
     cli_write_file(f->folder, "dies", "1\n");
-    assert_int_equal(divide(f), 0);
+    assert_int_equal(divide_job(f), 0);
     assert_int_equal(n_last, 1);
     assert_int_equal(last_orders[0].limits.mib, 512);
     assert_true(f->sharing.count.again == 1);
 }
 
-/* 1024 MiB are asked for at last, and there are 900: it is tried three times. */
+/* The last request is 1024 MiB, and there are 900: the part is tried three times. */
 static void test_limits_that_cannot_be_raised(void **state)
 {
     struct fixture *f = *state;
     f->sharing.spec.memory_bytes = 1;
     hold_to_limits(f, ORL_PART_OUT_OF_MEMORY);
     cli_write_file(f->folder, "dies", "1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n");
-    assert_int_equal(divide(f), ORL_ERR_LIMIT);
+    assert_int_equal(divide_job(f), ORL_ERR_LIMIT);
     assert_non_null(strstr(f->err.message, "ran out of its memory, 900 MiB"));
 }
 

@@ -1,4 +1,4 @@
-/* The shelf between jobs: what it gives back, and what it lets go. */
+/* The shelf, a memory cache between jobs: returned entries, and evictions. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,8 +10,8 @@
 
 #include "base/shelf.h"
 
-/* Things are numbers that count how often they were let go. */
-static void count(void *thing)
+/* Entries are numbers that count how often they were freed. */
+static void count_release(void *thing)
 {
     ++*(int *)thing;
 }
@@ -23,8 +23,8 @@ static void test_given_back(void **state)
     (void)state;
     assert_non_null(shelf);
     assert_null(orl_shelf_take(shelf, "a"));
-    orl_shelf_put(shelf, "a", &gone[0], 40, count);
-    orl_shelf_put(shelf, "b", &gone[1], 40, count);
+    orl_shelf_put(shelf, "a", &gone[0], 40, count_release);
+    orl_shelf_put(shelf, "b", &gone[1], 40, count_release);
     assert_int_equal(orl_shelf_totals(shelf).bytes, 80);
     assert_ptr_equal(orl_shelf_take(shelf, "a"), &gone[0]);
     assert_null(orl_shelf_take(shelf, "a"));
@@ -41,14 +41,14 @@ static void test_room(void **state)
     struct orl_shelf *shelf = orl_shelf_new(100);
     int gone[5] = {0};
     (void)state;
-    orl_shelf_put(shelf, "a", &gone[0], 60, count);
-    orl_shelf_put(shelf, "b", &gone[1], 40, count);
-    orl_shelf_put(shelf, "c", &gone[2], 10, count); /* in place of the earliest */
+    orl_shelf_put(shelf, "a", &gone[0], 60, count_release);
+    orl_shelf_put(shelf, "b", &gone[1], 40, count_release);
+    orl_shelf_put(shelf, "c", &gone[2], 10, count_release); /* replaces the oldest entry */
     assert_int_equal(gone[0], 1);
     assert_int_equal(gone[1], 0);
-    orl_shelf_put(shelf, "b", &gone[3], 20, count); /* in place of its namesake */
+    orl_shelf_put(shelf, "b", &gone[3], 20, count_release); /* replaces the entry of this key */
     assert_int_equal(gone[1], 1);
-    orl_shelf_put(shelf, "d", &gone[4], 101, count); /* too large for any */
+    orl_shelf_put(shelf, "d", &gone[4], 101, count_release); /* exceeds the whole capacity */
     assert_int_equal(gone[4], 1);
     assert_int_equal(orl_shelf_totals(shelf).bytes, 30);
     assert_int_equal(orl_shelf_totals(shelf).things, 2);
@@ -66,7 +66,7 @@ static void test_none(void **state)
     for (size_t i = 0; i < 2; i++) {
         int gone = 0;
         assert_null(orl_shelf_take(shelves[i], "a"));
-        orl_shelf_put(shelves[i], "a", &gone, 1, count);
+        orl_shelf_put(shelves[i], "a", &gone, 1, count_release);
         assert_int_equal(gone, 1);
         assert_int_equal(orl_shelf_totals(shelves[i]).bytes, 0);
         assert_int_equal(orl_shelf_totals(shelves[i]).things, 0);
@@ -76,7 +76,7 @@ static void test_none(void **state)
 
 enum { THREADS = 3, ROUNDS = 2000, KEYS = 4 };
 
-/* Takes things and adds to them, alone with each. */
+/* Takes entries and increments them; each has one user at a time. */
 static void *work(void *arg)
 {
     struct orl_shelf *shelf = arg;
@@ -85,7 +85,7 @@ static void *work(void *arg)
         int *thing = orl_shelf_take(shelf, key);
         if (thing) {
             ++*thing;
-            orl_shelf_put(shelf, key, thing, sizeof *thing, count);
+            orl_shelf_put(shelf, key, thing, sizeof *thing, count_release);
         } else {
             i--;
         }
@@ -101,7 +101,7 @@ static void test_threads(void **state)
     (void)state;
     for (int i = 0; i < KEYS; i++) {
         const char key[2] = {(char)('a' + i), 0};
-        orl_shelf_put(shelf, key, &things[i], sizeof *things, count);
+        orl_shelf_put(shelf, key, &things[i], sizeof *things, count_release);
     }
     for (int i = 0; i < THREADS; i++)
         assert_int_equal(pthread_create(&threads[i], NULL, work, shelf), 0);
@@ -113,7 +113,7 @@ static void test_threads(void **state)
     orl_shelf_free(shelf);
 }
 
-/* A shared thing counts its holders; of two put under one key the first stays. */
+/* A shared entry counts its holders; if two are put under one key, the first stays. */
 static void *hold_one(void *thing)
 {
     ++*(int *)thing;
@@ -129,7 +129,7 @@ static void test_shared(void **state)
 {
     static const struct orl_shelf_sharing sharing = {hold_one, let_one_go};
     struct orl_shelf *shelf = orl_shelf_new(100);
-    int holders[3] = {1, 1, 1}, gone = 0; /* each is held by who made it */
+    int holders[3] = {1, 1, 1}, gone = 0; /* each is held by its maker */
     (void)state;
     assert_null(orl_shelf_share(shelf, "a", &sharing));
     assert_ptr_equal(orl_shelf_put_shared(shelf, "a", &holders[0], 60, &sharing), &holders[0]);
@@ -141,11 +141,11 @@ static void test_shared(void **state)
     assert_int_equal(orl_shelf_totals(shelf).shared, 1);
     assert_int_equal(orl_shelf_totals(shelf).shared_hits, 1);
     assert_int_equal(orl_shelf_totals(shelf).bytes, 60);
-    orl_shelf_put(shelf, "b", &gone, 50, count); /* too much for both: the shelf lets go of one */
+    orl_shelf_put(shelf, "b", &gone, 50, count_release); /* evicts one: no room for both */
     assert_int_equal(holders[0], 3);
     assert_int_equal(orl_shelf_totals(shelf).shared, 0);
     assert_int_equal(orl_shelf_totals(shelf).things, 1);
-    /* Too large for the shelf: its maker alone has it. */
+    /* An entry too large for the shelf stays with its maker only. */
     assert_ptr_equal(orl_shelf_put_shared(shelf, "c", &holders[2], 101, &sharing), &holders[2]);
     assert_int_equal(holders[2], 1);
     orl_shelf_free(shelf);

@@ -1,4 +1,4 @@
-/* Several skies in job documents: lists, sequences of hours, and what mistakes are told. */
+/* Several skies in job documents: lists, sequences of hours, and errors. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -50,7 +50,7 @@ static void test_list(void **state)
     orl_job_done(&job);
 }
 
-/* Across midnight and the end of February; the last step counts. */
+/* Sequences across midnight and the end of February; the last step is included. */
 static void test_hours(void **state)
 {
     (void)state;
@@ -75,7 +75,7 @@ static void test_hours(void **state)
     orl_job_done(&job);
 }
 
-/* Steps that no binary fraction holds end where they should, and hours stay below 24. */
+/* Steps without an exact binary fraction end where they should, and hours stay below 24. */
 static void test_steps(void **state)
 {
     (void)state;
@@ -152,7 +152,7 @@ static void test_mistakes(void **state)
     }
 }
 
-/* Sums, names and warnings of the skies' results, put together. */
+/* Combined results of several skies: sums, names and warnings. */
 static void test_results(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /*
- * Radiance of the sky: values by Radiance's own perezlum.cal and skybright.cal, and closed forms.
+ * Radiance of the sky: values of Radiance's own perezlum.cal and skybright.cal, and closed forms.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -54,7 +54,7 @@ static void test_values(void **state)
     }
 }
 
-/* The horizontal irradiance of the upper half, by midpoints in z^2 and azimuth. */
+/* Integrates the horizontal irradiance of the upper half, by midpoints in z^2 and azimuth. */
 static double horizontal(const struct orl_sky *sky)
 {
     enum { ROWS = 400, COLUMNS = 200 };
@@ -69,7 +69,7 @@ static double horizontal(const struct orl_sky *sky)
     return ORL_PI * sum / (ROWS * COLUMNS);
 }
 
-/* The ground, as bright as the horizon here, blends in above it: 0.05 % off the overcast sky. */
+/* The ground, here as bright as the horizon, blends in above it: 0.05 % of the overcast sky. */
 static void test_closed_forms(void **state)
 {
     const struct orl_sky uniform = {ORL_SKY_CIE, {3, 12, 12}, 3};
@@ -80,7 +80,8 @@ static void test_closed_forms(void **state)
     assert_true(fabs(horizontal(&overcast) / (7.0 * ORL_PI * 30 / 9.0) - 1.0) < 1e-3);
 }
 
-/* The same by angles about a sun: dense where the pattern has its peak, whatever its height. */
+/* Integrates the horizontal irradiance by angles about a sun: dense where the pattern has its
+ * peak, at any altitude. */
 static double horizontal_about(const struct orl_sky *sky, struct orl_vec3 sun)
 {
     enum { ROWS = 3000, COLUMNS = 300 };
@@ -100,8 +101,8 @@ static double horizontal_about(const struct orl_sky *sky, struct orl_vec3 sun)
     return 2 * ORL_PI * sum / ((double)ROWS * COLUMNS);
 }
 
-/* Sharp suns at every height; midpoints in height and azimuth were off by 7e-3 next to the zenith.
- */
+/* Sharp suns at every altitude; midpoints in altitude and azimuth had errors of 7e-3 near the
+ * zenith. */
 static void test_horizontal_irradiance(void **state)
 {
     static const double altitudes[] = {-2, 0.3, 2, 20, 45, 70, 89.5, 90};
@@ -124,7 +125,7 @@ static void test_horizontal_irradiance(void **state)
     }
 }
 
-/* Skies with a sun know no other direction than up. */
+/* Rotating the sun and the direction about the vertical together changes nothing. */
 static void test_turning_sun_and_direction_together(void **state)
 {
     (void)state;

@@ -1,8 +1,7 @@
 /*
- * gensky and gendaylit, read natively: the numbers that Radiance 6.1's programs of these names
- * print for the same words. Some cases matter for what they are: the sun near the zenith (altitude
- * held at 87 degrees), sunrise within an interval, night, high summer in the north, the southern
- * hemisphere.
+ * gensky and gendaylit, read natively: the numbers that Radiance 6.1's programs print for the same
+ * words. Special cases: the sun near the zenith (altitude clamped at 87 degrees), sunrise within
+ * an interval, night, high summer in the north, the southern hemisphere.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -158,7 +157,7 @@ static void test_printed_numbers(void **state)
     }
 }
 
-/* The source stands where the sky's own sun does, as wide as the program says. */
+/* The source is where the sky's own sun is, with the program's angular size. */
 static void test_sun_and_sky_agree(void **state)
 {
     (void)state;
@@ -176,7 +175,7 @@ static void test_sun_and_sky_agree(void **state)
     }
 }
 
-/* "12:30" is 12 to gendaylit: the same sky, and a warning that says so. */
+/* gendaylit reads "12:30" as 12: the same sky here, with a warning. */
 static void test_minutes_are_warned_about(void **state)
 {
     struct orl_description with = generate("gendaylit 3 22 12:30 -a 38 -o -27 -m -30 -W 800 120");
@@ -190,7 +189,8 @@ static void test_minutes_are_warned_about(void **state)
     orl_description_done(&without);
 }
 
-/* A border of the model's bins, no diffuse light, polar night and day: defined and finite. */
+/* A border of the model's bins, no diffuse light, polar night and day: results are defined and
+ * finite. */
 static void test_edges_are_finite(void **state)
 {
     static const char *const commands[] = {

@@ -1,7 +1,7 @@
 /*
- * genbox, genprism, genblinds, genclock, genbranch, genrev, genworm and gensurf, read natively: the
- * words that Radiance 6.1's
- * programs of these names write for the same commands, comments left out; and what is refused.
+ * genbox, genprism, genblinds, genclock, genbranch, genrev, genworm and gensurf, read natively:
+ * the words that Radiance 6.1's programs write for the same commands, without comments; and
+ * refusals.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -22,7 +22,8 @@
 struct expected {
     const char *command;
     size_t n_words;
-    const char *digest; /* the first 16 digits of SHA-256 over the words, a blank behind each */
+    /* First 16 digits of SHA-256 over the words, each followed by a blank. */
+    const char *digest;
 };
 
 static const struct expected expected[] = {
@@ -68,7 +69,7 @@ static const struct expected expected[] = {
     {"genworm m n 'hermite(0,1,2,-1,t)' 'bezier(0,1,2,.5,t)' t .1 7", 171, "c03a31917aa90bbd"},
 };
 
-/* The one file that commands name. */
+/* Reads the one file that commands name. */
 static int read_outline(void *ctx, const char *name, char **ret_text, struct orl_error *err)
 {
     (void)ctx;
@@ -78,7 +79,7 @@ static int read_outline(void *ctx, const char *name, char **ret_text, struct orl
     return *ret_text ? 0 : ORL_ERR_NOMEM;
 }
 
-static int run(const char *line, struct orl_text *text, struct orl_error *err)
+static int run_command(const char *line, struct orl_text *text, struct orl_error *err)
 {
     const struct orl_generator_files files = {NULL, read_outline};
     struct orl_command command;
@@ -106,8 +107,8 @@ static int run(const char *line, struct orl_text *text, struct orl_error *err)
     return code;
 }
 
-/* Numbers without the zeros around them that mean nothing, for genclock prints its own as .05 and
- * 0.850000; and what rounding leaves of a difference is nothing. */
+/* Writes a number without redundant zeros, because genclock prints its own as .05 and 0.850000.
+ * Rounding errors of a zero difference become 0. */
 static size_t write_word(const char *word, size_t length, char ret_word[64])
 {
     char plain[64], *end;
@@ -119,7 +120,7 @@ static size_t write_word(const char *word, size_t length, char ret_word[64])
                          : snprintf(ret_word, 64, "%.12g ", fabs(number) < 1e-15 ? 0 : number));
 }
 
-static void check(const struct expected *e)
+static void check_digest(const struct expected *e)
 {
     struct orl_text text = {0};
     struct orl_error err = {0};
@@ -127,7 +128,7 @@ static void check(const struct expected *e)
     unsigned char digest[ORL_SHA256_BYTES];
     char word[64], digits[17];
     size_t n = 0;
-    if (run(e->command, &text, &err) < 0)
+    if (run_command(e->command, &text, &err) < 0)
         fail_msg("%s: %s", e->command, err.message);
     assert_false(text.failed);
     orl_sha256_init(&hash);
@@ -148,10 +149,10 @@ static void test_words(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
-        check(&expected[i]);
+        check_digest(&expected[i]);
 }
 
-/* Formulas without quotes: no shell finds a file by them, and hands them on as they are. */
+/* Formulas without quotes: they match no file names, so a shell passes them on unchanged. */
 static void test_formulas_need_no_quotes(void **state)
 {
     static const char *const pairs[][2] = {
@@ -163,8 +164,8 @@ static void test_formulas_need_no_quotes(void **state)
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
         struct orl_text bare = {0}, quoted = {0};
         struct orl_error err = {0};
-        assert_int_equal(run(pairs[i][0], &bare, &err), 0);
-        assert_int_equal(run(pairs[i][1], &quoted, &err), 0);
+        assert_int_equal(run_command(pairs[i][0], &bare, &err), 0);
+        assert_int_equal(run_command(pairs[i][1], &quoted, &err), 0);
         assert_string_equal(strchr(bare.data, '\n'), strchr(quoted.data, '\n'));
         orl_text_done(&bare);
         orl_text_done(&quoted);
@@ -176,7 +177,7 @@ static void test_formulas_need_no_quotes(void **state)
 static const struct {
     const char *command;
     int code;
-    const char *message; /* part of it */
+    const char *message; /* part of the message */
 } refused[] = {
     {"genbox m n 1 2", ORL_ERR_SYNTAX, "three sizes"},
     {"genbox m n 1 2 0", ORL_ERR_RANGE, "not positive"},
@@ -234,7 +235,7 @@ static void test_refused(void **state)
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         struct orl_text text = {0};
         struct orl_error err = {0};
-        const int code = run(refused[i].command, &text, &err);
+        const int code = run_command(refused[i].command, &text, &err);
         if (code != refused[i].code || !strstr(err.message, refused[i].message))
             fail_msg("%s: %d, %s", refused[i].command, code, err.message);
         assert_null(text.data);

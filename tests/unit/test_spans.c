@@ -1,4 +1,4 @@
-/* Samples of sensors that go on where others ended: together they are those of one span. */
+/* Sensor samples in consecutive spans: together they equal those of one span. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +12,7 @@
 
 #define SCENE ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE
 
-/* What a sensor on the floor finds: groups' means, in luma. */
+/* Computes the groups' means of a sensor on the floor, in luma. */
 static void sample(const struct orl_backward *backward, uint32_t first, uint32_t samples,
                    double ret_groups[ORL_MAP_BATCHES])
 {
@@ -25,7 +25,7 @@ static void sample(const struct orl_backward *backward, uint32_t first, uint32_t
         ret_groups[k] = orl_luma(groups[k]);
 }
 
-/* Without virtual lamps, which are each round's own: 4 and 9 samples of a group, and 13. */
+/* Without virtual lamps, which each round has of its own: 4 and 9 samples of a group, and 13. */
 static void test_spans_that_follow(void **state)
 {
     double whole[ORL_MAP_BATCHES], first[ORL_MAP_BATCHES], second[ORL_MAP_BATCHES], sum = 0;

@@ -1,6 +1,6 @@
 /*
- * Spectra as patterns: the chromaticities that CIE gives for its illuminants, one spectrum told in
- * four ways, places, what is wrong with them, and whose bytes count.
+ * Spectra as patterns: the chromaticities of CIE's illuminants, one spectrum in four forms,
+ * varying places, errors, and cache keys.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -60,7 +60,7 @@ static int parse(const char *text, struct orl_description *ret, struct orl_error
     return orl_scene_parse(names, 1, &files, ret, err);
 }
 
-/* What the floor shines at a place of that x. */
+/* Returns the floor's emission at a place of that x. */
 static struct orl_rgb seen(const char *text, double x)
 {
     struct orl_description description = {0};
@@ -78,14 +78,14 @@ static struct orl_rgb seen(const char *text, double x)
     return value;
 }
 
-static void check(struct orl_rgb a, struct orl_rgb b, double tolerance)
+static void check_color(struct orl_rgb a, struct orl_rgb b, double tolerance)
 {
     const double most = fmax(fabs(a.r - b.r), fmax(fabs(a.g - b.g), fabs(a.b - b.b)));
     if (!(most <= tolerance))
         fail_msg("%.9g %.9g %.9g, not %.9g %.9g %.9g", a.r, a.g, a.b, b.r, b.g, b.b);
 }
 
-/* Chromaticity by the primaries that README and bsdf/color.h name. */
+/* Checks the chromaticity, by the primaries that README and bsdf/color.h name. */
 static void check_chromaticity(struct orl_rgb c, double x, double y, double tolerance)
 {
     static const double primaries[3][2] = {{.64, .33}, {.29, .6}, {.15, .06}};
@@ -107,8 +107,8 @@ static void check_chromaticity(struct orl_rgb c, double x, double y, double tole
 static void test_illuminants(void **state)
 {
     (void)state;
-    check(seen("void spectrum s 0 0 6 390 770 1 1 1 1\ns" LAMP, 2), orl_gray(1), 1e-4);
-    check(seen("void spectrum s 0 0 6 900 100 .5 .5 .5 .5\ns" LAMP, 2), orl_gray(.5), 1e-12);
+    check_color(seen("void spectrum s 0 0 6 390 770 1 1 1 1\ns" LAMP, 2), orl_gray(1), 1e-4);
+    check_color(seen("void spectrum s 0 0 6 900 100 .5 .5 .5 .5\ns" LAMP, 2), orl_gray(.5), 1e-12);
     check_chromaticity(seen("void specfile s 1 d65.dat 0 0\ns" LAMP, 2), .31272, .32903, 2e-4);
     check_chromaticity(seen("void spectrum s 0 0 43 380 780 " D65 "\ns" LAMP, 2), .31272, .32903,
                        2e-4);
@@ -116,7 +116,7 @@ static void test_illuminants(void **state)
                        .40745, 2e-4);
 }
 
-/* Luminance is kept where a colour is beyond the triangle: of this band, green has none of red. */
+/* Luminance is kept if a colour is outside the gamut: this band's green has a red of 0. */
 static void test_triangle(void **state)
 {
     const struct orl_rgb green = seen("void spectrum s 0 0 6 515 485 1 1 1 1\ns" LAMP, 2);
@@ -129,8 +129,8 @@ static void test_triangle(void **state)
                      0.064788359788359784 * green.b - band.y) < 1e-12);
 }
 
-/* A tent: by a function, by uneven and by even samples, rising and falling; and over it a colour.
- */
+/* A tent spectrum: by a function, by uneven and by even samples, rising and falling; and
+ * multiplied by a colour. */
 static void test_ways(void **state)
 {
     char rising[512] = "", falling[512] = "", text[1200];
@@ -144,16 +144,16 @@ static void test_ways(void **state)
         snprintf(rising + strlen(rising), sizeof rising - strlen(rising), "%.5f ", fmax(v, 0));
         snprintf(falling, sizeof falling, "%.15s%.495s", number, before);
     }
-    check(seen("void specfile s 1 tent.dat 0 0\ns" LAMP, 2), tent, 2e-3);
+    check_color(seen("void specfile s 1 tent.dat 0 0\ns" LAMP, 2), tent, 2e-3);
     snprintf(text, sizeof text, "void spectrum s 0 0 65 400 710 %s\ns" LAMP, rising);
     const struct orl_rgb up = seen(text, 2);
     snprintf(text, sizeof text, "void spectrum s 0 0 65 710 400 %s\ns" LAMP, falling);
-    check(seen(text, 2), up, 1e-12);
-    check(up, tent, 2e-3);
-    check(seen("void colorfunc c 4 .5 1 2 . 0 0\nc specfunc s 2 tent tent.cal 0 2 380 780\n"
-               "s" LAMP,
-               2),
-          (struct orl_rgb){tent.r / 2, tent.g, tent.b * 2}, 1e-12);
+    check_color(seen(text, 2), up, 1e-12);
+    check_color(up, tent, 2e-3);
+    check_color(seen("void colorfunc c 4 .5 1 2 . 0 0\nc specfunc s 2 tent tent.cal 0 2 380 780\n"
+                     "s" LAMP,
+                     2),
+                (struct orl_rgb){tent.r / 2, tent.g, tent.b * 2}, 1e-12);
 }
 
 static void test_places(void **state)
@@ -167,23 +167,24 @@ static void test_places(void **state)
     (void)state;
     snprintf(text, sizeof text, data, "keep");
     for (double x = .5; x < 4; x++) {
-        check(seen(function, x), orl_rgb_scale(tent, x), 1e-5);
-        check(seen(text, x), orl_rgb_add(orl_gray(1 - x / 4), orl_rgb_scale(end, x / 4)), 1e-5);
+        check_color(seen(function, x), orl_rgb_scale(tent, x), 1e-5);
+        check_color(seen(text, x), orl_rgb_add(orl_gray(1 - x / 4), orl_rgb_scale(end, x / 4)),
+                    1e-5);
     }
     snprintf(text, sizeof text, data, "own");
-    check(seen(text, 1e-4), seen("void spectrum s 0 0 7 380 780 .76 .96 1.16 1.36 1.56\ns" LAMP, 2),
-          1e-4);
-    /* Where a wavelength has no value, colours are left. */
-    check(seen("void specfunc s 2 hole tent.cal 0 2 380 780\ns" LAMP, 2), orl_gray(1), 0);
+    check_color(seen(text, 1e-4),
+                seen("void spectrum s 0 0 7 380 780 .76 .96 1.16 1.36 1.56\ns" LAMP, 2), 1e-4);
+    /* Where a wavelength has no value, colours are unchanged. */
+    check_color(seen("void specfunc s 2 hole tent.cal 0 2 380 780\ns" LAMP, 2), orl_gray(1), 0);
 }
 
-/* A picture of spectra is data of the same values, its pixels' middles at the ends. */
+/* A spectral picture equals data of the same values, with its pixels' centres at the ends. */
 static void test_picture(void **state)
 {
     (void)state;
     for (double x = 0; x <= 4; x += .5)
-        check(seen("void specpict s 5 keep two.hsr tent.cal x/4 .5 0 0\ns" LAMP, x),
-              seen("void specdata s 4 keep two.dat tent.cal x/4 0 0\ns" LAMP, x), 1e-6);
+        check_color(seen("void specpict s 5 keep two.hsr tent.cal x/4 .5 0 0\ns" LAMP, x),
+                    seen("void specdata s 4 keep two.dat tent.cal x/4 0 0\ns" LAMP, x), 1e-6);
 }
 
 static void test_errors(void **state)

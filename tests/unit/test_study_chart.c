@@ -18,7 +18,7 @@
 #include "support/scene_text.h"
 #include "support/study_data.h"
 
-/* 1, 2 or 5 times a power of ten? */
+/* Returns true if the tick is 1, 2 or 5 times a power of ten. */
 static bool is_round(double tick)
 {
     const double digits = tick / pow(10, floor(log10(tick) + 1e-9));
@@ -72,7 +72,7 @@ static void assert_laid_out(const struct orl_chart *chart)
     }
 }
 
-/* Given points crowd in a corner of the plot, 25 of them in a fifth of each axis. */
+/* The points crowd in a corner of the plot: 25 of them in a fifth of each axis. */
 static void test_no_two_texts_meet(void **state)
 {
     (void)state;
@@ -84,7 +84,7 @@ static void test_no_two_texts_meet(void **state)
         assert_laid_out(&chart);
         for (size_t i = 0; i < chart.n_texts; i++)
             labels += chart.texts[i].role == ORL_CHART_GIVEN;
-        /* All of them found room. */
+        /* All labels have been placed. */
         assert_int_equal(chart.n_unlabelled, 0);
         assert_int_equal(labels, study.n_given);
         orl_chart_done(&chart);
@@ -108,7 +108,8 @@ static void test_long_titles_and_names_are_cut(void **state)
     orl_study_done(&study);
 }
 
-/* The largest range that can be shown, and points that cannot: without error, time, sense. */
+/* The largest range that can be shown, and points that cannot be: without error, time or a finite
+ * value. */
 static void test_absurd_points_do_no_harm(void **state)
 {
     struct orl_study study = study_of_chance(5, 6, 2);
@@ -155,7 +156,7 @@ static void test_svg_is_well_formed(void **state)
     orl_study_done(&study);
 }
 
-/* Of the size that was meant, mostly white, and with ink where the first curve's marker is. */
+/* The picture has the requested size, is mostly white, and has ink at the first curve's marker. */
 static void test_png_shows_the_points(void **state)
 {
     struct orl_study study = study_of_chance(4, 6, 5);
@@ -189,7 +190,7 @@ static void test_png_shows_the_points(void **state)
     orl_study_done(&study);
 }
 
-/* A folder that is not there: an error, and no file. */
+/* A folder that does not exist gives an error, and no file. */
 static void test_files_that_cannot_be_written(void **state)
 {
     struct orl_study study = study_of_chance(2, 2, 0);

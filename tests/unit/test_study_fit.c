@@ -1,4 +1,4 @@
-/* The fit of error by photons and samples, non-negative least squares, and the front. */
+/* The fit of error by photons and samples, non-negative least squares, and the Pareto front. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +18,7 @@ static const uint64_t photons[] = {10000, 40000, 160000, 640000};
 static const uint32_t samples[] = {64, 256, 1024, 4096};
 enum { GRID = 16, DRAWS = 60 };
 
-/* Terms of which each rules somewhere on the grid above. */
+/* Terms each of which dominates somewhere on the grid above. */
 static const struct study_grid grid = {.technique = ORL_TECHNIQUE_GATHER,
                                        .photons = photons,
                                        .n_photons = 4,
@@ -34,8 +34,8 @@ static void test_exact_data_give_the_parameters_back(void **state)
     study_grid_points(&grid, points);
     assert_int_equal(orl_study_fit_make(points, GRID, ORL_TECHNIQUE_GATHER, &fit, NULL), 1);
     assert_int_equal(fit.points, GRID);
-    /* The normal equations of columns scaled to one have a condition below 1e4 here: of the
-     * doubles' 1e-16, 1e-12 is left, and some room. */
+    /* The normal equations of columns scaled to one have a condition below 1e4 here: with the
+     * 1e-16 of doubles, 1e-12 remains, plus a margin. */
     for (int t = 0; t < ORL_FIT_TERMS; t++)
         assert_true(fabs(fit.terms[t] / grid.terms[t] - 1) < 1e-9);
     assert_true(fit.residual < 1e-9 && fit.chi2 < 1e-9);
@@ -45,12 +45,12 @@ static void test_exact_data_give_the_parameters_back(void **state)
 }
 
 /*
- * Data with noise, drawn DRAWS times. Each estimate's deviation over the standard deviation that
- * the fit itself says is about a standard normal: over DRAWS draws the mean of its square is 1,
- * with a standard deviation of sqrt(2 / DRAWS) = 0.18. The bound is 4 of these, and 0.3 for what is
- * not normal about it: uncertainties of the data are at least 10 %, those fitted are of log-normal
- * data, cut off at zero. The mean deviation is 0, with a standard deviation of 1 / sqrt(DRAWS) =
- * 0.13; a bound of 4 of these.
+ * Data with noise, in DRAWS repetitions. Each estimate's deviation over the standard deviation
+ * that the fit reports is about a standard normal. Over DRAWS repetitions the mean of its square
+ * is 1, with a standard deviation of sqrt(2 / DRAWS) = 0.18. The bound is 4 of these, and 0.3 for
+ * non-normality: uncertainties of the data are at least 10 %, and the fitted values are of
+ * log-normal data, cut off at zero. The mean deviation is 0, with a standard deviation of 1 /
+ * sqrt(DRAWS) = 0.13; the bound is 4 of these.
  */
 static void test_noisy_data_give_the_parameters_within_their_errors(void **state)
 {
@@ -105,14 +105,14 @@ static void test_what_settings_cannot_tell_is_absent(void **state)
         assert_int_equal(orl_study_fit_make(points, n, ORL_TECHNIQUE_GATHER, &fit, NULL), 1);
         for (int t = 0; t < ORL_FIT_TERMS; t++)
             assert_int_equal(isfinite(fit.terms[t]), cases[i].there[t]);
-        /* One technique's points are no other's, and one point is none. */
+        /* Points of one technique do not count for another, and one point is too few. */
         assert_int_equal(orl_study_fit_make(points, n, ORL_TECHNIQUE_DIRECT, &fit, NULL), 0);
         assert_int_equal(orl_study_fit_make(points, 1, ORL_TECHNIQUE_GATHER, &fit, NULL), 0);
     }
 }
 
-/* Small problems against a search over all sets of columns held at zero, by the conditions of
- * Kuhn and Tucker: no descent along a column at zero, none either way along the others. */
+/* Small problems against a search over all sets of columns held at zero, by the conditions of Kuhn
+ * and Tucker: no descent along a column at zero, none in either direction along the others. */
 static void test_least_squares_meet_their_conditions(void **state)
 {
     enum { ROWS = 7, COLUMNS = 4, PROBLEMS = 500 };
@@ -148,7 +148,7 @@ static void test_dependent_columns_do_no_harm(void **state)
     double x[3];
     (void)state;
     orl_nnls(a, b, 3, 3, x);
-    /* (4, 4, 5) = 4 u + v, whatever of the 4 the first two columns, u and 2 u, share. */
+    /* (4, 4, 5) = 4 u + v, for any division of the 4 between the first two columns, u and 2 u. */
     assert_true(fabs(x[0] + 2 * x[1] - 4) < 1e-9 && fabs(x[2] - 1) < 1e-9);
 }
 

@@ -1,4 +1,4 @@
-/* Study documents: what is read, what is refused and how, and what comes out. */
+/* Study documents: decoded values, refusals and their messages, and results. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,7 +21,7 @@ static const char good[] =
     " \"gather_samples\": [64], \"repeats\": 2, \"reference\": {\"samples\": 512, \"runs\": 4},"
     " \"points\": [{\"name\": \"By hand\", \"seconds\": 3600, \"rms\": 0.5}]}";
 
-/* Reads and checks, as the command does. */
+/* Reads and checks a document, as the command does. */
 static int read_study(const char *text, struct orl_study_request *ret_request,
                       struct orl_error *err)
 {
@@ -64,7 +64,7 @@ static void test_a_whole_document(void **state)
     orl_study_request_done(&r);
 }
 
-/* The document with the first `from` in it replaced. */
+/* Returns the document with the first `from` in it replaced. */
 static void change(const char *from, const char *to, char ret_text[2048])
 {
     const char *at = strstr(good, from);
@@ -136,7 +136,7 @@ static void test_sensors_and_views_are_not_mixed(void **state)
     assert_non_null(strstr(err.message, "either sensors or views, not both"));
 }
 
-/* Every point and name comes out, and what is not known is null. */
+/* Every point and name is written, and unknown values are null. */
 static void test_results(void **state)
 {
     struct orl_study study = study_of_chance(1, 3, 2);

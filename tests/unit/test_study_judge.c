@@ -1,4 +1,4 @@
-/* Measures of error against a reference, on numbers made so that the answers are known. */
+/* Error measures against a reference, on synthetic numbers with known answers. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,7 +21,7 @@ static double draw_normal(struct orl_random *random)
     return sqrt(-2 * log(u)) * cos(2 * ORL_PI * v);
 }
 
-/* By hand: two sensors, two seeds, a reference without error. */
+/* Worked out by hand: two sensors, two seeds, a reference without error. */
 static void test_small_numbers(void **state)
 {
     double truth[] = {100, 200}, first[] = {110, 200}, second[] = {110, 180}, errors[] = {0, 0};
@@ -42,10 +42,10 @@ static void test_small_numbers(void **state)
 }
 
 /*
- * Values off by a bias and noise of their own, against a reference with a known error: what is
- * found is what was put in, without the reference's share. rms^2 is a mean over MANY values of e^2
- * with e of variance v = bias^2 + noise^2 + own^2; its standard deviation is below sqrt(3 / MANY)
- * v, for the reference's part is the same in every run. Bounds are 4 of these; likewise for the
+ * Values with known bias and noise, against a reference with a known error: the measures return
+ * the bias and noise, without the reference's share. rms^2 is a mean over MANY values of e^2 with
+ * e of variance v = bias^2 + noise^2 + own^2. Its standard deviation is below sqrt(3 / MANY) v,
+ * because the reference's part is the same in every run. Bounds are 4 of these; likewise for the
  * bias, whose standard deviation is sqrt(v / MANY).
  */
 static void test_the_references_own_error_is_taken_out(void **state)
@@ -68,7 +68,7 @@ static void test_the_references_own_error_is_taken_out(void **state)
         for (size_t k = 0; k < MANY; k++)
             runs[i][k] = 500 * (1 + bias + noise * draw_normal(&random));
     }
-    /* As pixels, for sensors known no better are left out. */
+    /* Given as pixels, because sensors with no better reference are left out. */
     assert_int_equal(orl_reference_make(&reference, &reference_values, 1, errors, MANY, true, NULL),
                      0);
     orl_reference_describe(&reference, &about);
@@ -96,7 +96,7 @@ static void test_badly_known_and_dark_sensors_are_left_out(void **state)
     (void)state;
     assert_int_equal(orl_reference_make(&reference, reference_runs, 1, errors, 3, false, NULL), 0);
     orl_reference_describe(&reference, &about);
-    /* The dark one stays: its scale is 0.1 % of the mean, and it is right. */
+    /* The dark sensor stays: its scale is 0.1 % of the mean, and its value is right. */
     assert_int_equal(about.values, 2);
     assert_int_equal(about.left_out, 1);
     assert_float_equal(about.worst, 0.009, 1e-12);
@@ -110,8 +110,8 @@ static void test_badly_known_and_dark_sensors_are_left_out(void **state)
                      ORL_ERR_INVALID);
 }
 
-/* Runs of 1 and 3 about 2: mean 2, standard error 1. Of 200 pixels the brightest two count for the
- * peak, whatever happens to the others. */
+/* Runs of 1 and 3 about 2: mean 2, standard error 1. The brightest two of 200 pixels determine the
+ * peak, for any error of the others. */
 static void test_views_know_their_error_by_runs_and_their_peaks(void **state)
 {
     enum { PIXELS = 200 };

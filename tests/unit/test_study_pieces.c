@@ -1,6 +1,6 @@
 /*
- * Studies in pieces: runs that others have made, in any order, come to the numbers of a study in
- * one piece, with the times of those who made them.
+ * Studies in pieces: runs of other processes, in any order, give the numbers of a study in one
+ * piece, with the times measured by those processes.
  */
 #include <dirent.h>
 #include <math.h>
@@ -27,14 +27,14 @@ static char *scene_files[] = {scene_file};
 enum { OTHERS = 3, REFERENCE = 3, REPEATS = 2, SETTINGS = 3 };
 enum { RUNS = REFERENCE + SETTINGS * REPEATS };
 
-/* A folder of pieces, and who is at work on them. */
+/* A folder of pieces, and the role of this process. */
 struct fixture {
     char pieces[64], work[64];
     atomic_bool cancel;
-    double haste; /* so much faster goes the clock */
-    int mine;     /* the pieces that this one makes; OTHERS: it is the lead, and makes none */
-    bool begun;   /* it has made its own */
-    size_t asked; /* pieces that the lead was asked for */
+    double haste; /* speed factor of the clock */
+    int mine;     /* the pieces that this process makes; OTHERS: it is the lead, and makes none */
+    bool begun;   /* true if it has made its own pieces */
+    size_t asked; /* number of pieces that the lead requested */
     size_t spent, points, in_parts;
     struct orl_error err;
 };
@@ -69,9 +69,10 @@ static void on_progress(void *ctx, const struct orl_study_step *step)
     f->in_parts += strcmp(orl_study_step_name(step), "parts") == 0;
 }
 
-/* Others go through the job once; the lead is told that it was made. */
-static int divide(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                  const struct orl_pieces_watch *watch, struct orl_error *err)
+/* Claims pieces. A worker gets its share at the first call, and ORL_ERR_CANCELLED after that. The
+ * lead gets none: the call reports progress and counts the requested pieces. */
+static int claim_pieces(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
+                        const struct orl_pieces_watch *watch, struct orl_error *err)
 {
     struct fixture *f = ctx;
     double work = 0;
@@ -118,8 +119,9 @@ static struct orl_study_request make_request(void)
     return request;
 }
 
-/* pieces: NULL: in one piece. */
-static int run(struct fixture *f, const struct orl_pieces *pieces, struct orl_study *ret_study)
+/* pieces is NULL for a study in one piece. */
+static int run_study(struct fixture *f, const struct orl_pieces *pieces,
+                     struct orl_study *ret_study)
 {
     const struct orl_study_request request = make_request();
     const char *const names[] = {scene_file};
@@ -151,13 +153,13 @@ static int run(struct fixture *f, const struct orl_pieces *pieces, struct orl_st
 
 static int run_as(struct fixture *f, int who, double haste, struct orl_study *ret_study)
 {
-    const struct orl_pieces pieces = {f, "a job", divide, NULL};
+    const struct orl_pieces pieces = {f, "a job", claim_pieces, NULL};
     f->mine = who;
     f->haste = haste;
-    return run(f, &pieces, ret_study);
+    return run_study(f, &pieces, ret_study);
 }
 
-/* All others, one after the other; the last one finds all of it made. */
+/* Runs all other processes in sequence; the last one finds all pieces made. */
 static void run_others(struct fixture *f, double haste)
 {
     static const int order[OTHERS] = {2, 0, 1};
@@ -189,7 +191,7 @@ static void assert_same(const struct orl_study *a, const struct orl_study *b)
         assert_string_equal(a->warnings[i], b->warnings[i]);
 }
 
-/* Of the folder's pieces the first run's. */
+/* Damages the first run's piece in the folder. */
 static void damage_one(const struct fixture *f)
 {
     DIR *entries = opendir(f->pieces);
@@ -202,15 +204,13 @@ static void damage_one(const struct fixture *f)
     assert_int_equal(truncate(path, 50), 0);
 }
 
-/* Clocks of others go so much faster that a run by one of them takes minutes, and one here does
- * not.
- */
+/* The others' clocks are so fast that their runs seem to take minutes; a run here does not. */
 static void test_runs_are_made_by_others(void **state)
 {
     struct fixture *f = *state;
     struct orl_study whole = {0}, merged = {0};
     f->haste = 1;
-    assert_int_equal(run(f, NULL, &whole), 0);
+    assert_int_equal(run_study(f, NULL, &whole), 0);
     run_others(f, 100000);
     assert_int_equal(run_as(f, OTHERS, 1, &merged), 0);
     assert_int_equal(f->asked, 0);
@@ -224,7 +224,7 @@ static void test_runs_are_made_by_others(void **state)
     orl_study_done(&whole);
 }
 
-/* One that is damaged is asked for once more, and alone; of another job all are. */
+/* A damaged piece is requested once more, alone; pieces of another job are all requested. */
 static void test_a_damaged_run_is_made_again(void **state)
 {
     struct fixture *f = *state;
@@ -234,8 +234,8 @@ static void test_a_damaged_run_is_made_again(void **state)
     assert_int_equal(run_as(f, OTHERS, 1, &merged), ORL_ERR_CANCELLED);
     assert_int_equal(f->asked, 1);
     assert_true(f->in_parts > 0);
-    const struct orl_pieces pieces = {f, "another job", divide, NULL};
-    assert_int_equal(run(f, &pieces, &merged), ORL_ERR_CANCELLED);
+    const struct orl_pieces pieces = {f, "another job", claim_pieces, NULL};
+    assert_int_equal(run_study(f, &pieces, &merged), ORL_ERR_CANCELLED);
     assert_int_equal(f->asked, RUNS + 1);
 }
 

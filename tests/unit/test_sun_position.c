@@ -1,7 +1,7 @@
 /*
- * Where the sun stands, against published values and a second algorithm: the Earth's motion by the
- * largest terms of VSOP87 (Bretagnon and Francou 1988), as Meeus prints them in "Astronomical
- * Algorithms" (appendix III), where the code under test has mean elements.
+ * Position of the sun, against published values and a second algorithm. The second algorithm takes
+ * the Earth's motion from the largest terms of VSOP87 (Bretagnon and Francou 1988), as Meeus
+ * prints them in "Astronomical Algorithms" (appendix III). The code under test uses mean elements.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -25,7 +25,7 @@ static struct orl_location site_at(double latitude, double longitude_east, doubl
 
 /* ---- Published values ------------------------------------------------------------------------ */
 
-/* Reda and Andreas 2004 (NREL/TP-560-34302), equation 42: by how much air raises the sun. */
+/* Returns the refraction by air, Reda and Andreas 2004 (NREL/TP-560-34302), equation 42. */
 static double refraction_deg(double altitude_deg, double pressure_mbar, double temperature_c)
 {
     return pressure_mbar / 1010 * 283 / (273 + temperature_c) * 1.02 /
@@ -47,8 +47,8 @@ static void test_report(void **state)
     assert_true(fabs(azimuth - 194.34024) < 0.002);
 }
 
-/* Meeus, example 25.b: 13 October 1992, 0 h dynamical time; declination -7 47 01.74. As seen from
- * the pole, where altitude is declination less parallax. */
+/* Meeus, example 25.b: 13 October 1992, 0 h dynamical time; declination -7 47 01.74. Seen from the
+ * pole, where altitude is declination minus parallax. */
 static void test_meeus(void **state)
 {
     const struct orl_location pole = site_at(90, 0, 0);
@@ -74,7 +74,7 @@ static double sum_of(const struct term *terms, size_t count, double t)
     return 1e-8 * sum;
 }
 
-/* The Earth's longitude about the sun in radians, for the mean equinox of the date. */
+/* Returns the Earth's heliocentric longitude in radians, for the mean equinox of the date. */
 static double earth_longitude(double t)
 {
     static const struct term l0[] = {{175347046, 0, 0},           {3341656, 4.6692568, 6283.07585},
@@ -97,7 +97,7 @@ static double earth_longitude(double t)
            t * t * sum_of(l2, sizeof l2 / sizeof *l2, t);
 }
 
-/* A Julian day by counting days, not by the formula under test. */
+/* Returns a Julian day by counting days, independently of the formula under test. */
 static double julian_day(int year, int month, int day, double hour_ut)
 {
     static const int lengths[12] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
@@ -109,7 +109,8 @@ static double julian_day(int year, int month, int day, double hour_ut)
     return days + day - 1 + hour_ut / 24;
 }
 
-/* Terrestrial less universal time: Espenak and Meeus 2006, at decades, then on as they foresee. */
+/* Terrestrial minus universal time, seconds: Espenak and Meeus 2006, at decades, then by their
+ * prediction. */
 static double delta_t(double year)
 {
     static const double at[] = {29, 33.2, 40.2, 50.5, 56.9, 63.8, 66.1, 69.4};
@@ -118,7 +119,8 @@ static double delta_t(double year)
     return i >= 7 ? 69.4 : at[i] + (place - i) * (at[i + 1] - at[i]);
 }
 
-/* The direction to the sun, x east, y north, z up, by rotations of vectors; parallax included. */
+/* Returns the direction to the sun, x east, y north, z up, by rotations of vectors; parallax
+ * included. */
 static struct orl_vec3 second_opinion(double latitude, double longitude_east, int year, int month,
                                       int day, double hour_ut)
 {
@@ -147,25 +149,26 @@ static struct orl_vec3 second_opinion(double latitude, double longitude_east, in
                                 n * e.z + m * towards_meridian - earth_radius));
 }
 
-/* Numbers that are spread evenly, by powers of the plastic number. */
-static double spread(int i, int axis)
+/* Returns a low-discrepancy number, by powers of the plastic number. */
+static double spread_number(int i, int axis)
 {
     static const double steps[] = {0.8191725134, 0.6710436067, 0.5497004779, 0.4503012030};
     const double x = 0.5 + (i + 1) * steps[axis];
     return x - floor(x);
 }
 
-/* 5000 times of 1950 to 2099 and places of the whole Earth. */
+/* 5000 times of 1950 to 2099 at places all over the Earth. */
 static void test_against_second(void **state)
 {
     double worst = 0, sum = 0;
     enum { CASES = 5000 };
     (void)state;
     for (int i = 0; i < CASES; i++) {
-        const double latitude = 180 * spread(i, 0) - 90, longitude = 360 * spread(i, 1) - 180;
-        const double zone = round(longitude / 15), date = 150 * spread(i, 2);
+        const double latitude = 180 * spread_number(i, 0) - 90,
+                     longitude = 360 * spread_number(i, 1) - 180;
+        const double zone = round(longitude / 15), date = 150 * spread_number(i, 2);
         const int year = 1950 + (int)date, month = 1 + i % 12, day = 1 + i / 12 % 28;
-        const double hour = 24 * spread(i, 3);
+        const double hour = 24 * spread_number(i, 3);
         const struct orl_location site = site_at(latitude, longitude, zone);
         const struct orl_moment moment = {.year = year, .month = month, .day = day, .hour = hour};
         const struct orl_sun_position sun = orl_sun_accurate(&site, &moment);
@@ -181,7 +184,7 @@ static void test_against_second(void **state)
     assert_true(worst < 0.005);
 }
 
-/* The second algorithm itself, by the report's intermediate values. */
+/* The second algorithm against the report's intermediate values. */
 static void test_second(void **state)
 {
     const double jd = julian_day(2003, 10, 17, 19 + 30.5 / 60);
@@ -194,8 +197,8 @@ static void test_second(void **state)
     assert_true(fabs(atan2(-sun.x, -sun.y) / deg - 14.34024) < 0.001);
 }
 
-/* A moment of no year is in 2017, and 29 February in 2016; years that the formulas do not cover
- * likewise. Midnights join: 24 h is the next day's 0 h. */
+/* A time without a year is in 2017, and 29 February in 2016; so are years that the formulas do not
+ * cover. Midnight is continuous: 24 h is the next day's 0 h. */
 static void test_years(void **state)
 {
     const struct orl_location site = site_at(50, 8, 1);
@@ -239,7 +242,7 @@ static double apart_deg(struct orl_vec3 a, struct orl_vec3 b)
     return orl_length(orl_sub(a, b)) / deg;
 }
 
-/* An EPW's row of hour 12 is at 11.5; its year counts, which at an equinox is 0.2 degrees. */
+/* An EPW row of hour 12 is at 11.5; its year matters: 0.2 degrees at an equinox. */
 static void test_row_of_a_year(void **state)
 {
     (void)state;
@@ -255,7 +258,7 @@ static void test_row_of_a_year(void **state)
     }
 }
 
-/* By RADIANCE the sun is gendaylit's. */
+/* With the RADIANCE method the sun is gendaylit's. */
 static void test_radiance(void **state)
 {
     static const char wea[] = "place a\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\n"

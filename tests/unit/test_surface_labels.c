@@ -1,6 +1,6 @@
 /*
- * What is told of surfaces once they are geometry: the names, files and lines that they had; and
- * the outlines of polygons, corner by corner, from what geometry keeps.
+ * Labels of surfaces in built geometry: their names, files and lines; and the outlines of
+ * polygons, corner by corner, from stored geometry.
  */
 #include <limits.h>
 #include <setjmp.h>
@@ -22,7 +22,7 @@ static double uniform(struct orl_random *random)
     return orl_random_uniform(random);
 }
 
-/* Lines forwards, backwards and far; names empty and long; files by turns. */
+/* Line numbers that rise, fall and jump; empty and long names; alternating files. */
 static void test_surface_labels(void **state)
 {
     enum { N = 1000, LONGEST = 300 };
@@ -53,7 +53,8 @@ static void test_surface_labels(void **state)
     }
 }
 
-/* A closed polygon about the origin of a tilted plane: a star, a convex one, or a scribble. */
+/* Writes a closed polygon about the origin of a tilted plane: a star, a convex one, or a scribble.
+ */
 static void write_polygon(FILE *f, int number, struct orl_random *random)
 {
     const int n = 3 + (int)(uniform(random) * 6), sort = number % 3;
@@ -67,8 +68,7 @@ static void write_polygon(FILE *f, int number, struct orl_random *random)
     fprintf(f, "\n");
 }
 
-/* Where corners are packed: to a step, of which a float's last bit has 256, or 2^-31 of its size.
- */
+/* Packed corners agree to a step, 1/256 of a float's last bit, or 2^-31 of its size. */
 static void expect_corner(const struct orl_geometry *geometry, struct orl_vec3 is,
                           struct orl_vec3 was)
 {
@@ -79,8 +79,8 @@ static void expect_corner(const struct orl_geometry *geometry, struct orl_vec3 i
                 fabs(is.z - was.z) <= 0x1p-31 * fabs(was.z));
 }
 
-/* As the files have them about the scene's middle; of few to the last bit. Returns how many are
- * listed. */
+/* Checks outlines against the files, relative to the scene's middle; for few polygons to the last
+ * bit. Returns the number of listed outlines. */
 static size_t check_outlines(int n)
 {
     struct orl_random random = orl_random_stream(8, ORL_PURPOSE_PILOT, 0);
@@ -114,7 +114,8 @@ static size_t check_outlines(int n)
     return own;
 }
 
-/* Few polygons have theirs listed; of many their triangles tell it, where they can. */
+/* For few polygons outlines are listed; for many they are derived from triangles, where possible.
+ */
 static void test_outlines(void **state)
 {
     enum { FEW = 600, MANY = 30000 };

@@ -1,4 +1,4 @@
-/* A year as a carpet: where its days and hours are, what is left out, what its legend says. */
+/* A year as a carpet plot: positions of days and hours, gaps, the legend. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,8 +14,8 @@
 #include "support/cli.h"
 #include "support/scratch.h"
 
-/* As an SVG; owned. */
-static char *draw(const struct orl_temporal_map *map)
+/* Returns the map as an SVG, which the caller frees. */
+static char *draw_map(const struct orl_temporal_map *map)
 {
     assert_int_equal(orl_temporal_map_write(map, ORL_CANVAS_SVG, scratch_path("a.svg"), NULL), 0);
     char *text = cli_read_file(scratch_path(""), "a.svg");
@@ -23,7 +23,7 @@ static char *draw(const struct orl_temporal_map *map)
     return text;
 }
 
-static size_t count(const char *text, const char *part)
+static size_t count_substrings(const char *text, const char *part)
 {
     size_t n = 0;
     for (const char *at = strstr(text, part); at; at = strstr(at + 1, part))
@@ -40,24 +40,28 @@ static float *make_values(size_t n, float value)
     return values;
 }
 
-/* Of an even year every day is one box; each hour that differs makes two more. */
+/* In a constant year every day is one box; each hour that differs makes two more. */
 static void test_boxes(void **state)
 {
     float *values = make_values(8760, 150);
     struct orl_temporal_map map = {
         .title = "Even", .unit = "lx", .steps = {8760, 1}, .values = values, .top = 300};
-    char *plain = draw(&map);
+    char *plain = draw_map(&map);
     (void)state;
     values[24 * 40 + 12] = 300;
-    char *spot = draw(&map);
-    assert_int_equal(count(spot, "<polygon") + count(spot, "<path") + count(spot, "<rect"),
-                     count(plain, "<polygon") + count(plain, "<path") + count(plain, "<rect") + 2);
+    char *spot = draw_map(&map);
+    assert_int_equal(count_substrings(spot, "<polygon") + count_substrings(spot, "<path") +
+                         count_substrings(spot, "<rect"),
+                     count_substrings(plain, "<polygon") + count_substrings(plain, "<path") +
+                         count_substrings(plain, "<rect") + 2);
     values[24 * 40 + 12] = 150;
     for (int i = 0; i < 24; i++)
         values[24 * 40 + i] = ORL_SUN_DOWN;
-    char *night = draw(&map);
-    assert_int_equal(count(night, "<polygon") + count(night, "<path") + count(night, "<rect"),
-                     count(plain, "<polygon") + count(plain, "<path") + count(plain, "<rect") - 1);
+    char *night = draw_map(&map);
+    assert_int_equal(count_substrings(night, "<polygon") + count_substrings(night, "<path") +
+                         count_substrings(night, "<rect"),
+                     count_substrings(plain, "<polygon") + count_substrings(plain, "<path") +
+                         count_substrings(plain, "<rect") - 1);
     free(plain);
     free(spot);
     free(night);
@@ -69,7 +73,7 @@ static void test_words(void **state)
     float *values = make_values(17568, 42000);
     struct orl_temporal_map map = {
         .title = "A leap year of half hours", .unit = "lx", .steps = {17568, 2}, .values = values};
-    char *text = draw(&map);
+    char *text = draw_map(&map);
     (void)state;
     assert_non_null(strstr(text, ">A leap year of half hours</text>"));
     assert_non_null(strstr(text, ">Jan</text>"));
@@ -80,7 +84,7 @@ static void test_words(void **state)
     free(text);
     map.logarithmic = true;
     map.top = 3000;
-    text = draw(&map);
+    text = draw_map(&map);
     assert_non_null(strstr(text, ">3000 lx</text>"));
     assert_non_null(strstr(text, ">1000</text>"));
     assert_non_null(strstr(text, ">300</text>"));
@@ -90,7 +94,7 @@ static void test_words(void **state)
     free(values);
 }
 
-/* A year without any light, or any measurement, has a scale all the same. */
+/* A year without any light, or any measurement, still has a scale. */
 static void test_nothing_to_show(void **state)
 {
     static const float fills[] = {0, ORL_SUN_DOWN, NAN};
@@ -99,7 +103,7 @@ static void test_nothing_to_show(void **state)
         float *values = make_values(8760, fills[i]);
         const struct orl_temporal_map map = {
             .title = "Nothing", .unit = "lx", .steps = {8760, 1}, .values = values};
-        char *text = draw(&map);
+        char *text = draw_map(&map);
         assert_non_null(strstr(text, ">1 lx +</text>"));
         assert_null(strstr(text, "nan"));
         free(text);
@@ -115,14 +119,15 @@ static void test_use(void **state)
     struct orl_occupancy use;
     struct orl_temporal_map map = {
         .title = "Use", .unit = "lx", .steps = {8760, 1}, .values = values, .top = 2};
-    char *without = draw(&map);
+    char *without = draw_map(&map);
     (void)state;
     orl_occupancy_init(&use);
     use.days = 0x1f;
     orl_occupancy_mark(&use, &map.steps, marks);
     map.marks = marks;
-    char *with = draw(&map);
-    const size_t dashes = count(with, "stroke=\"#ffffff\"") - count(without, "stroke=\"#ffffff\"");
+    char *with = draw_map(&map);
+    const size_t dashes = count_substrings(with, "stroke=\"#ffffff\"") -
+                          count_substrings(without, "stroke=\"#ffffff\"");
     assert_true(dashes > 2 * 50 && dashes < 2 * 100 && dashes % 2 == 0);
     free(with);
     free(without);

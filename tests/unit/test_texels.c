@@ -1,6 +1,6 @@
 /*
- * Irradiance by texels: all light that lands on a surface of any outline is in its texels, and no
- * more; the other side stays dark; what coincides counts once; any crew makes the same.
+ * Irradiance by texels: a surface of any outline holds exactly the light that lands on it; the
+ * other side stays dark; coincident surfaces count once; results are equal for any crew.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -46,7 +46,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* As many photons on the front of every polygon, of flux 1, 2 and 3. */
+/* Returns a map with equally many photons on the front of every polygon, of flux 1, 2 and 3. */
 static struct orl_photon_map *shower(const struct orl_geometry *geometry, struct orl_crew *crew)
 {
     static struct orl_photon photons[FACETS * A_FACET];
@@ -80,9 +80,10 @@ static const struct orl_texel *texel_at(const struct orl_texels *texels, uint32_
 }
 
 /*
- * A mean over points of the surface, times its area, is the flux. Texels of 48 photons vary by 15 %
- * about each other, those cut by the outline by at most twice as much: a mean of 1e5 points is off
- * by 0.1 % (one sigma); four are allowed. Fluxes in a map are rounded, without bias, by 0.1 %.
+ * A mean over points of the surface, times its area, is the flux. Texels of 48 photons scatter by
+ * 15 %, those cut by the outline by at most twice as much: a mean of 1e5 points has an error of
+ * 0.1 % (one sigma); the tolerance is four of these. Fluxes in a map are rounded, without bias, by
+ * 0.1 %.
  */
 static void expect_all_light(const struct orl_geometry *geometry, const struct orl_texels *texels,
                              uint32_t facet)
@@ -103,7 +104,7 @@ static void expect_all_light(const struct orl_geometry *geometry, const struct o
         most_off = fmax(most_off, fabs(parts - (texel->irradiance[0] > 0 ? UINT8_MAX : 0)));
         assert_null(texel_at(texels, facet, false, point));
     }
-    assert_true(most_off < 1e-4); /* shares make a whole */
+    assert_true(most_off < 1e-4); /* shares sum to one */
     for (int c = 0; c < 3; c++) {
         const double share = sums[c] * geometry->facets[facet].area / ((c + 1.0) * A_FACET);
         print_message("facet %u: %.4f of the flux\n", facet, share);
@@ -111,8 +112,8 @@ static void expect_all_light(const struct orl_geometry *geometry, const struct o
     }
 }
 
-/* Of two squares in one place that face opposite ways, rays meet the one whose front they see, and
- * its light. */
+/* Rays hit that one of two coincident, opposite squares whose front they see, and read its light.
+ */
 static void expect_light_in_front(const struct orl_geometry *geometry,
                                   const struct orl_texels *texels, uint32_t facet)
 {

@@ -1,8 +1,8 @@
 /*
- * Text files as people have them, given to every reader of text: a byte order mark, lines that end
- * as on Windows or on old Macs, UTF-16, Latin-1, a decimal comma, an empty cell, no end of the last
- * line, a trailing Ctrl-Z. Each is read with the same values as the plain file, or refused by line
- * with what to do about it.
+ * Text files in the forms that users have, for every reader of text: a byte order mark, line ends
+ * of Windows or old Macs, UTF-16, Latin-1, a decimal comma, an empty cell, no end of the last
+ * line, a trailing Ctrl-Z. Each form gives the values of the plain file, or is refused by line
+ * with a remedy.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@ enum { TEXT_BYTES = 4096 };
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* In a block of its exact size, so that AddressSanitizer sees what is read beyond its end. */
+/* Reads bytes from a block of exact size, so that AddressSanitizer detects reads beyond its end. */
 static int read_bytes(const struct text_reader *reader, const char *bytes, size_t size,
                       struct text_values *ret_values, struct orl_error *err)
 {
@@ -63,7 +63,10 @@ static void assert_refused(const struct text_reader *reader, const char *what, c
                  err.line, said, line, message);
 }
 
-/* Each "\n" replaced; returns the size. */
+/*
+ * Returns the size of the text with each "
+ * " replaced.
+ */
 static size_t with_line_ends(const char *text, const char *line_end, char ret_text[TEXT_BYTES])
 {
     size_t size = 0;
@@ -245,7 +248,7 @@ static void test_table(void **state)
     print_row(reader);
 }
 
-/* A program's own message, in front of the XML that it writes. */
+/* A message of the program that wrote the XML, before the XML, is skipped. */
 static void test_text_before_xml_is_passed_over(void **state)
 {
     static const char message[] = "genBSDF: 145 rays\nand more\n",
@@ -267,7 +270,7 @@ static void test_text_before_xml_is_passed_over(void **state)
         warned = warned || (check.verdicts[i].level == ORL_BSDF_WARNING &&
                             strstr(check.verdicts[i].text, "27 bytes of text before the XML"));
     assert_true(warned);
-    /* Lines still count from the file's first. */
+    /* Lines are still counted from the file's first. */
     snprintf(text, sizeof text, "%s%s", message, TWO_CELL_XML("a", "x", "0.1 0.2 0.1 0.05"));
     assert_true(orl_bsdf_load_xml("a.xml", text, strlen(text), &bsdf, &err) < 0);
     assert_int_equal(err.line, 4);

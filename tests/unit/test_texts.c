@@ -1,6 +1,6 @@
 /*
- * Texts as patterns and mixtures: letters as rtrace sets them, at 1 000 rays, even, close and in
- * steps; what is wrong with fonts; and whose bytes count.
+ * Texts as patterns and mixtures: letters placed as by rtrace, at 1 000 rays, evenly, closely and
+ * in steps; errors in fonts; and cache keys.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -51,7 +51,7 @@ static struct orl_scene *load(const char *text)
     return scene;
 }
 
-/* What a ray sees of the floor: what it shines, or lets through of light 1. */
+/* Returns the radiance that a ray sees of the floor: emitted, or transmitted of radiance 1. */
 static struct orl_rgb seen(const struct orl_scene *scene, struct orl_vec3 origin,
                            struct orl_vec3 direction)
 {
@@ -65,8 +65,8 @@ static struct orl_rgb seen(const struct orl_scene *scene, struct orl_vec3 origin
 }
 
 /*
- * Sums, sums by cos(i) and sums of squares of red, green and blue, as rtrace has them (-ov -ab 0).
- * One ray in a thousand on a letter's edge would be off by 0.7: there is none.
+ * Sums, sums by cos(i) and sums of squares of red, green and blue, by rtrace (-ov -ab 0). One ray
+ * in a thousand on a letter's edge would change them by 0.7: there is none.
  */
 static void test_rtrace(void **state)
 {
@@ -150,7 +150,7 @@ static void test_errors(void **state)
     }
 }
 
-/* Every byte of a font changes what maps are called; a text twice over is one. */
+/* Every byte of a font changes the map key; a text used twice counts once. */
 static void test_keys(void **state)
 {
     static const char text[] = "!xform b.rad\n!xform b.rad\n";

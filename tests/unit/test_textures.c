@@ -1,6 +1,6 @@
 /*
- * Textures: the normals that they make, beside closed forms; that nothing is sent below the surface
- * or gained; what views see of a matt one under a sun and in a white furnace, by two techniques.
+ * Textures: their normals, against closed forms; nothing is sent below the surface or gained;
+ * radiance of a matt one under a sun and in a white furnace, by two techniques.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -34,9 +34,10 @@ static struct orl_scene *load(const char *text, const char *name, const char *re
     return scene;
 }
 
-/* Where a ray to that place of the floor, from above or below, meets it; from is set to whence. */
-static const struct orl_material *meet(const struct orl_scene *scene, double x, double y,
-                                       struct orl_vec3 from, struct orl_hit *ret_hit)
+/* Finds the material where a ray hits that place of the floor, from above or below; `from` is set
+ * to the direction the ray comes from. */
+static const struct orl_material *intersect_floor(const struct orl_scene *scene, double x, double y,
+                                                  struct orl_vec3 from, struct orl_hit *ret_hit)
 {
     const struct orl_vec3 there = orl_sub(orl_v3(x, y, 0), scene->geometry->center);
     assert_true(orl_geometry_intersect(scene->geometry, orl_madd(there, from, 5), orl_neg(from),
@@ -49,16 +50,17 @@ static void expect_normal(const struct orl_scene *scene, double x, double y, str
 {
     struct orl_hit hit;
     const struct orl_vec3 eye = orl_normalize(from);
-    const struct orl_material *const m = meet(scene, x, y, eye, &hit);
+    const struct orl_material *const m = intersect_floor(scene, x, y, eye, &hit);
     const struct orl_vec3 up = orl_normalize(orl_add(orl_v3(0, 0, 1), turn));
     const struct orl_vec3 wanted = eye.z > 0 ? up : orl_neg(up);
     const struct orl_vec3 normal = orl_normal_at(m, &hit, eye);
-    if (!(orl_length(orl_sub(normal, wanted)) < 1e-5)) /* hits are made of floats */
+    if (!(orl_length(orl_sub(normal, wanted)) < 1e-5)) /* hits are computed from floats */
         fail_msg("%g %g %g, not %g %g %g", normal.x, normal.y, normal.z, wanted.x, wanted.y,
                  wanted.z);
 }
 
-/* In the function's frame, whose scale means nothing; several add up, with a pattern between. */
+/* Textures are evaluated in the function's frame, whose scale is irrelevant; several add up, also
+ * with a pattern between. */
 static void test_normals(void **state)
 {
     static const struct orl_vec3 above = {.1, .2, 1}, below = {.1, 0, -1};
@@ -67,21 +69,22 @@ static void test_normals(void **state)
                                    "t plastic m 0 0 5 .5 .5 .5 0 0\n" FLOOR,
                                    "f.cal", "dx = A1*Px; dy = A2*Py*Nz;");
     expect_normal(scene, 1, 2, above, orl_v3(.1, .4, 0));
-    expect_normal(scene, 2, 1, below, orl_v3(.2, .2, 0)); /* the front's, turned over */
+    expect_normal(scene, 2, 1, below, orl_v3(.2, .2, 0)); /* the front's, reversed */
     orl_scene_release(scene);
     scene = load("void texfunc t 8 .1*Px 0 .2 . -s 2 -rz 90 0 0\n"
                  "t brightfunc b 2 .5 . 0 0\nb texfunc u 4 0 .3 0 . 0 0\n"
                  "u metal m 0 0 5 .5 .5 .5 .9 .1\n" FLOOR,
                  NULL, NULL);
-    /* The function's x is the world's y, its y the other way. */
+    /* The function's x is the world's y, its y the negative x. */
     expect_normal(scene, 1, 2, above, orl_v3(0, .1 + .3, .2));
     struct orl_hit hit;
-    assert_true(fabs(orl_material_diffuse(meet(scene, 1, 1, orl_v3(0, 0, 1), &hit), &hit).r -
-                     .5 * .5 * .1) < 1e-9);
+    assert_true(
+        fabs(orl_material_diffuse(intersect_floor(scene, 1, 1, orl_v3(0, 0, 1), &hit), &hit).r -
+             .5 * .5 * .1) < 1e-9);
     orl_scene_release(scene);
 }
 
-/* By values on a grid: the functions take what all three files hold. */
+/* Textures by values on a grid: functions combine the values of all three files. */
 static void test_data(void **state)
 {
     static const char *const names[] = {"a.rad", "f.cal", "x.dat", "y.dat"};
@@ -105,7 +108,7 @@ static void test_data(void **state)
     orl_scene_release(scene);
 }
 
-/* As gensurf -s and obj2rad write them: normals by what the library's files mean. */
+/* Normals as gensurf -s and obj2rad write them, with the meaning of Radiance's library files. */
 static void test_library(void **state)
 {
     (void)state;
@@ -123,9 +126,8 @@ static void test_library(void **state)
     orl_scene_release(scene);
 }
 
-/* A material's texture and pattern, as obj2rad puts them between it and surfaces; again is the
- * same.
- */
+/* A material's texture and pattern, placed between it and surfaces as by obj2rad; repeating them
+ * changes nothing. */
 static void test_over_material(void **state)
 {
     static const char text[] = "void texfunc w 4 .1 0 0 . 0 0\n"
@@ -139,13 +141,13 @@ static void test_over_material(void **state)
     assert_int_equal(scene->description.n_materials, 3);
     expect_normal(scene, 2, 1, orl_v3(0, .1, 1), orl_v3(.1 + .4, 0, 0));
     const struct orl_rgb seen =
-        orl_material_diffuse(meet(scene, 1, 1, orl_v3(0, 0, 1), &hit), &hit);
+        orl_material_diffuse(intersect_floor(scene, 1, 1, orl_v3(0, 0, 1), &hit), &hit);
     assert_true(fabs(seen.r - .4) < 1e-9 && fabs(seen.b - .1) < 1e-9);
     orl_scene_release(scene);
 }
 
-/* From all sides, however far a normal is turned: the side is kept, and no more is sent on than the
- * share that is mirrored. */
+/* From all directions, for any tilt of the normal: the side is kept, and at most the reflected
+ * share is sent on. */
 static void test_sides(void **state)
 {
     static const char *const materials[] = {
@@ -164,8 +166,9 @@ static void test_sides(void **state)
             const double phi = 6.2831853 * orl_random_uniform(&random);
             const struct orl_vec3 from = orl_v3(s * cos(phi), s * sin(phi), u);
             struct orl_hit hit;
-            const struct orl_material *const m = meet(scene, 4 * orl_random_uniform(&random),
-                                                      4 * orl_random_uniform(&random), from, &hit);
+            const struct orl_material *const m =
+                intersect_floor(scene, 4 * orl_random_uniform(&random),
+                                4 * orl_random_uniform(&random), from, &hit);
             const struct orl_vec3 normal = orl_normal_at(m, &hit, from);
             assert_true(orl_dot(normal, from) >= 0 && fabs(orl_length(normal) - 1) < 1e-9);
             const struct orl_scatter sent =
@@ -182,7 +185,7 @@ static void test_sides(void **state)
     }
 }
 
-/* Mean radiance of a view from above onto the floor's middle. */
+/* Returns the mean radiance of a view from above onto the floor's middle. */
 static double seen(const char *text, enum orl_technique technique)
 {
     enum { SIDE = 8 };
@@ -202,9 +205,10 @@ static double seen(const char *text, enum orl_technique technique)
     return sum;
 }
 
-/* A sun: by the cosine to the turned normal. An even sky all round, of half the sphere below the
- * surface nothing: all of it, whichever way the normal is turned. 0.4 %: the picture's digits; 1 %
- * besides where 64 paths a pixel, or a record's rays, sum up the sky. */
+/* Under a sun the radiance follows the cosine to the tilted normal. In an even sky all round,
+ * which the floor hides below the surface, all light is received for any tilt of the normal.
+ * Tolerances: 0.4 % for the picture's digits, and 1 % more where 64 paths a pixel, or a record's
+ * rays, sum up the sky. */
 static void test_seen(void **state)
 {
     static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
@@ -224,8 +228,8 @@ static void test_seen(void **state)
     }
 }
 
-/* Balls by gensurf and rods by genrev, both smooth: normals as good as those of what they are like
- * at places that are no corners, and much better than those of the polygons. */
+/* Smooth balls by gensurf and rods by genrev: away from corners, normals agree with the exact
+ * shape much better than those of the flat polygons. */
 static void test_generated(void **state)
 {
     const double height = 1.37, x = .41, y = .23;
@@ -235,7 +239,7 @@ static void test_generated(void **state)
         "void plastic m 0 0 5 .5 .5 .5 0 0\n" FLOOR
         "!gensurf m ball 'sin(PI*s)*cos(2*PI*t)' 'sin(PI*s)*sin(2*PI*t)' 'cos(PI*s)' 30 60 -s\n",
         NULL, NULL);
-    const struct orl_material *m = meet(scene, x, y, orl_v3(0, 0, 1), &hit);
+    const struct orl_material *m = intersect_floor(scene, x, y, orl_v3(0, 0, 1), &hit);
     const struct orl_vec3 round = orl_v3(x, y, sqrt(1 - x * x - y * y));
     assert_true(orl_length(orl_sub(orl_normal_at(m, &hit, orl_v3(0, 0, 1)), round)) < 2e-3);
     assert_true(orl_length(orl_sub(hit.normal, round)) > 1e-2);

@@ -1,7 +1,6 @@
 /*
- * TIFF pictures as patterns have them: samples of every width against what was written, by sRGB or
- * the file's own curve; rows that lie the other way; what is transparent; LogLuv; and what is
- * refused.
+ * TIFF pictures as patterns: samples of every width against the written values, by sRGB or the
+ * file's own curve; orientations; transparency; LogLuv; and refusals.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +19,7 @@
 
 enum { W = 5, H = 3 };
 
-/* What a file is, beside its pixels. */
+/* Properties of a file, besides its pixels. */
 struct kind {
     uint16_t bits, format, samples, photometric, orientation, compression;
     bool veiled, curved;
@@ -33,7 +32,7 @@ static const struct kind usual = {.bits = 8,
                                   .orientation = ORIENTATION_TOPLEFT,
                                   .compression = COMPRESSION_LZW};
 
-/* A channel's value at a pixel, 0 to 1: told apart everywhere. */
+/* Returns a channel's value at a pixel, 0 to 1, unique everywhere. */
 static double value_at(int x, int y, int c)
 {
     return (1 + x + W * y + 20 * c) / 100.0;
@@ -51,7 +50,7 @@ static void put_sample(void *row, const struct kind *kind, size_t at, double val
 
 static void put_fields(TIFF *tiff, const struct kind *kind)
 {
-    static uint16_t curve[65536]; /* light is the square */
+    static uint16_t curve[65536]; /* the transfer curve: light is the square */
     const uint16_t veil = EXTRASAMPLE_UNASSALPHA;
     TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, W);
     TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, H);
@@ -73,7 +72,7 @@ static void put_fields(TIFF *tiff, const struct kind *kind)
         TIFFSetField(tiff, TIFFTAG_TRANSFERFUNCTION, curve, curve, curve);
 }
 
-/* Half of every pixel is there where it is veiled. */
+/* Writes a TIFF; with transparency every pixel has an alpha of a half. */
 static unsigned char *write_tiff(const struct kind *kind, size_t *ret_size)
 {
     TIFF *const tiff = TIFFOpen(scratch_path("a.tif"), "w");
@@ -118,7 +117,8 @@ static double squared(double v)
     return v * v;
 }
 
-/* Every pixel, from the upper left, by what light a value is; tolerance: of values. */
+/* Checks every pixel, from the upper left, with `light` as the transfer function; the tolerance is
+ * one of values. */
 static void expect(const struct kind *kind, double (*light)(double), double part, double tolerance)
 {
     struct orl_grid *const grid = read_tiff(kind);
@@ -159,7 +159,7 @@ static void test_samples(void **state)
     expect(&kind, as_it_is, 1, 1e-7);
 }
 
-/* What is half there is half as bright, over black. */
+/* A pixel of alpha one half is half as bright, over black. */
 static void test_veiled(void **state)
 {
     struct kind kind = usual;
@@ -174,7 +174,7 @@ static void test_veiled(void **state)
     expect(&kind, linear_of_srgb, 0.5, 2.0 / 65535);
 }
 
-/* Steps of luminance are 0.27 % in LogLuv; an even colour is grey, whose XYZ are alike. */
+/* Steps of luminance are 0.27 % in LogLuv; a uniform colour is grey, with equal XYZ. */
 static void test_logluv(void **state)
 {
     struct kind kind = usual;
@@ -212,7 +212,7 @@ static int code_of(const unsigned char *bytes, size_t size)
     return code;
 }
 
-/* Cut or overwritten anywhere it is read, or refused with a reason. */
+/* A file cut or overwritten anywhere is read, or refused with a reason. */
 static void test_damaged(void **state)
 {
     struct kind kind = usual;
@@ -232,7 +232,7 @@ static void test_damaged(void **state)
     free(bytes);
 }
 
-/* Pictures on their side, and what are no numbers. */
+/* Rotated pictures, and non-finite values, are refused. */
 static void test_refused(void **state)
 {
     struct kind kind = usual;

@@ -1,4 +1,4 @@
-/* Times as text, before 1970 and at the ends of what four digits of a year can say. */
+/* Times as text, before 1970 and at the limits of four-digit years. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

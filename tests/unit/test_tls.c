@@ -1,4 +1,4 @@
-/* Certificates that are loaded again and again: memory, and how long those of before stay. */
+/* Certificates that are reloaded repeatedly: memory, and the lifetime of earlier ones. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -47,7 +47,7 @@ static int tear_down(void **state)
 extern size_t __sanitizer_get_current_allocated_bytes(void);
 #endif
 
-/* Bytes of all allocated blocks. */
+/* Returns the bytes of all allocated blocks. */
 static size_t memory(void)
 {
 #if ORL_SANITIZED
@@ -73,7 +73,7 @@ static size_t grown(size_t before)
 /* A certificate and its key take 10 kB. Small blocks that malloc keeps for later count as used. */
 enum { RELOADS = 500, LEAST_BYTES = 1000, MOST_BYTES = 10000 };
 
-/* Without handshakes under way nothing grows. */
+/* Without handshakes in progress memory does not grow. */
 static void test_reloads(void **state)
 {
     struct fixture *f = *state;
@@ -90,7 +90,7 @@ static void test_reloads(void **state)
     assert_true(grown(before) < MOST_BYTES);
 }
 
-/* Loads two more certificates, and frees three in turn. Returns the bytes that are left of them. */
+/* Loads two more certificates, and frees three in turn. Returns the bytes that remain allocated. */
 static size_t replace_certificates(struct fixture *f, uint64_t n)
 {
     const size_t one = memory();
@@ -108,9 +108,9 @@ static size_t replace_certificates(struct fixture *f, uint64_t n)
     return grown(one);
 }
 
-/* A certificate stays while a connection of its time may be shaking hands. The library may allocate
- * memory of its own meanwhile, for random numbers; a certificate that stays would do so each time.
- */
+/* A certificate stays while a connection from its time may still be in its handshake. The library
+ * may allocate memory of its own meanwhile, for random numbers; a leaked certificate would add
+ * memory each time. */
 static void test_handshakes(void **state)
 {
     struct fixture *f = *state;
@@ -121,7 +121,7 @@ static void test_handshakes(void **state)
     assert_true(gone);
 }
 
-/* Connections in MHD's place: the oldest that has brought no request. */
+/* The oldest connection that may be in its handshake, from counts that MHD would supply. */
 static void test_oldest_handshake(void **state)
 {
     struct orl_connections all = {.most = 10};

@@ -1,6 +1,4 @@
-/*
- * Polygons into triangles: the area is the polygon's, and rays hit exactly what lies inside.
- */
+/* Polygons into triangles: the area is kept, and rays hit exactly the inside. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,9 +14,9 @@
 #include "base/random.h"
 #include "support/outline.h"
 
-static void check(const struct outline *o)
+static void check_outline(const struct outline *o)
 {
-    /* Coordinates of order one in double, some hundred products. */
+    /* Coordinates are of order one, in double, with some hundred products. */
     assert_true(outline_area_error(o) <= 1e-11);
     assert_int_equal(outline_misses(o, OUTLINE_GRID), 0);
 }
@@ -29,7 +27,7 @@ static void test_convex(void **state)
     (void)state;
     for (int i = 0; i < 17; i++)
         outline_add(&o, cos(2 * ORL_PI * i / 17), sin(2 * ORL_PI * i / 17));
-    check(&o);
+    check_outline(&o);
 }
 
 static void test_concave(void **state)
@@ -41,14 +39,14 @@ static void test_concave(void **state)
     struct outline o;
     (void)state;
     o = outline_of(comb, 16);
-    check(&o);
+    check_outline(&o);
     o = outline_of(arrow, 4);
-    check(&o);
+    check_outline(&o);
 }
 
 /*
- * A wall with two windows, twenty corners: each hole is joined to the outline by a seam walked
- * there and back, the second seam leaving from a corner of the first hole, which it touches.
+ * A wall with two windows, twenty corners. Each hole is joined to the outline by a seam, traversed
+ * in both directions; the second seam starts at a corner of the first hole, which it touches.
  */
 static void test_keyholed(void **state)
 {
@@ -61,10 +59,10 @@ static void test_keyholed(void **state)
     (void)state;
     o = outline_of(wall, 20);
     assert_true(fabs(outline_area(&o) - 28) < 1e-12);
-    check(&o);
+    check_outline(&o);
 }
 
-/* Two holes hung on the same corner of the outline, one after the other. */
+/* Two holes joined to the same corner of the outline, one after the other. */
 static void test_two_seams_at_one_corner(void **state)
 {
     static const double plate[][2] = {{0, 0}, {6, 0}, {6, 6}, {0, 6}, {0, 0}, {1, 2},
@@ -74,10 +72,10 @@ static void test_two_seams_at_one_corner(void **state)
     (void)state;
     o = outline_of(plate, 16);
     assert_true(fabs(outline_area(&o) - 34) < 1e-12);
-    check(&o);
+    check_outline(&o);
 }
 
-/* A frame: outline and hole nearly as large, seam between neighbouring corners. */
+/* A frame: the hole is nearly as large as the outline, with a seam between neighbouring corners. */
 static void test_thin_frame(void **state)
 {
     static const double frame[][2] = {{0, 0},       {1, 0},       {1, 1},       {0, 1},
@@ -86,7 +84,7 @@ static void test_thin_frame(void **state)
     struct outline o;
     (void)state;
     o = outline_of(frame, 10);
-    check(&o);
+    check_outline(&o);
 }
 
 static void test_collinear_and_duplicates(void **state)
@@ -97,9 +95,9 @@ static void test_collinear_and_duplicates(void **state)
     struct outline o;
     (void)state;
     o = outline_of(square, 12);
-    check(&o);
+    check_outline(&o);
     o = outline_of(spike, 7);
-    check(&o);
+    check_outline(&o);
 }
 
 /* Stars: random radii about a centre make a simple polygon, sharp and concave. */
@@ -115,13 +113,13 @@ static void test_random_stars(void **state)
             outline_add(&o, r * cos(phi), r * sin(phi));
         }
         if (seed % 10 == 0)
-            check(&o);
+            check_outline(&o);
         else
             assert_true(outline_area_error(&o) <= 1e-11);
     }
 }
 
-/* A wall of many windows on seams from one corner of the outline to the next hole, in a chain. */
+/* A wall of many windows in a chain of seams, from one corner of the outline to the next hole. */
 static void test_many_holes(void **state)
 {
     enum { HOLES = 24 };
@@ -132,7 +130,7 @@ static void test_many_holes(void **state)
     outline_add(&o, 2 * HOLES + 1, 3);
     outline_add(&o, 0, 3);
     outline_add(&o, 0, 0);
-    /* Out along the sills, around each hole but for its sill; back along the sills. */
+    /* Out along the sills, around each hole except for its sill; back along the sills. */
     for (int i = 0; i < HOLES; i++) {
         outline_add(&o, 2 * i + 1, 1);
         outline_add(&o, 2 * i + 1, 2);
@@ -145,7 +143,7 @@ static void test_many_holes(void **state)
         outline_add(&o, 2 * i + 1, 1);
     }
     assert_true(fabs(outline_area(&o) - (3.0 * (2 * HOLES + 1) - HOLES)) < 1e-9);
-    check(&o);
+    check_outline(&o);
 }
 
 int main(void)

@@ -1,4 +1,4 @@
-/* BSDF panes whose front is outdoors are warned of, if it matters which way round they stand. */
+/* BSDF panes whose front faces outdoors give a warning, if their orientation matters. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -50,7 +50,7 @@ static char *write_data(const struct data *data)
     return t.data;
 }
 
-/* Returns how many warnings name the pane as turned. */
+/* Returns the number of warnings that name the pane as reversed. */
 static size_t count_warnings(const char *scene, const struct data *data)
 {
     static const struct orl_sensor sensor = {{0, 2, 0.8}, {0, 0, 1}};

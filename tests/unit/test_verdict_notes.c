@@ -16,7 +16,8 @@
 static struct orl_window_group blinds = {
     .control = {.kind = ORL_SHADES_BY_SUN, .above_lx = 1000, .share_percent = 2}};
 
-/* The verdict on sDA300/50 >= 40 % by LEED, of the south and of both grids, and its note. */
+/* Checks the verdict on sDA300/50 >= 40 % by LEED, for the south and for both grids, and its note.
+ */
 static void check_blinds(const struct orl_annual_result *result, struct orl_window_group *groups,
                          enum orl_verdict south, const char *note)
 {
@@ -64,8 +65,8 @@ static void test_blinds_of_rules(void **state)
     hand_year_free(&result);
 }
 
-/* LM-83 closes blinds for each grid by itself: of 120 points one, which is in a grid of two, is
- * below 2 % of all and far above 2 % of its grid. */
+/* LM-83 closes blinds for each grid separately. One of 120 points, in a grid of two, is below 2 %
+ * of all and far above 2 % of its grid. */
 static void test_blinds_of_a_small_grid(void **state)
 {
     enum { POINTS = 120, SMALL = 2 };
@@ -92,7 +93,7 @@ static void test_blinds_of_a_small_grid(void **state)
     grids[1].count = POINTS - SMALL;
     hand_year_ask(&wishes, "sDA300/50 >= 40 %", "LEED v4.1, 1 point");
     struct orl_annual_report report = hand_year_report(&request, &result, &wishes);
-    const struct orl_annual_verdict *of_rule = report.verdicts + 3; /* all, and each grid */
+    const struct orl_annual_verdict *of_rule = report.verdicts + 3; /* all grids, and each grid */
     assert_int_equal(report.n_verdicts, 3 + 3);
     assert_int_equal(of_rule[0].grid, ORL_ALL_GRIDS);
     assert_int_equal(of_rule[0].verdict, ORL_VERDICT_UNDECIDED);
@@ -103,8 +104,8 @@ static void test_blinds_of_a_small_grid(void **state)
     hand_year_free(&result);
 }
 
-/* A file without January leaves all verdicts undecided; a file without two weeks does not. The
- * daylight hours of half a year are the lighter half of its own hours, without its nights. */
+/* A file without January leaves all verdicts undecided; a file without two weeks does not. For
+ * half a year, the daylight hours are the lighter half of its own hours, without its nights. */
 static void test_few_hours(void **state)
 {
     struct orl_annual_grid grids[2];
@@ -145,8 +146,8 @@ static void test_few_hours(void **state)
     hand_year_free(&result);
 }
 
-/* The verdict on the mean illuminance being so many of the interval's longer sides above what it
- * is at most, and its note. */
+/* Returns the verdict on the mean illuminance, and its note. The target's upper bound is the value
+ * plus `sides` times the interval's longer side. */
 static enum orl_verdict judge_mean(const struct orl_annual_result *result, double sides,
                                    char note[sizeof((struct orl_annual_verdict *)0)->note])
 {
@@ -194,8 +195,7 @@ static void test_uncertain_hours(void **state)
 }
 
 /* A seat faces the sun at noon of every day: DGP is 1 each time, so the illuminance at the eye
- * decides which days are worse. The level of protection is open if the weather lacks hours of use.
- */
+ * ranks the days. The level of protection is undecided if the weather lacks hours of use. */
 static void test_worst_days_of_a_seat(void **state)
 {
     struct orl_annual_grid grids[2];
@@ -223,7 +223,7 @@ static void test_worst_days_of_a_seat(void **state)
     report.n_seats = 1;
     assert_int_equal(orl_report_seats(&result, &report, &err), 0);
     assert_int_equal(report.seats[0].n_worst, ORL_GLARE_WORST);
-    static const int months[ORL_GLARE_WORST] = {1, 3, 5, 7, 8}; /* their 31st days */
+    static const int months[ORL_GLARE_WORST] = {1, 3, 5, 7, 8}; /* the 31st days of these months */
     for (int i = 0; i < ORL_GLARE_WORST; i++) {
         const struct orl_annual_step *step = &result.steps[report.seats[0].worst[i].step];
         assert_int_equal(step->day, 31);

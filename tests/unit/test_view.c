@@ -1,5 +1,6 @@
 /*
- * Views: rays of the six types against hand-computed ones, the VIEW line's round trip, errors.
+ * Views: rays of the six types against values worked out by hand, the VIEW line's round trip,
+ * errors.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +24,7 @@ static struct orl_view parse(const char *text)
     return view;
 }
 
-/* The ray's direction, any length, and its origin. */
+/* Checks the ray's direction, of any length, and its origin. */
 static void assert_ray(const struct orl_view *view, double x, double y, struct orl_vec3 origin,
                        struct orl_vec3 direction)
 {
@@ -59,7 +60,7 @@ static void test_perspective(void **state)
     assert_true(fabs(orl_view_pixel_aspect(&v, 300, 200) - (t / 200) / (1.0 / 300)) < 1e-12);
 }
 
-/* Up is only a hint: tilted into the image by the part square to the direction. */
+/* The up vector is a hint: its component perpendicular to the direction is used. */
 static void test_tilted_up(void **state)
 {
     const struct orl_view v = parse("-vtv -vd 0 1 -1 -vu 0 0 1 -vh 90 -vv 90");
@@ -68,7 +69,7 @@ static void test_tilted_up(void **state)
     assert_ray(&v, 1, 1, zero, orl_add(orl_add(d, up), orl_v3(1, 0, 0)));
 }
 
-/* Parallel: the size is in scene units, origins differ and directions do not. */
+/* Parallel: the size is in scene units; origins differ and directions do not. */
 static void test_parallel(void **state)
 {
     const struct orl_view v = parse("-vtl -vp 0 0 10 -vd 0 0 -1 -vu 0 1 0 -vh 4 -vv 2");
@@ -79,7 +80,8 @@ static void test_parallel(void **state)
     assert_true(fabs(orl_view_pixel_aspect(&v, 40, 20) - 1) < 1e-12);
 }
 
-/* Angular fisheye of 180 degrees: the angle from the axis grows evenly; corners see nothing. */
+/* Angular fisheye of 180 degrees: the angle from the axis is proportional to the radius; corners
+ * have no rays. */
 static void test_angular_fisheye(void **state)
 {
     const struct orl_view v = parse("-vta -vd 0 1 0 -vu 0 0 1 -vh 180 -vv 180");
@@ -92,14 +94,15 @@ static void test_angular_fisheye(void **state)
     assert_ray(&v, 1, 0.5, zero, orl_v3(1, 0, 0));
     /* Along the diagonal: 64 degrees off at (3/4, 3/4). */
     assert_ray(&v, 0.75, 0.75, zero, orl_v3(sin(b) * sqrt(0.5), cos(b), sin(b) * sqrt(0.5)));
-    /* Radiance sees through 360 degrees at most: the square's corners are at 127 degrees here. */
+    /* Radiance's limit is 360 degrees: the square's corners are at 127 degrees here. */
     assert_true(orl_view_ray(&v, 1, 1, &o, &d));
     const struct orl_view all = parse("-vta -vd 0 1 0 -vu 0 0 1 -vh 360 -vv 360");
     assert_ray(&all, 1, 0.5, zero, orl_v3(0, -1, 0));
     assert_false(orl_view_ray(&all, 1, 1, &o, &d));
 }
 
-/* Hemispherical fisheye: the sine of the angle grows evenly; beyond the circle there is nothing. */
+/* Hemispherical fisheye: the sine of the angle is proportional to the radius; there are no rays
+ * beyond the circle. */
 static void test_hemispherical_fisheye(void **state)
 {
     const struct orl_view v = parse("-vth -vd 0 1 0 -vu 0 0 1 -vh 180 -vv 180");
@@ -111,7 +114,7 @@ static void test_hemispherical_fisheye(void **state)
 }
 
 /*
- * Shift and lift move the image by its own size; -vo starts rays further on: at a plane in
+ * Shift and lift move the image by its own size; -vo starts rays further away: at a plane in
  * perspective, at a sphere in a fisheye.
  */
 static void test_shift_and_clip(void **state)
@@ -152,7 +155,7 @@ static void test_round_trip(void **state)
         const struct orl_view second = parse(text);
         assert_int_equal(first.type, second.type);
         assert_same(&first, &second);
-        /* Every parameter is written out: evalglare refuses less. */
+        /* Every parameter is written, because evalglare accepts nothing less. */
         for (const char *option = "pduhvoasl"; *option; option++) {
             const char word[] = {' ', '-', 'v', *option, ' ', '\0'};
             assert_non_null(strstr(text, word));
@@ -160,7 +163,7 @@ static void test_round_trip(void **state)
     }
 }
 
-/* As it stands in files: with a keyword in front, and blanks anywhere. */
+/* The form in files: with a keyword in front, and blanks anywhere. */
 static void test_prefixes(void **state)
 {
     static const char *const prefixes[] = {"VIEW= ", "VIEW=",      "rpict ", "rvu ",
@@ -176,7 +179,7 @@ static void test_prefixes(void **state)
     }
 }
 
-/* Stereographic: half way to the edge of 180 degrees lies 2 atan(1/2), at the edge 90. */
+/* Stereographic: half way to the edge of 180 degrees the angle is 2 atan(1/2), at the edge 90. */
 static void test_planispheric_fisheye(void **state)
 {
     const struct orl_view v = parse("-vts -vd 0 1 0 -vh 180 -vv 180");
@@ -186,12 +189,12 @@ static void test_planispheric_fisheye(void **state)
     assert_ray(&v, 1, 0.5, zero, orl_v3(1, 0, 0));
     assert_ray(&v, 0.5, 0.25, zero, orl_v3(0, cos(half), -sin(half)));
     assert_ray(&v, 0.75, 0.5, zero, orl_v3(sin(half), cos(half), 0));
-    /* There is something in the corners, too: behind the eye. */
+    /* The corners have rays too: behind the eye. */
     assert_ray(&v, 1, 1, zero, orl_v3(2, -1, 2));
     assert_true(fabs(orl_view_pixel_aspect(&v, 10, 10) - 1) < 1e-12);
 }
 
-/* Around by even angles, up by the tangent; clipped by cylinders. */
+/* Cylindrical: azimuth is linear, height by the tangent; clipped by cylinders. */
 static void test_cylindrical(void **state)
 {
     const struct orl_view v = parse("-vtc -vd 0 1 0 -vh 360 -vv 90 -vo 2 -va 5");
@@ -205,7 +208,7 @@ static void test_cylindrical(void **state)
     assert_true(fabs(orl_view_pixel_aspect(&v, 100, 100) - 1 / ORL_PI) < 1e-12);
 }
 
-/* Where -va cuts rays off: a plane in perspective, a sphere in fisheyes. */
+/* -va ends rays at a plane in perspective, at a sphere in fisheyes. */
 static void test_reach(void **state)
 {
     const struct orl_view v = parse("-vtv -vh 90 -vv 90 -vo 1 -va 4");
@@ -218,7 +221,7 @@ static void test_reach(void **state)
     assert_true(isinf(orl_view_reach(&open, 0.5, 0.5)));
 }
 
-/* Sizes as rpict has them: one side gives way. */
+/* Sizes as in rpict: one side is reduced to keep the aspect. */
 static void test_sizes(void **state)
 {
     const struct orl_view v = parse("-vtv -vh 90 -vv 53.1301 -x 800 -y 800 -pa 1");
@@ -280,7 +283,7 @@ static void test_files(void **state)
     expect_no_view("\n\nrvu -vp 1 2 x\n", NULL, ORL_ERR_SYNTAX, 3);
 }
 
-/* Options behind a file's have the last word; the others stay. */
+/* Options after a file's replace the same options; the others stay. */
 static void test_options_behind_a_file(void **state)
 {
     (void)state;
@@ -333,7 +336,7 @@ static void test_errors(void **state)
             fail_msg("'%s' gave %d", bad[i].text, code);
         assert_int_equal(err.code, code);
         assert_true(err.message[0] != '\0');
-        assert_int_equal(view.type, '?'); /* untouched on failure */
+        assert_int_equal(view.type, '?'); /* unchanged on failure */
         assert_int_equal(orl_view_parse(bad[i].text, &view, NULL), bad[i].code);
     }
 }

@@ -1,6 +1,6 @@
 /*
- * Photons that fly in waves leave what each would have left by itself, to the last bit and in that
- * order; rays and draws made side by side are those made alone.
+ * Photons traced in waves leave what each would leave alone, to the last bit and in the same
+ * order; batches of rays and samples equal single ones.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +17,7 @@
 
 enum { WAVES = 40, RAYS = 1000, DRAWS = 1000 };
 
-/* Its pane in the text is the room's; the ball makes rays go one by one. */
+/* This text's pane is the room's; the ball forces rays one by one. */
 #define THINGS                                                                                     \
     "void metal shiny 0 0 5 .8 .7 .6 .9 .1\n!genbox shiny box .5 .5 .4 | xform -t 1.7 .4 .1\n"     \
     "void plastic ground 0 0 5 .2 .3 .2 0 0\n"                                                     \
@@ -82,7 +82,7 @@ static void test_waves(void **state)
     check_waves(ROOM_SUN ROOM_SKY ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE, bsdf, true);
 }
 
-/* None flies: nothing is left, and nothing was to be copied from nowhere. */
+/* Without any photon in the wave nothing is stored, and nothing is copied from NULL. */
 static void test_none_flies(void **state)
 {
     struct orl_world *world =

@@ -1,4 +1,4 @@
-/* EPW and WEA files: small ones of our own making, good and bad. */
+/* EPW and WEA files: small ones written for the test, valid and invalid. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -44,7 +44,8 @@ static void assert_site(const struct orl_weather *weather)
     assert_true(weather->time_zone_h == 2);
 }
 
-/* The same hour in both formats: east in one, west in the other; the hour's end and its middle. */
+/* One hour in both formats: longitude east in one, west in the other; the hour's end and its
+ * middle. */
 static void test_both_formats_agree(void **state)
 {
     struct orl_weather epw = parse_good(EPW TO_DIRECT(3, 22, 12) "800,120,0,0,0\n");
@@ -66,7 +67,7 @@ static void test_both_formats_agree(void **state)
     orl_weather_done(&wea);
 }
 
-/* Files of our own in the full layout: eight header lines, two days of hours. */
+/* Fixture files in the full layout: eight header lines, two days of hours. */
 static void test_fixtures(void **state)
 {
     static const char *const paths[2] = {"tests/fixtures/weather.epw",
@@ -124,7 +125,7 @@ static void test_missing_values(void **state)
     (void)state;
     assert_true(epw.rows[0].missing && epw.rows[1].missing && !epw.rows[2].missing);
     orl_weather_done(&epw);
-    /* In lux, 9999 is a value like any other. */
+    /* In lux, 9999 is an ordinary value. */
     struct orl_weather lux =
         parse_good("place a_b\nlatitude 0\nlongitude 0\ntime_zone 0\nsite_elevation 0\n"
                    "weather_data_file_units 3\n1 1 9.5 9999 20000\n1 1 10.5 999900 0\n");
@@ -133,7 +134,7 @@ static void test_missing_values(void **state)
     orl_weather_done(&lux);
 }
 
-/* Half-hour zones come through whole: India is at 82.5 degrees. */
+/* Half-hour time zones are exact: India is at 82.5 degrees. */
 static void test_half_hour_zone(void **state)
 {
     struct orl_weather india =
@@ -200,11 +201,11 @@ static void test_bad_files(void **state)
             fail_msg("file %zu: code %d at line %d (%s), not %d at %d", i, code, err.line,
                      err.message, bad[i].code, bad[i].line);
         assert_string_equal(err.file, "x.epw");
-        assert_int_equal(weather.n_rows, 77); /* untouched */
+        assert_int_equal(weather.n_rows, 77); /* unchanged */
     }
 }
 
-/* Rows from hour 0 to 23 are no EPW's, whose hours end at 1 to 24. */
+/* Rows from hour 0 to 23 are not EPW, whose hours end at 1 to 24. */
 static void test_hours_from_zero(void **state)
 {
     struct orl_weather weather;
@@ -215,7 +216,7 @@ static void test_hours_from_zero(void **state)
     assert_non_null(strstr(err.hint, "add 1 to the hours"));
 }
 
-/* Tables of other sources are refused by their names, with what to do. */
+/* Tables of other sources are refused by their names, with a remedy. */
 static void test_other_forms(void **state)
 {
     static const struct {
@@ -242,7 +243,7 @@ static void test_other_forms(void **state)
     }
 }
 
-/* Every beginning of a good file is a good file or an error, in a block of its exact size. */
+/* Every prefix of a valid file, in a block of its exact size, is valid or gives an error. */
 static void test_every_truncation(void **state)
 {
     static const char good[] = EPW TO_DIRECT(3, 22, 12) "800,120,0\n";
@@ -296,7 +297,7 @@ static void test_weekday_and_year(void **state)
     orl_weather_done(&wea);
 }
 
-/* Each of four rows an hour stands for a quarter, whatever its minute field says. */
+/* Each of four rows an hour stands for a quarter, for any value of its minute field. */
 static void test_quarters(void **state)
 {
     static const char row[] = "2020,3,22,%d,%d,f,9,7,87,101300,0,0,305,0,%d,120,0,0,0\n";
@@ -317,8 +318,8 @@ static void test_quarters(void **state)
     }
 }
 
-/* A file of two years is refused, with the years and the remedy; typical years, whose months are of
- * several, are not. Two rows of the same time are refused in any file. */
+/* A file of two years is refused, with the years and the remedy; typical years, whose months are
+ * of several years, are not. Two rows of the same time are refused in any file. */
 static void test_two_years(void **state)
 {
     static const char row[] = "%d,%d,22,12,0,f,9,7,87,101300,0,0,305,0,800,120,0,0,0\n";
@@ -347,7 +348,7 @@ static void test_two_years(void **state)
     }
 }
 
-/* The chosen one of several years counts, with its own weekdays: 1 January 2021 was a Friday. */
+/* The chosen one of several years is used, with its own weekdays: 1 January 2021 was a Friday. */
 static void test_chosen_year(void **state)
 {
     static const char text[] = EPW "2020,3,22,12,0,f,9,7,87,101300,0,0,305,0,800,120,0,0,0\n"
@@ -370,8 +371,8 @@ static void test_chosen_year(void **state)
     assert_non_null(strstr(err.message, "rows of WEA files have no year"));
 }
 
-/* Rows of a file from July to June come in the order of the calendar. 1 July 2019 was a Monday,
- * 1 January 2020 a Wednesday. */
+/* Rows of a file from July to June are sorted by calendar date. 1 July 2019 was a Monday, 1
+ * January 2020 a Wednesday. */
 static void test_july_to_june(void **state)
 {
     static const char row[] = "%d,%d,%d,12,0,f,9,7,87,101300,0,0,305,0,800,120,0,0,0\n";
@@ -391,7 +392,7 @@ static void test_july_to_june(void **state)
     }
     assert_int_equal(weather.first_weekday, 2);
     orl_weather_done(&weather);
-    /* Times that overlap are not of one year. */
+    /* Overlapping times are not of one year. */
     struct orl_weather wea = {0};
     struct orl_error err = {0};
     assert_int_equal(parse(WEA "7 1 11.5 1 1\n1 1 11.5 1 1\n7 1 11.5 2 2\n", &wea, &err),
@@ -399,7 +400,7 @@ static void test_july_to_june(void **state)
     assert_non_null(strstr(err.message, "lines 7 and 9 are of the same time: month 7, day 1"));
 }
 
-/* DAYSIM writes 24.25 for a quarter past midnight, on 31 December, too; other programs 24. */
+/* DAYSIM writes 24.25 for a quarter past midnight, also on 31 December; other programs write 24. */
 static void test_past_midnight(void **state)
 {
     static const struct {

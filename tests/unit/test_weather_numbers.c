@@ -1,6 +1,6 @@
 /*
- * What is said of an EPW's numbers where they contradict each other: times that are off, direct
- * irradiance that was made for another sun or is of the horizontal, rows that were not measured.
+ * Warnings about contradictory numbers in an EPW file: shifted times, direct irradiance for
+ * another sun or on the horizontal, rows that were not measured.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,8 +17,8 @@
 
 enum { TEXT = 1 << 15, DAYS = 20, FIRST_HOUR = 8, LAST_HOUR = 17 };
 
-/* A row's global, direct and diffuse irradiance, by the sine of the sun's altitude at its middle,
- * and half an hour before. */
+/* Computes a row's global, direct and diffuse irradiance, by the sine of the sun's altitude at its
+ * middle, and half an hour before. */
 struct numbers {
     double global, direct, diffuse;
 };
@@ -53,7 +53,7 @@ static struct numbers horizontal(double sine, double before)
     return (struct numbers){100 + 700 * sine, 700 * sine, 100};
 }
 
-/* Clear days at 38 degrees north; returns the text's length. */
+/* Writes clear days at 38 degrees north; returns the text's length. */
 static size_t write_days(maker make, char text[TEXT])
 {
     const struct orl_location site = {38 * ORL_DEG_TO_RAD, 0, 0};
@@ -77,7 +77,7 @@ static void test_words(void **state)
 {
     static const struct {
         maker make;
-        const char *said; /* NULL: nothing */
+        const char *said; /* NULL: no warning */
     } cases[] = {{right, NULL},
                  {half_an_hour_late, "times seem 30 minutes too late"},
                  {direct_by_another_sun, "made for a sun that is 30 minutes earlier"},
@@ -99,7 +99,7 @@ static void test_words(void **state)
     }
 }
 
-/* 9999 and -999 mark what was not measured; -2 is an instrument's night. */
+/* 9999 and -999 mark missing measurements; -2 is an instrument's offset at night. */
 static void test_missing(void **state)
 {
     static const char text[] =

@@ -1,4 +1,4 @@
-/* The contrast of caustics: how much of the light where they land is theirs, by known fluxes. */
+/* The contrast of caustics: their share of the light where they land, against known fluxes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 
 enum { REST = 30000, CAUSTIC = 4000 };
 
-/* Photons evenly over a square of the floor, of so much flux in all. */
+/* Returns photons uniform over a square of the floor, with that total flux. */
 static struct orl_photon *lay(size_t count, double side, double flux, uint8_t class, uint64_t name)
 {
     struct orl_photon *photons = calloc(count, sizeof *photons);
@@ -43,9 +43,9 @@ static double contrast(double side, double flux, uint8_t class_of_rest)
 }
 
 /*
- * A cube with n of some photons knows their density to 1 / sqrt n, and n is 8 at the least: for
- * shares that are small or nearly all, so much of the smaller part; on average over 4000 of
- * them far less, but for what choosing small cubes favours, which are the full ones.
+ * A cube with n photons of a kind gives their density to 1 / sqrt n, and n is at least 8: for
+ * shares near 0 or 1, this is the relative error of the smaller part. The average over 4000
+ * photons is much better, except for the bias of choosing small cubes, which favours full ones.
  */
 static void expect_near(double found, double wanted)
 {
@@ -54,7 +54,7 @@ static void expect_near(double found, double wanted)
     assert_true(1 - found > 0.6 * (1 - wanted) && 1 - found < 1.5 * (1 - wanted));
 }
 
-/* A per cent of the light all over the floor is a per cent of it anywhere. */
+/* A per cent of the light, spread over the whole floor, is a per cent of the light at any place. */
 static void test_a_gleam(void **state)
 {
     (void)state;
@@ -62,7 +62,7 @@ static void test_a_gleam(void **state)
     expect_near(contrast(1, 1, ORL_PHOTON_REST), 0.5);
 }
 
-/* On a thousandth and less of the floor it outshines the rest ten times and more. */
+/* On a thousandth of the floor or less, the caustic is at least ten times as bright as the rest. */
 static void test_a_spot(void **state)
 {
     (void)state;
@@ -72,7 +72,7 @@ static void test_a_spot(void **state)
     }
 }
 
-/* What the global photons hold of caustics is not light beside them. */
+/* Caustic photons in the global map do not count as other light. */
 static void test_caustics_among_the_rest(void **state)
 {
     (void)state;
