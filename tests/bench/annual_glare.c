@@ -1,6 +1,6 @@
 /*
- * Glare of seats in the office, over the year: DGP of every lit hour, and what it costs, beside
- * pictures of some of the hours by view jobs of their own.
+ * Annual glare at viewpoints in the office: DGP of every lit hour and its cost, compared with
+ * pictures of some hours by view jobs.
  */
 #include <math.h>
 #include <stdio.h>
@@ -10,7 +10,7 @@
 #include "bench/annual.h"
 
 enum { SEATS = 2 };
-/* At the desk, looking half way to the window; and in the middle, looking at it. */
+/* One viewpoint at the desk, looking half way to the window; one in the middle, looking at it. */
 static char desk[] = "desk", middle[] = "middle";
 static struct orl_seat seats[SEATS] = {{desk, {1.3, 2, 1.2}, {1, -1, 0}},
                                        {middle, {1.3, 2.5, 1.2}, {0, -1, 0}}};
@@ -74,7 +74,7 @@ static void keep_pictures(const char *path, const struct picture *pictures, size
         bench_fail("DGP of pictures cannot be kept", NULL);
 }
 
-/* Of the hours, made once and kept. */
+/* Reads the pictures of the hours from the build folder, or renders and stores them. */
 static struct picture *need_pictures(struct annual_bench *bench,
                                      const struct orl_annual_result *year,
                                      const struct annual_truth *hours, int seat)

@@ -1,4 +1,4 @@
-/* Builds and views, each in a process of its own, and what they tell. */
+/* Builds and views, each in a separate process, and their results. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -69,7 +69,7 @@ static void render(struct child *c, double limit_bytes, const char *group, const
     orl_result_done(&r);
 }
 
-/* build PANEL MAPS PHOTONS THREADS, or render PANEL MAPS PHOTONS LIMIT GROUP IMAGE */
+/* Arguments: build PANEL MAPS PHOTONS THREADS, or render PANEL MAPS PHOTONS LIMIT GROUP IMAGE. */
 int scale_child(int argc, char **argv)
 {
     static struct child c;
@@ -94,7 +94,7 @@ int scale_child(int argc, char **argv)
 
 /* ---- From outside ---------------------------------------------------------------------------- */
 
-/* Runs a child and reads the numbers that it writes. Returns its peak of memory. */
+/* Runs a child and reads the numbers that it writes. Returns its peak memory. */
 static double ask(const struct office *office, const char *const *argv, double *ret_numbers, int n,
                   const char *group)
 {

@@ -1,8 +1,8 @@
 /*
- * `make table2`: the paper's table 2 on the office, one thread; what each technique takes and what
- * it misses. By environment: ORIEL_TABLE2_PHOTONS, _WIDTH, _SENSOR_SAMPLES, _PIXEL_SAMPLES (of
- * backward), _REFERENCE (samples a pixel of each half), _REFERENCE_SENSORS, _RUNS (means of so
- * many seeds), _RADIANCE=0 to leave its rows out, _XXX=1 for Radiance's row that takes longest.
+ * `make table2`: the paper's table 2 on the office, one thread: cost and error of each technique.
+ * Environment: ORIEL_TABLE2_PHOTONS, _WIDTH, _SENSOR_SAMPLES, _PIXEL_SAMPLES (of backward),
+ * _REFERENCE (samples per pixel of each half), _REFERENCE_SENSORS, _RUNS (number of seeds
+ * averaged), _RADIANCE=0 to skip its rows, _XXX=1 for Radiance's slowest row.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,7 @@ struct technique {
     enum orl_technique technique;
     bool caustics;
 };
-/* The first is the yardstick. */
+/* The first row is the baseline. */
 static const struct technique techniques[] = {
     {"backward", "xxx", ORL_TECHNIQUE_BACKWARD, true},
     {"gather", "GCx", ORL_TECHNIQUE_GATHER, true},
@@ -27,7 +27,7 @@ enum { TECHNIQUES = sizeof techniques / sizeof *techniques };
 static char view_text[] = OFFICE_VIEW;
 static char view_name[] = "view";
 
-/* Runs a job of sensors and the view; the luminances are the caller's. */
+/* Runs a job of the sensors and the view; the caller owns the luminances. */
 static void run_job(const struct table *table, struct orl_job *job, struct orl_crew *crew,
                     struct orl_result *ret_result, double **ret_luminances)
 {

@@ -1,16 +1,17 @@
 /*
- * Records what a program does to the files of a folder: loaded before the C library (LD_PRELOAD),
- * it writes a line of JSON for each act to the file RECORDER, in the order they end. powercuts.py
- * plays them back up to any of them, without what was not synced.
+ * Records the file operations of a program on a folder: loaded before the C library (LD_PRELOAD),
+ * it writes a line of JSON for each operation to the file RECORDER, in the order in which they end.
+ * powercuts.py replays them up to any of them, without unsynced data.
  *
  *   {"a": "create" | "mkdir" | "unlink" | "rmdir", "p": path}    {"a": "rename", "p": from, "q":
  * to}
  *   {"a": "folder", "p": path}     a folder was synced: its entries are safe
- *   {"a": "file", "p": path, "at": offset, "n": bytes}           a file was synced: it is what lies
- *                                  there in RECORDER.data, however that was written (mapped, stdio)
- *   {"a": "write", "p": path, "to": place, "at": offset, "n": bytes}   a pwrite: the database's
+ *   {"a": "file", "p": path, "at": offset, "n": bytes}
+ *                                  a file was synced: its content then is in RECORDER.data,
+ *                                  however it was written (mapped, stdio)
+ *   {"a": "write", "p": path, "to": place, "at": offset, "n": bytes}   a pwrite of the database
  *
- * Paths are below RECORDER_ROOT, which is to be absolute. remove() counts as unlink or rmdir.
+ * Paths are below RECORDER_ROOT, which must be absolute. remove() is recorded as unlink or rmdir.
  */
 #include <dlfcn.h>
 #include <errno.h>
@@ -29,7 +30,7 @@ enum { PATH_BYTES = 4096 };
 
 static int lines = -1, data = -1;
 static long data_size;
-static pid_t daemon_pid; /* children that check uploads write names at most */
+static pid_t daemon_pid; /* children that check uploads write only names */
 static char root[PATH_BYTES];
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
@@ -59,7 +60,7 @@ static const char *below(const char *path)
     return lines >= 0 && length > 1 && strncmp(path, root, length) == 0 ? path + length : NULL;
 }
 
-/* Under the lock: order is what this is about. errno stays. */
+/* Called under the lock, which fixes the order. Preserves errno. */
 static void tell(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static void tell(const char *format, ...)
 {
@@ -106,7 +107,7 @@ static void tell_synced(int fd)
         return;
     }
     const long at = data_size;
-    snprintf(own, sizeof own, "/proc/self/fd/%d", fd); /* fd may be for writing alone */
+    snprintf(own, sizeof own, "/proc/self/fd/%d", fd); /* fd may be write-only */
     const int reader = REAL(open_call, "open")(own, O_RDONLY | O_CLOEXEC);
     for (ssize_t n; reader >= 0 && (n = read(reader, bytes, sizeof bytes)) > 0;)
         copy_to_data(bytes, (size_t)n);
