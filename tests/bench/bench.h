@@ -93,8 +93,8 @@ struct bench_env {
 void bench_run(const struct bench_env *env, const struct orl_job *job,
                struct orl_result *ret_result);
 
-/* Returns single incoherent rays per second that Embree alone traces, with photon-like rays, on all
- * crew members at once. The median of the runs for each member, by bench_own_s. */
+/* Returns single incoherent rays per second that Embree alone traces, distributed like light, on
+ * all crew members at once. The sum over members of each one's median of runs, by bench_own_s. */
 double bench_embree_rate(const struct orl_geometry *geometry, struct orl_crew *crew, int runs);
 
 #endif

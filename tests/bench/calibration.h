@@ -37,7 +37,7 @@ struct calibration_scene {
     const struct orl_files *files;
     char *const *names; /* names of the main files */
     size_t n_names;
-    char *sensors_file; /* sensors from a file, used if there is no list above */
+    char *sensors_file; /* NULL: use `sensors` */
     const struct orl_sensor *sensors;
     size_t n_sensors; /* number of sensors in either case */
     const char *view; /* aspect ratio 4 to 3; NULL: none */
@@ -45,7 +45,7 @@ struct calibration_scene {
     /* Reference, computed on first use: */
     bool referred;
     double reference_lx[CALIBRATION_MOST_SENSORS], error_lx[CALIBRATION_MOST_SENSORS];
-    double mean_lx; /* standard error of the reference */
+    double mean_lx; /* mean of the reference over the sensors */
 };
 
 struct calibration {

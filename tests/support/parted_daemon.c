@@ -21,7 +21,7 @@ int parted_daemon_set_up(void **state)
     const int code = parted_set_up(&desk);
     f->desk = desk;
     snprintf(f->shared, sizeof f->shared, "%s/shared", f->desk->folder);
-    /* No check or plan is refused because the machine is slow, as under ThreadSanitizer. */
+    /* A long limit, so that slow machines (as under ThreadSanitizer) refuse no check or plan. */
     const char *const options[] = {
         "--runner", "slurm",     "--shared", f->shared,         "--least", "0", "--parts",
         "4",        "--threads", "1",        "--check-timeout", "600",     NULL};
@@ -75,7 +75,8 @@ static void wait_for(struct parted_daemon *f, const char *path, bool resumed)
         fail_msg("%s", reply.body);
     assert_string_equal(reply_text(&reply, "runner.name"), "slurm");
     if (!resumed && !(reply_number(&reply, "runner.parts.done") > 1))
-        fail_msg("%s", strstr(reply.body, "\"runner\":")); /* named above: it is there */
+        fail_msg("%s",
+                 strstr(reply.body, "\"runner\":")); /* the check above ensures that it exists */
     assert_true(reply_number(&reply, "runner.parts.waiting") == 0);
     reply_done(&reply);
 }
@@ -96,7 +97,7 @@ void parted_assert_cleared(const struct parted_daemon *f)
     assert_int_equal(mkdir(f->shared, 0700), 0);
 }
 
-/* By a daemon of its own, into "local". */
+/* Runs the document on a separate daemon, and fetches the result into "local". */
 static void run_alone(struct parted_daemon *f, const char *document)
 {
     static const char *const alone[] = {"--threads", "1", NULL};
@@ -114,7 +115,7 @@ static void run_alone(struct parted_daemon *f, const char *document)
     setenv("ORIEL_URL", f->daemon.url, 1);
 }
 
-/* Each document is done so once in a test program. */
+/* Each document runs only once per test program; its result is stored. */
 void parted_compare_fetched(struct parted_daemon *f, const char *document)
 {
     char kept[160], command[512];

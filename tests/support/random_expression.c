@@ -49,7 +49,7 @@ static void put_number(struct draft *draft)
 
 static void put_sum(struct draft *draft, int depth);
 
-/* NAME(A, B, ...) of so many. */
+/* Writes NAME(A, B, ...) with n arguments. */
 static void put_call(struct draft *draft, const char *name, uint32_t n, int depth)
 {
     put(draft, name);
@@ -72,7 +72,8 @@ static void put_function(struct draft *draft, int depth)
     static const char *const of_functions[] = {"sin", "half", "floor", "pick", "atan"};
     const uint32_t which = below(draft, 28);
     if (which < sizeof some / sizeof *some) {
-        /* rand() makes much of its argument's last bit, ever() goes as deep as it is below 0. */
+        /* rand() depends on its argument's last bit; ever() recurses as deep as its argument is
+         * below 0. */
         const bool is_rand = strcmp(some[which].name, "rand") == 0;
         const bool is_ever = strcmp(some[which].name, "ever") == 0;
         put(draft, is_rand ? "rand(floor(100*" : is_ever ? "ever(sin(" : "");
@@ -137,5 +138,5 @@ void random_expression_write(uint64_t seed, char *ret_text, size_t size)
         draft.used = 0;
         put_sum(&draft, 3);
     } while (draft.used > size / 2 ||
-             draft.used < 12); /* nothing was cut off, and it is something */
+             draft.used < 12); /* nothing was cut off, and the text is not empty */
 }

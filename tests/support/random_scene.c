@@ -86,7 +86,7 @@ static void put_lights(struct writer *w)
     }
 }
 
-/* What is easily missed. */
+/* Adds objects that are easily missed. */
 static void put_things(struct writer *w)
 {
     w->scene->mirror = happens(w, 0.4);

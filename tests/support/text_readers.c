@@ -43,7 +43,7 @@ static void note_all(struct text_values *values, const double *from, size_t n)
         note(values, from[i]);
 }
 
-/* NULL counts as no text. */
+/* NULL counts as the empty text. */
 static void note_text(struct text_values *values, const char *text)
 {
     const int n = snprintf(values->text, sizeof values->text, "%s", text ? text : "");
@@ -81,7 +81,7 @@ static int read_weather(const char *text, size_t size, struct text_values *value
     return code;
 }
 
-/* Reads marks for a year of two steps. */
+/* Reads occupancy marks for a year of two steps. */
 static int read_occupancy(const char *text, size_t size, struct text_values *values,
                           struct orl_error *err)
 {

@@ -47,7 +47,8 @@ static uint32_t checksum(const char *data, size_t size)
     return ~crc;
 }
 
-/* What both of an entry's headers have, from the flags to the length of the extra field. */
+/* Writes the fields that both headers of an entry share, from the flags to the length of the extra
+ * field. */
 static void put_common(struct writer *w, const struct zip_entry *entry)
 {
     put_number(w, entry->flags, 2);
@@ -64,7 +65,7 @@ static void put_directory_entry(struct writer *w, const struct zip_entry *entry,
 {
     const uint32_t mode = entry->mode ? entry->mode : 0100644;
     put(w, "PK\1\2", 4);
-    put_number(w, 3 << 8 | 20, 2); /* by Unix */
+    put_number(w, 3 << 8 | 20, 2); /* made by Unix, version 2.0 */
     put_number(w, 20, 2);
     put_common(w, entry);
     put_number(w, 0, 6);

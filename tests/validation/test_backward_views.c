@@ -1,6 +1,6 @@
 /*
- * Views by the backward technique: against closed forms where there are any, and against views from
- * photon maps elsewhere. Pixels are noisy; what is compared is the middle of parts of a picture.
+ * Views by the backward technique, compared with closed forms if there are any, otherwise with
+ * views from photon maps. Pixels are noisy, so the medians over parts of a picture are compared.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,8 +22,8 @@ typedef double picture[SIDE * SIDE][3];
 
 struct look {
     const char *scene, *view;
-    const char *pane;             /* a BSDF, or NULL */
-    enum orl_technique technique; /* AUTO: backward */
+    const char *pane;             /* BSDF, or NULL */
+    enum orl_technique technique; /* AUTO means backward */
     uint32_t pixel_samples;
     uint64_t photons;
     const enum orl_wish *wishes;
@@ -59,8 +59,9 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Middle of the pixels' ratios, green channel, in one of PARTS x PARTS parts of two pictures: not
- * what lies on the edge of something bright, where the techniques place their rays differently. */
+/* Returns the median of the pixels' ratios, green channel, in one of PARTS x PARTS parts of two
+ * pictures. The median ignores edges of bright areas, where the techniques place their rays
+ * differently. */
 static double part_ratio(picture a, picture b, int column, int row)
 {
     enum { SIZE = SIDE / PARTS };
@@ -82,9 +83,9 @@ static double mean(picture p)
 }
 
 /*
- * The same scene by both techniques: the middle ratio of a part's pixels is 1 within a share. The
- * gather's own bias is 2 or 3 % where photons are dense enough, more on small things; of 64 pixels
- * that scatter by some 10 % at 64 rays each the middle is good to 1.6 %.
+ * Asserts that the median ratio of both techniques in each part is 1 within a share. The gather's
+ * bias is 2 or 3 % where photons are dense enough, more on small objects; the median of 64 pixels
+ * that scatter by some 10 % at 64 rays each has an error of 1.6 %.
  */
 static void assert_both_alike(const char *scene, const char *pane, const char *view, double share)
 {
@@ -132,19 +133,19 @@ static void test_furnace(void **state)
 }
 
 /*
- * What mirrors a part and scatters another shows both: plates under an even sky of 1, seen from
- * above, show their albedo, by either technique. 1024 pixels of 16 rays with two draws each, which
- * scatter by less than their value: 0.6 %.
+ * Materials that mirror a part and scatter another show both: plates under a uniform sky of 1, seen
+ * from above, show their albedo by either technique. 1024 pixels of 16 rays with two samples each,
+ * which scatter by less than their value: 0.6 %.
  */
 static void test_mirrors_that_scatter(void **state)
 {
     static const struct {
         const char *material;
-        double shown; /* in green */
+        double shown; /* green channel */
     } plates[] = {
         {"void BRTDfunc m 10 .1 .1 .1 0 0 0 0 0 0 . 0 9 .3 .2 .1 .05 .05 .05 0 0 0\n", .3},
         {"void BRTDfunc m 10 .1 .1 .1 .2 .2 .2 0 0 0 . 0 9 0 .3 0 0 0 0 .1 .1 .1\n", .7},
-        /* Of the rough half's gloss, .3, Ward's formula loses .002 and less. */
+        /* Ward's formula loses .002 or less of the rough half's gloss, .3. */
         {"void metal a 0 0 5 .4 .4 .4 1 0\nvoid plastic b 0 0 5 .2 .2 .2 .3 .05\n"
          "void mixfunc m 4 a b .5 . 0 0\n",
          .42},
@@ -168,8 +169,8 @@ static void test_mirrors_that_scatter(void **state)
     }
 }
 
-/* The furnace again, seen from outside it with -bv-: through the wall from
- * behind, by both techniques. Without that it is black. */
+/* The furnace seen from outside with -bv-: the view passes the wall from behind, by both
+ * techniques. Without -bv- it is black. */
 static void test_through_backs(void **state)
 {
     static const char scene[] = "void light l 0 0 3 100 100 100\nl sphere lamp 0 0 4 0 0 0 .1\n"
@@ -192,7 +193,8 @@ static void test_through_backs(void **state)
     assert_true(mean(p) == 0);
 }
 
-/* Thin glass of index 1.52 at that angle, t the share that one pass leaves: both polarisations. */
+/* Returns the transmittance of thin glass of index 1.52 at that angle for both polarisations; t is
+ * the share that one pass transmits. */
 static double through_glass(double cosine, double transmissivity)
 {
     const double n = 1.52, inside = sqrt(1 - (1 - cosine * cosine) / (n * n));
@@ -207,8 +209,8 @@ static double through_glass(double cosine, double transmissivity)
     return sum;
 }
 
-/* A view of 0.2 degrees into the middle of a disc of 0.533: straight, through a pane, in a mirror.
- * What panes and walls add is some millionths of it. */
+/* A view of 0.2 degrees into the middle of a disc of 0.533: direct, through a pane, in a mirror.
+ * Panes and walls add some millionths of it. */
 static void test_sun_disc(void **state)
 {
     static const char up[] = "-vtv -vp 2 1.5 .3 -vd 0 -1 1 -vh .2 -vv .2";
@@ -225,7 +227,7 @@ static void test_sun_disc(void **state)
              ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE);
     look(&(struct look){.scene = scene, .view = up, .photons = 2000}, p);
     assert_true(fabs(mean(p) / (1e6 * through_glass(sqrt(0.5), 0.9)) - 1) < 0.005);
-    /* The mirror on the floor, seen from above, shows what is up. */
+    /* The mirror on the floor, seen from above, shows the sky. */
     snprintf(scene, sizeof scene, "%s%s", ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL, mirror);
     look(&(struct look){.scene = scene, .view = down, .photons = 2000}, p);
     assert_true(fabs(mean(p) / 0.8e6 - 1) < 0.005);
@@ -238,7 +240,7 @@ static void test_room_with_a_pane(void **state)
                       "-vtv -vp 2 .5 1.5 -vd 0 1 -.2 -vh 90 -vv 80", 0.06);
 }
 
-/* From outside, through the pane: the ground in front of it, the wall, and what is seen within. */
+/* From outside, through the pane: the ground in front of it, the wall, and the interior. */
 static void test_from_outside(void **state)
 {
     (void)state;
@@ -259,7 +261,7 @@ static void test_gloss_and_lamps(void **state)
                       NULL, "-vtv -vp 2 4.5 1.6 -vd 0 -1 -.1 -vh 80 -vv 80", 0.08);
 }
 
-/* A BSDF in the window, seen itself; a mirror shows the room once more. */
+/* A visible BSDF in the window; a mirror shows the room again. */
 static void test_lobes_and_mirrors(void **state)
 {
     char xml[2048];
@@ -271,7 +273,7 @@ static void test_lobes_and_mirrors(void **state)
                       xml, "-vtv -vp 3 4.5 1.6 -vd -.4 -1 -.1 -vh 80 -vv 80", 0.08);
 }
 
-/* A polished table shows the BSDF in the window, and the sun by way of both. */
+/* A polished table reflects the BSDF in the window, and the sun by way of both. */
 static void test_lobes_in_lobes(void **state)
 {
     char xml[2048];
@@ -283,7 +285,7 @@ static void test_lobes_in_lobes(void **state)
                       xml, "-vtv -vp 2 4.5 1.6 -vd 0 -1 -.3 -vh 70 -vv 70", 0.08);
 }
 
-/* What a BSDF stands for is seen, and lit as it is seen. */
+/* The geometry behind a proxy BSDF is visible, and lit as it is seen. */
 static void test_what_stands_behind(void **state)
 {
     char xml[2048];
