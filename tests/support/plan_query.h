@@ -36,7 +36,7 @@ struct plan_left {
 };
 
 bool plan_holds_number(const char *why);
-/* Returns the plan; fails the test if a reason is inconsistent. ret_left may be NULL. */
+/* Returns the plan; fails the test if a reason states no number. ret_left may be NULL. */
 struct orl_plan plan_of(const struct plan_query *q, struct plan_left *ret_left);
 struct orl_plan plan_text(const char *text, struct plan_left *ret_left);
 /* Expect an effect that the plan skips at no more than that cost, or simulates. */

@@ -1,4 +1,5 @@
-/* A job cancelled at any step of any technique says so, and leaves nothing half-made behind. */
+/* A job cancelled at any step of any technique returns the cancel error, and leaves no partial
+ * files. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,7 +16,8 @@
 #include "support/room.h"
 #include "support/techniques.h"
 
-/* The flag is set by the first report from there on: a stage's number and the share of it. */
+/* The first progress report at or after this point sets the flag: a stage's number and its
+ * fraction. */
 struct trap {
     atomic_bool cancel;
     double at;
@@ -43,7 +45,7 @@ static size_t count_files(const char *folder)
     return count;
 }
 
-/* A run of the room with maps and a view; the store is the folder. */
+/* Runs the room with maps and a view; the folder is the store. */
 static int run(enum orl_technique technique, const char *folder, struct trap *trap)
 {
     char xml[2048];
@@ -75,9 +77,9 @@ static int run(enum orl_technique technique, const char *folder, struct trap *tr
 }
 
 /*
- * At POINTS places from the beginning on. Behind the last report of a stage the next one hears of
- * it, and of the last stage nobody: then it may succeed. Maps that were finished before stay,
- * whole: the next run finds them.
+ * Cancels at POINTS points. After a stage's last report the next stage sees the flag; after the
+ * last stage's none does, so the job may succeed. Maps finished before remain complete, and the
+ * next run finds them.
  */
 static void check(void **state)
 {

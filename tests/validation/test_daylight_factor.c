@@ -1,4 +1,4 @@
-/* Daylight factors against closed forms, and as they go with shades and rounds. */
+/* Daylight factors compared with closed forms, and with shades and rounds. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,12 +11,13 @@
 
 #include "support/year.h"
 
-/* Something must be there: a stone far below the sensor. */
+/* A stone far below the sensor, since a scene must not be empty. */
 #define NOTHING_NEAR "void plastic w 0 0 5 0 0 0 0 0\nw sphere stone 0 0 4 0 0 -50 .1\n"
 
 static const struct year_site izmir = {38.42, 27.14, 2};
 
-/* Within 4.5 standard errors, and what bins of 3 degrees make of the sky's slope. */
+/* Asserts within 4.5 standard errors, plus the error of bins of 3 degrees for the sky's gradient.
+ */
 static void assert_factor(const struct orl_annual_result *year, size_t sensor, double wanted)
 {
     const double found = (double)year->overcast[sensor] / 10000;
@@ -34,7 +35,8 @@ static struct orl_annual_result run(const char *scene, const struct orl_sensor *
 
 /*
  * L = Lz (1 + 2 sin) / 3 gives a level plane 7 pi / 9 Lz, and an upright one (pi / 2 + 4 / 3) / 3
- * Lz: 0.3961 of that; the ground of 20 % adds 0.1 there. Facing down there is the ground alone.
+ * Lz: 0.3961 of that; the ground of 20 % adds 0.1 there. A sensor facing down there sees only the
+ * ground.
  */
 static void test_open_sky(void **state)
 {
@@ -48,7 +50,7 @@ static void test_open_sky(void **state)
     orl_annual_done(&year);
 }
 
-/* A black wall to the zenith, nearly, leaves half of the sky; in the east, and between bins. */
+/* A black wall almost to the zenith leaves half of the sky; in the east, and between bins. */
 static void test_half_a_sky(void **state)
 {
     static const char east[] =
@@ -65,8 +67,8 @@ static void test_half_a_sky(void **state)
     orl_annual_done(&year);
 }
 
-/* A level black plate overhead, in which a round hole shows the sky from 60 degrees up: of L, from
- * sin a up, pi Lz / 3 (1 - s^2 + 4 / 3 (1 - s^3)). */
+/* A level black plate overhead, whose round hole shows the sky from 60 degrees up: the light of L
+ * above sin a = s is pi Lz / 3 (1 - s^2 + 4 / 3 (1 - s^3)). */
 static void test_round_opening(void **state)
 {
     static const char plate[] = NOTHING_NEAR "w ring plate 0 0 8 0 0 1 0 0 -1 .5773502692 1e5\n";
@@ -78,7 +80,8 @@ static void test_round_opening(void **state)
     orl_annual_done(&year);
 }
 
-/* It is of open shades whatever the hours have; and the same bytes on 1, 2 and 7 threads. */
+/* The factor is that of open shades whatever the hours have; and the bytes are equal for 1, 2 and 7
+ * threads. */
 static void test_shades_and_threads(void **state)
 {
     static const char room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
@@ -113,7 +116,7 @@ static void test_shades_and_threads(void **state)
     orl_annual_done(&bare);
 }
 
-/* More paths until the target is sure: those of all rounds count. */
+/* More paths until the target is certain: the paths of all rounds count. */
 static void test_rounds(void **state)
 {
     static const char room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;

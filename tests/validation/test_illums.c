@@ -1,6 +1,6 @@
 /*
- * Illums: what shines in place of a window lets suns through, and nothing else that is behind it,
- * by all techniques; by a material that is neither void nor glass nothing passes.
+ * Illums: the secondary source in place of a window transmits suns, and no other light behind it,
+ * by all techniques; a material that is neither void nor glass transmits nothing.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -48,7 +48,7 @@ static double run(const char *scene, enum orl_technique technique, double *ret_e
     return lx;
 }
 
-/* Of a black room: the sun's disc on the plane, times what a pane lets through at its angle. */
+/* Checks a black room: the sun's disc on the plane, times the pane's transmittance at its angle. */
 static void check_sun(const char *illum, double transmitted)
 {
     const double cosine = .6 / sqrt(.04 + .49 + .36);
@@ -69,12 +69,12 @@ static void test_sun_passes(void **state)
     (void)state;
     check_sun("void illum win 0 0 3 60 50 40\n", 1);
     check_sun("void illum win 1 void 0 3 60 50 40\n", 1);
-    /* Patterns are of what it shines. */
+    /* Patterns apply to the emitted light. */
     check_sun("void brightfunc dim 2 if(Dz,.5,.25) . 0 0\ndim illum win 1 void 0 3 60 50 40\n", 1);
     check_sun("void plastic paint 0 0 5 .5 .5 .5 0 0\nvoid illum win 1 paint 0 3 60 50 40\n", 0);
 }
 
-/* By the fraction that the same pane lets through where it is no illum. */
+/* The transmitted fraction is that of the same pane outside an illum. */
 static void test_by_glass(void **state)
 {
     double error[2];
@@ -86,7 +86,7 @@ static void test_by_glass(void **state)
     check_sun(GLASS "void illum win 1 pane 0 3 60 50 40\n", paned / bare);
 }
 
-/* What the sun makes of a bright room, by photons and by paths. */
+/* The sun's light in a bright room agrees between photons and paths. */
 static void test_techniques(void **state)
 {
     static const char scene[] =
@@ -102,7 +102,7 @@ static void test_techniques(void **state)
     }
 }
 
-/* Virtual lamps on a bright wall outdoors add nothing by way of an illum. */
+/* Virtual lamps on a bright wall outdoors add nothing through an illum. */
 static void test_surfaces_behind(void **state)
 {
 #define ILLUM_ROOM SKY "void illum win 1 void 0 3 60 50 40\n" ROOM(".6") WINDOW
@@ -123,8 +123,8 @@ static void test_surfaces_behind(void **state)
     }
 }
 
-/* Seen from behind it is not there: a room behind one is lit as by an opening, by all techniques,
- * and what it shines is for outdoors alone. */
+/* An illum is invisible from behind: a room behind one is lit as through an opening, by all
+ * techniques, and its emission goes outdoors only. */
 static void test_from_behind(void **state)
 {
     static const char open[] = SKY SUN ROOM(".6");

@@ -1,9 +1,9 @@
 /*
- * Whole jobs with the materials and lights that not every scene has: a translucent skylight, a
- * shade round a lamp, a solid glass block, a mirror on the floor, spotlights, illums.
+ * Whole jobs with less common materials and lights: a translucent skylight, a shade around a lamp,
+ * a solid glass block, a mirror on the floor, spotlights, illums.
  *
- * Rooms reflect 0.1 %: enough for photons to be kept, too little to matter, so that illuminances
- * are form factors and the sum of photon fluxes is what came in. Seeds are fixed.
+ * Rooms reflect 0.1 %: enough for photons to be stored, negligible otherwise, so that illuminances
+ * are form factors and the sum of photon fluxes is the incoming flux. Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -95,7 +95,7 @@ static const struct orl_sensor under[UNDER] = {{{2, 2.5, 0}, {0, 0, 1}},
                                                {{0, 2.5, 1}, {1, 0, 0}},
                                                {{2, 2.5, 1.2}, {0, 0, 1}}};
 
-/* Irradiance from the pane at radiance 1, by midpoints. */
+/* Returns the irradiance from the pane at radiance 1, by midpoints. */
 static double form(const struct orl_sensor *sensor)
 {
     enum { STEPS = 200 };
@@ -111,8 +111,8 @@ static double form(const struct orl_sensor *sensor)
 }
 
 /*
- * Under a sky of radiance 1 it shows tau = A1 (1 - A4) A6 to all sides, and lets tau pi A in.
- * 32768 even rays a sensor, of which 2000 or more meet the pane: 1 %.
+ * Under a sky of radiance 1 the skylight shows tau = A1 (1 - A4) A6 in all directions, and
+ * transmits tau pi A. 32768 stratified rays per sensor, of which 2000 or more hit the pane: 1 %.
  */
 static void test_skylight_and_sky(void **state)
 {
@@ -129,13 +129,13 @@ static void test_skylight_and_sky(void **state)
     for (int i = 0; i < UNDER; i++)
         assert_within("sensor", o.w[i], tau * form(&under[i]), 0.01 * tau * form(&under[i]));
     assert_within("flux", o.global_w, flux, 3 * o.global_sigma + 0.001 * flux);
-    /* What a view from below sees of it: rays through it all find the sky; 8 bits and a mirrored
-     * room nearly black. */
+    /* A view from below: all rays through the skylight reach the sky. The tolerance covers 8 bits
+     * and a nearly black room. */
     for (int i = 0; i < SIDE * SIDE; i++)
         assert_within("pixel", o.pixels[i][1], tau, 0.01 * tau);
 }
 
-/* The sun through it comes as caustic light: tau E cos A of flux, evenly to all sides. */
+/* The sun's light through it is caustic light: a flux of tau E cos A, uniform in all directions. */
 static void test_skylight_and_sun(void **state)
 {
     const double tau = .45, arrives = sun_normal_w() * .8, flux = tau * arrives * 2;
@@ -149,7 +149,7 @@ static void test_skylight_and_sun(void **state)
                            .caustic = 200000},
         &o);
     assert_within("flux", o.caustic_w, flux, 3 * o.caustic_sigma + 0.002 * flux);
-    /* By density of some 300 photons, 6 % each; 3 sigma of the mean of five are 8 %. */
+    /* Density of some 300 photons, 6 % each; 3 sigma of the mean of five are 8 %. */
     for (int i = 0; i < UNDER; i++) {
         const double expected = tau * arrives / ORL_PI * form(&under[i]);
         assert_within("sensor", o.w[i], expected, 0.2 * expected);
@@ -159,10 +159,10 @@ static void test_skylight_and_sun(void **state)
     assert_within("sensors", is, should, 0.08 * should);
 }
 
-/* What is transmitted specularly by a smooth pane casts a sharp patch: shadow rays pass it. */
+/* Specular transmission of a smooth pane casts a sharp patch: shadow rays pass the pane. */
 static void test_skylight_patch(void **state)
 {
-    /* The sun stands 0.6 in the south over 0.8: the patch lies 2.25 further north. */
+    /* The sun is 0.6 in the south over 0.8: the patch is 2.25 further north. */
     static const struct orl_sensor sensors[2] = {{{2, 4.75, 0}, {0, 0, 1}}, {{2, 3, 0}, {0, 0, 1}}};
     const double expected = .9 * .5 * sun_normal_w() * .8;
     struct outcome o;
@@ -179,9 +179,9 @@ static void test_skylight_patch(void **state)
 }
 
 /*
- * A lamp in a closed shade: of what reaches the shade it lets tau out and sends rho back in, so
- * that (1 + tau) / (1 - rho) of the lamp's flux lands on shade and room in all. The lamp itself,
- * 2 cm in 60, stops 0.2 % of each of two more bounces.
+ * A lamp in a closed shade, which transmits tau of its incident light and reflects rho: (1 + tau) /
+ * (1 - rho) of the lamp's flux lands on shade and room in all. The lamp itself, 2 cm in 60, blocks
+ * 0.2 % of each of two more bounces.
  */
 static void test_lampshade(void **state)
 {
@@ -201,14 +201,15 @@ static void test_lampshade(void **state)
 
 /* ---- A solid glass block --------------------------------------------------------------------- */
 
-/* Fills 2 x 1.5 m of the southern wall and reaches 0.2 m into the room: its sides are free, and
+/* Fills 2 x 1.5 m of the southern wall and extends 0.2 m into the room: its sides are free, and
  * light that entered by its outer face is totally reflected there. */
 #define BLOCK                                                                                      \
     DARK WALLS CEILING                                                                             \
         "w polygon south 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 "                                    \
         "1 0 .5 3 0 .5 3 0 2 1 0 2 1 0 .5\n!genbox p block 2 .2 1.5 | xform -t 1 0 .5\n"
 
-/* A slab of index 1.5 at the angle of that cosine, its passes summed; unpolarised at each face. */
+/* Returns the transmittance of a slab of index 1.5 at that cosine, all passes summed; unpolarised
+ * at each face. */
 static double slab(double cosine, double transmissivity)
 {
     const double n = 1.5, inside = sqrt(1 - (1 - cosine * cosine) / (n * n));
@@ -227,7 +228,7 @@ static double slab_of_even_light(double transmissivity)
     return sum;
 }
 
-/* Irradiance at a point that faces the inner face, its radiance being the slab's. */
+/* Returns the irradiance at a point that faces the inner face, whose radiance is the slab's. */
 static double form_of_block(struct orl_vec3 at, double transmissivity)
 {
     enum { STEPS = 200 };
@@ -242,7 +243,7 @@ static double form_of_block(struct orl_vec3 at, double transmissivity)
     return sum * 3 / (STEPS * STEPS);
 }
 
-/* Photons and eye paths both: Fresnel, Beer, and n^2 where radiance goes in and comes out. */
+/* Photons and eye paths both follow Fresnel, Beer, and n^2 for radiance at entry and exit. */
 static void test_block_and_sky(void **state)
 {
     static const char *const blocks[2] = {SKY "void dielectric p 0 0 5 1 1 1 1.5 0\n" BLOCK,
@@ -267,7 +268,7 @@ static void test_block_and_sky(void **state)
     }
 }
 
-/* The sun through it: caustic light, as much as the slab lets through, in a patch of its own. */
+/* The sun through the block: caustic light of the slab's transmittance, in a separate patch. */
 static void test_block_and_sun(void **state)
 {
     static const struct orl_sensor sensors[4] = {{{2, 1.3, 0}, {0, 0, 1}},
@@ -286,13 +287,14 @@ static void test_block_and_sun(void **state)
     assert_within("in the patch", o.w[0], arrives, 0.2 * arrives);
     assert_within("in the patch", o.w[1], arrives, 0.2 * arrives);
     assert_within("beyond it", o.w[2], 0, 0.005 * arrives);
-    assert_within("in mid-air", o.w[3], arrives, 0.05 * arrives); /* by photons that fly by */
+    assert_within("in mid-air", o.w[3], arrives,
+                  0.05 * arrives); /* by photons that pass the sensor */
 }
 
 /*
- * A lamp inside a clear cube: of its light, what meets no face within the critical angle stays
- * for ever; it ends by the bounce limit, counted, or on the lamp. The six cones do not overlap:
- * 3 (1 - cos(asin(1 / n))) gets out, less half a per cent that meets the lamp on its way.
+ * A lamp inside a clear cube: light outside the critical angle of every face stays for ever; it
+ * ends by the bounce limit, counted, or on the lamp. The six cones do not overlap: 3 (1 -
+ * cos(asin(1 / n))) gets out, less half a per cent that hits the lamp on its way.
  */
 static void test_trapped_light(void **state)
 {
@@ -318,7 +320,7 @@ static void test_trapped_light(void **state)
 
 /* ---- A mirror -------------------------------------------------------------------------------- */
 
-/* A square metre on the floor sends the sun to a ceiling beside it. */
+/* A square metre on the floor reflects the sun to a ceiling beside it. */
 static void test_mirror_patch(void **state)
 {
     static const struct orl_sensor sensors[6] = {
@@ -349,8 +351,8 @@ static void test_mirror_patch(void **state)
 #define LAMP(type) DARK WALLS SOUTH CEILING type "lamp ring disc 0 0 8 2 2.5 2.9 0 0 -1 0 .02\n"
 
 /*
- * L A cos / (d + f)^2 within the cone, nothing beyond it; f is the length of the aim. Photons bring
- * what the sensors see: the same summed over the floor.
+ * L A cos / (d + f)^2 within the cone, zero beyond it; f is the length of the direction vector.
+ * Photons carry the sensors' light: their sum over the floor agrees.
  */
 static void test_spotlight(void **state)
 {
@@ -374,7 +376,7 @@ static void test_spotlight(void **state)
             assert_within("sensor", o.w[i], i < 2 ? expected : 0, 0.005 * expected);
         }
         for (int i = 0; i < 1000; i++) {
-            const double c2 = 1 - .25 * (i + 0.5) / 1000; /* even in sin^2, up to 30 degrees */
+            const double c2 = 1 - .25 * (i + 0.5) / 1000; /* uniform in sin^2, up to 30 degrees */
             const double d = height / sqrt(c2);
             flux += ORL_PI * .25 / 1000 * 1e4 * area * pow(d / (d + focus), 2);
         }
@@ -382,7 +384,7 @@ static void test_spotlight(void **state)
     }
 }
 
-/* A view sees the lamp from within its cone only. */
+/* A view sees the lamp only from within its cone. */
 static void test_spotlight_seen(void **state)
 {
     static const char scene[] = "void spotlight lamp 0 0 7 7 7 7 60 0 0 -1\n"
@@ -402,7 +404,7 @@ static void test_spotlight_seen(void **state)
 
 /* ---- Illums ---------------------------------------------------------------------------------- */
 
-/* To the light it is a light: the same photons, the same sensors, to the last bit. */
+/* An illum lights like a light: equal photons and sensors, to the last bit. */
 static void test_illum_is_light(void **state)
 {
     static const char *const lamps[3] = {LAMP("void light lamp 0 0 3 1e4 1e4 1e4\n"),
@@ -421,7 +423,7 @@ static void test_illum_is_light(void **state)
     assert_true(o[0].w[0] > 0);
 }
 
-/* To a view it is what it stands for: here a glow of radiance 5 is behind it. */
+/* A view shows the surface that an illum represents: here a glow of radiance 5 is behind it. */
 static void test_illum_seen(void **state)
 {
     static const struct {
@@ -448,8 +450,8 @@ static void test_illum_seen(void **state)
     }
 }
 
-/* Glow of a negative radius is seen and lights nothing. Of 32768 rays in four groups 950 meet it,
- * with a scatter of less than 1 / sqrt 950 = 3 %, a third of it for being even. */
+/* A glow of negative radius is visible and lights nothing. Of 32768 rays in four batches 950 hit
+ * it, with a scatter of less than 1 / sqrt 950 = 3 %, a third of it by stratification. */
 static void test_glow_radius(void **state)
 {
     static const double radius[3] = {0, 1, -1};
@@ -474,9 +476,9 @@ static void test_glow_radius(void **state)
 }
 
 /*
- * A ball of glow of 2 cm, which one ray of 40 000 meets: aimed at, for its radius is above 0. As
- * many rays and shadow rays come to the closed form, 1e-3 for the shadow rays' scatter over it;
- * to a view of rough metal, which no ray of its lobe would find, as bright as a light.
+ * A glow ball of 2 cm, which one ray of 40 000 hits, is sampled as a light, because its radius is
+ * above 0. Rays and shadow rays agree with the closed form, 1e-3 for the shadow rays' scatter over
+ * it; a view of rough metal, whose lobe rays never hit it, is as bright as with a light.
  */
 static void test_small_glow(void **state)
 {
@@ -505,9 +507,9 @@ static void test_small_glow(void **state)
 }
 
 /*
- * A lamp outside, a metre square and four metres off, seen straight through a pane that is not
- * there (index 1): by shadow rays or by rays that meet it, not by both. Parallel rectangle over a
- * point on its axis; 4096 rays and 128 shadow rays are good to 1 % of so smooth a lamp.
+ * A lamp outside, a square metre at four metres, seen through an invisible pane (index 1): counted
+ * by shadow rays or by rays that hit it, not by both. Parallel rectangle over a point on its axis;
+ * 4096 rays and 128 shadow rays have an error of 1 % for so smooth a lamp.
  */
 static void test_lamp_outside(void **state)
 {
@@ -533,9 +535,9 @@ static void test_lamp_outside(void **state)
 }
 
 /*
- * A closed sphere of an exporter's white: 0.999 of its light is returned, E = E0 / (1 - 0.999), and
- * the job ends. The lamp takes 1e-6 a reflection. Each of some 2000 flights leaves a thousand
- * photons, the number of which is geometric: 2.2 %. Of 8192 paths, 1.1 %.
+ * A closed sphere of an exporter's white: 0.999 of its light is reflected, E = E0 / (1 - 0.999),
+ * and the job ends. The lamp absorbs 1e-6 per reflection. Each of some 2000 emitted photons is
+ * stored a thousand times, a geometric number: 2.2 %. For 8192 paths, 1.1 %.
  */
 static void test_white_sphere(void **state)
 {

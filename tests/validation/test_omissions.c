@@ -1,6 +1,6 @@
 /*
- * What a plan leaves out and does instead: that clear windows change nothing, that a mirror however
- * small gets its caustic photons and all of their light, and that a skip does what it says.
+ * Omissions and substitutions of the plan: clear windows change nothing, a mirror however small
+ * gets its caustic photons and all of their light, and a skip has the stated effect.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -45,7 +45,7 @@ static struct orl_result run(const struct run *r)
                                          .folder = r->folder});
 }
 
-/* With nothing outside, a ray that leaves need not look: the same light to the bit, by fewer rays.
+/* With nothing outside, a ray that leaves needs no test: equal light to the bit, with fewer rays.
  */
 static void test_clear_windows(void **state)
 {
@@ -76,7 +76,8 @@ static double sun_w(void)
     return 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
 }
 
-/* All that the coin mirrors lands: 45 degrees through a pane of 0.9 a pass, 0.9 mirrored. */
+/* All light that the coin mirrors lands: 45 degrees through a pane of 0.9 per pass, 0.9 mirrored.
+ */
 static void test_small_mirror(void **state)
 {
     const double area = ORL_PI * .007 * .007;
@@ -94,7 +95,7 @@ static void test_small_mirror(void **state)
     assert_int_equal(result.maps[1].stored >= 50000, 1);
     print_message("caustic photons emitted for each stored: %.1f\n",
                   (double)result.maps[1].emitted / (double)result.maps[1].stored);
-    /* Fluxes differ from cell to cell of the window, by a factor of ten at the rim. */
+    /* Fluxes differ between the window's cells, by a factor of ten at the rim. */
     if (!(fabs(flux - watts) <= 4 * sqrt(squares) + 0.002 * watts))
         fail_msg("%g W of caustics, not %g, standard error %g", flux, watts, sqrt(squares));
     orl_result_done(&result);
@@ -126,12 +127,14 @@ static void test_kinds_of_caustics(void **state)
         orl_result_done(&result);
         cli_remove_folder(folder);
     }
-    /* What goes by both, from one to the other over the ceiling, is none: photons end there. */
+    /* Light by way of both, from one to the other over the ceiling, is not counted: photons end
+     * there. */
     assert_true(flux[0] > 0 && flux[1] > 0);
     assert_true(fabs(flux[0] + flux[1] - flux[2]) < 0.03 * flux[2]);
 }
 
-/* Skipped against its advice: less light, but no less than the plan said; and a warning. */
+/* A skip against the plan's advice: less light, but no less than the plan's bound; and a warning.
+ */
 static void test_skips(void **state)
 {
     static const struct {
@@ -176,7 +179,7 @@ static void test_skips(void **state)
     }
 }
 
-/* Gloss folded into diffuse keeps the light in the room. */
+/* Gloss merged into the diffuse part keeps the light in the room. */
 static void test_gloss_keeps_energy(void **state)
 {
     static const char glossy[] =
@@ -197,7 +200,7 @@ static void test_gloss_keeps_energy(void **state)
     assert_true(fabs(mean[0] - mean[1]) < 0.05 * mean[1]);
 }
 
-/* Red walls bleached: as bright by one reflection, and gray all over. */
+/* Red walls made gray: as bright by one reflection, and gray all over. */
 static void test_bleached(void **state)
 {
     static const char red[] =
@@ -220,7 +223,7 @@ static void test_bleached(void **state)
     orl_result_done(&result[1]);
 }
 
-/* A sensor list changes no key; a sun left out does, and one that is not there does not. */
+/* A sensor list changes no key; an omitted sun does, and an omitted but absent sun does not. */
 static void test_keys(void **state)
 {
     char folder[64];
@@ -231,7 +234,7 @@ static void test_keys(void **state)
                     .effect = ORL_EFFECT_GLOSSY,
                     .folder = folder};
     struct orl_result first = run(&r);
-    r.wish = ORL_WISH_FORCE; /* of what is not there */
+    r.wish = ORL_WISH_FORCE; /* an effect that the scene lacks */
     struct orl_result second = run(&r);
     r.effect = ORL_EFFECT_SUN;
     r.wish = ORL_WISH_SKIP;

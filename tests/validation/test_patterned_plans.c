@@ -1,7 +1,7 @@
 /*
- * Plans of scenes with patterns: what an effect brings is no more than the plan's bound for it,
- * which rests on the most that patterns come to over their surfaces and skies; and the same bytes
- * for any number of threads. A room with a tiled floor and a rough wall, under a patterned sky.
+ * Plans of scenes with patterns: an effect's light is at most the plan's bound for it, which uses
+ * the maxima of patterns over their surfaces and skies; and the bytes are equal for any number of
+ * threads. A room with a tiled floor and a rough wall, under a patterned sky.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,8 +17,8 @@
 #include "support/cli.h"
 #include "support/scene_text.h"
 
-/* A sky brighter towards the south and at the horizon; tiles, of which the bright ones are brighter
- * than the plastic says; waves in the normals of a wall. */
+/* A sky brighter toward the south and at the horizon; tiles, the bright ones of which exceed the
+ * plastic's reflectance; waves in the normals of a wall. */
 static const char functions[] = "sky = if(Dz, 2 - Dy + 4*exp(-8*Dz), .2);\n"
                                 "tile = if((frac(Px) - .5)*(frac(Py) - .5), 1.5, .25);\n"
                                 "wave_x = 0; wave_y = .2*sin(9*Py); wave_z = .2*sin(9*Pz);\n";
@@ -64,7 +64,7 @@ static struct orl_result run(enum orl_technique technique, enum orl_effect effec
                                          .folder = folder});
 }
 
-/* Of the sun, the sky, and what surfaces send on: most of it arrives at some sensor. */
+/* The sun, the sky, and light reflected by surfaces: most of it arrives at some sensor. */
 static void test_bounds(void **state)
 {
     static const enum orl_effect effects[] = {ORL_EFFECT_SUN, ORL_EFFECT_SKY,

@@ -1,7 +1,7 @@
 /*
- * What a run tells of its progress, on a clock that goes on by a hundredth of a second whenever it
- * is looked at: it never falls, goes from nothing to all, and moves while photons fly of which few
- * come to anything.
+ * Progress reports of a run, on a clock that advances a hundredth of a second at every call:
+ * progress never decreases, goes from 0 to 1, and advances while photons are traced of which few
+ * are stored.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +21,8 @@ static const char scene[] = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL RO
 
 struct log {
     double now, first, last;
-    double told[ORL_STAGE_COUNT], rise[ORL_STAGE_COUNT]; /* of the stage: the last, and the most */
+    double told[ORL_STAGE_COUNT],
+        rise[ORL_STAGE_COUNT]; /* per stage: the last fraction, and the largest increase */
     unsigned calls, falls, of[ORL_STAGE_COUNT];
 };
 
@@ -65,8 +66,8 @@ static struct log follow(uint64_t caustic, struct orl_goal goal)
     return log;
 }
 
-/* 30 emissions a photon: rays tell how far they are, so no report stands for half of them. Rounds
- * of batches are at most 32 of 8192 emissions, a quarter of the 1.2 million. */
+/* 30 emissions per photon: rays measure progress, so no report covers half of them. Rounds of
+ * batches are at most 32 of 8192 emissions, a quarter of the 1.2 million. */
 static void test_photons_move(void **state)
 {
     (void)state;
@@ -76,9 +77,8 @@ static void test_photons_move(void **state)
 }
 
 /*
- * Every sensor and every tile of a picture that is done is told of, on one thread. A tile is a
- * sixth of this picture, a sensor an eighth of them or less; by photon maps a picture is first
- * looked over.
+ * Every finished sensor and tile of a picture is reported, on one thread. A tile is a sixth of this
+ * picture, a sensor at most an eighth of them; photon maps first render a coarse picture.
  */
 static void test_rendering_moves(void **state)
 {
@@ -113,7 +113,7 @@ static void test_rendering_moves(void **state)
     }
 }
 
-/* What one of a picture's two tiles is thought to take of it. */
+/* Returns the share of progress that one of a picture's two tiles counts for. */
 static double share_of_tile(const char *pane)
 {
     char text[2000];
@@ -133,7 +133,7 @@ static double share_of_tile(const char *pane)
     return log.rise[ORL_STAGE_RENDER];
 }
 
-/* A pane that scatters takes many rays a pixel, on which nothing is spent before. */
+/* A scattering pane takes many rays per pixel, without a preparation phase. */
 static void test_panes_take_time(void **state)
 {
     const double clear = share_of_tile(ROOM_CLEAR);

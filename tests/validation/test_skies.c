@@ -1,5 +1,5 @@
-/* A job under several skies is that many jobs under one: the same bytes, maps and images included.
- */
+/* A job under several skies equals that many jobs under one: the same bytes, maps and images
+ * included. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +22,7 @@ static char *const scene_files[] = {scene_file};
 static char overcast[] = "overcast", sunny[] = "sunny_1", night[] = "night-1";
 static char view_name[] = "v", view_text[] = "-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vh 70 -vv 55";
 
-/* One run: what it is told, and what it tells. */
+/* Inputs and outputs of one run. */
 struct fixture {
     char folder[64];
     struct orl_named_sky skies[SKIES];
@@ -33,13 +33,13 @@ struct fixture {
     atomic_bool cancel;
     double lx[SKIES][SENSORS];
     bool dark[SKIES], done[SKIES], keep[SKIES];
-    const char *sensor_text;       /* of the file of sensors; or NULL */
-    double fraction;               /* of the whole, as last heard */
-    struct orl_result *sensors_of; /* kept ones; or NULL */
+    const char *sensor_text;       /* text of the sensor file; or NULL */
+    double fraction;               /* fraction of the whole job, last reported */
+    struct orl_result *sensors_of; /* stored results; or NULL */
     size_t n_sensors_done;
     struct orl_shelf *shelf;
     const char *files_id;
-    int scene_reads; /* times that the scene's file was opened */
+    int scene_reads; /* number of times that the scene's file was opened */
 };
 
 static double now_s(void *ctx)
@@ -175,7 +175,7 @@ static void count_close(void *ctx, struct orl_file *file)
     c->inner.close(c->inner.ctx, file);
 }
 
-/* All skies, or with result the job's one. */
+/* Runs all skies, or, with ret_result, the job's only one. */
 static int run(struct fixture *f, struct orl_result *ret_result, struct orl_error *err)
 {
     static const char scene[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
@@ -254,8 +254,8 @@ static void test_same_as_one_by_one(void **state)
     }
 }
 
-/* A scene is read once for all skies of a job; and once for all jobs of a shelf that say whose
- * files it is of. What comes of it is the same. */
+/* A scene is parsed once for all skies of a job; and once for all jobs of a memory cache that
+ * identify its files. The results are equal. */
 static void test_one_scene_for_all(void **state)
 {
     struct fixture *f = *state;
@@ -289,7 +289,7 @@ static void test_kept_skies_are_not_run(void **state)
     assert_int_equal(f->n_sensors_done, 2);
 }
 
-/* Sensors that an earlier run has left are taken as they are, and the rest is the same. */
+/* Sensors of an earlier run are taken unchanged, and the rest is equal. */
 static void test_kept_sensors(void **state)
 {
     struct fixture *f = *state;
@@ -343,7 +343,7 @@ static void test_file_of_sensors(void **state)
     assert_ptr_equal(f->job.sensors_file, sensor_file);
 }
 
-/* Few enough for one sky, but not for all: nothing is rendered. */
+/* Sensors within the limit for one sky, but not for all: nothing is rendered. */
 static void test_too_many_sensors(void **state)
 {
     enum { COUNT = 4000000 / SKIES + 1 };
@@ -361,7 +361,7 @@ static void test_too_many_sensors(void **state)
     free(text);
 }
 
-/* Found before anything is rendered. */
+/* Mistakes are found before anything is rendered. */
 static void test_mistakes(void **state)
 {
     struct fixture *f = *state;

@@ -1,13 +1,13 @@
 /*
- * What error maps state against what pixels do between seeds, for every technique.
+ * Compares the errors of error maps with the scatter of pixels between seeds, for every technique.
  *
- * Of seed k let q_k be the sum over pixels of their squared distances from the mean over all N
- * seeds, times N / (N - 1), and p_k the sum of the squared errors stated. Both have the same
- * expectation where errors are rightly stated, whatever the pixels share (photons, lamps) and
- * whatever bias they have. Seeds are independent (but for the mean that the q_k share, which the
- * factor makes up for), so that mean(q) - mean(p) is known to sd(q - p) / sqrt(N): four times that
- * is the tolerance. Errors may be stated too large where samples are spread evenly, or rays lie on
- * a grid: by half at the most, which is 2.25 in squares.
+ * For seed k let q_k be the sum over pixels of their squared distances from the mean over all N
+ * seeds, times N / (N - 1), and p_k the sum of the squared stated errors. Both have the same
+ * expectation if errors are stated correctly, whatever the pixels share (photons, lamps) and
+ * whatever bias they have. Seeds are independent (except for the mean that the q_k share, which the
+ * factor corrects), so that mean(q) - mean(p) is known to sd(q - p) / sqrt(N): four times that is
+ * the tolerance. Errors may be stated too large if samples are stratified, or rays lie on a grid:
+ * by half at most, which is 2.25 in squares.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,7 +29,7 @@ static const double most_stated = 2.25;
 static const char sphere[] = "void light l 0 0 3 100 100 100\nl sphere lamp 0 0 4 0 0 0 .1\n"
                              "void plastic w 0 0 5 .5 .5 .5 0 0\nw bubble wall 0 0 4 0 0 0 1\n";
 static const char at_wall[] = "-vtv -vp 0 .3 -.5 -vd 0 1 0 -vh 60 -vv 60";
-/* The sun through a pane that scatters it, onto the floor: caustic photons. */
+/* The sun through a scattering pane onto the floor: caustic photons. */
 static const char room[] = ROOM_SUN ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE;
 static const char at_floor[] = "-vtv -vp 2 4 2 -vd 0 -.1 -1 -vu 0 1 0 -vh 25 -vv 25";
 
@@ -73,7 +73,7 @@ static double mean_of(const double *values, int n)
     return sum / n;
 }
 
-/* Sums over pixels, seed by seed: what they do, and what they state. */
+/* Sums over pixels for each seed: the squared scatter, and the squared stated errors. */
 static void sum_up(const struct errors *e, double ret_done[SEEDS], double ret_stated[SEEDS])
 {
     memset(ret_done, 0, SEEDS * sizeof *ret_done);
@@ -90,7 +90,7 @@ static void sum_up(const struct errors *e, double ret_done[SEEDS], double ret_st
     }
 }
 
-/* How well the mean of a - share * b is known, by how that lies between seeds. */
+/* Returns the tolerance of the mean of a - share * b, from its scatter between seeds. */
 static double tolerance(const double a[SEEDS], const double b[SEEDS], double share)
 {
     double differences[SEEDS], squares = 0;

@@ -1,4 +1,4 @@
-/* Views out of a room, against angles and distances in closed form. */
+/* Views out of a room, compared with angles and distances in closed form. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 #define MATERIALS                                                                                  \
     "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid glass g 0 0 3 .9 .9 .9\nvoid glass h 0 0 3 .9 .9 "    \
     ".9\nvoid trans t 0 0 7 .8 .8 .8 0 0 .7 .5\n"
-/* 6 m wide, 6 deep, 3 high; its south side is the case's. */
+/* 6 m wide, 6 deep, 3 high; the case adds its south side. */
 #define ROOM                                                                                       \
     "w polygon floor 0 0 12 -3 0 0 3 0 0 3 6 0 -3 6 0\n"                                           \
     "w polygon north 0 0 12 -3 6 0 3 6 0 3 6 3 -3 6 3\n"                                           \
@@ -41,7 +41,7 @@ static void add(struct text *text, const char *format, ...)
     assert_true(text->length < TEXT);
 }
 
-/* A rectangle in the plane of y. */
+/* Adds a rectangle in the plane of y. */
 static void add_upright(struct text *text, const char *modifier, double y, const double x[2],
                         const double z[2])
 {
@@ -117,7 +117,7 @@ static struct orl_view_out look(const struct text *scene, double x, double y)
     return view;
 }
 
-/* Each edge is known to half a column. */
+/* Asserts an angle; each edge is known to half a column. */
 static void assert_angle(double found, double expected)
 {
     if (!(fabs(found - expected) <= 0.2501))
@@ -131,7 +131,7 @@ static double between(double x, double y, double from, double to)
 
 #define ALL (ORL_VIEW_SKY | ORL_VIEW_LANDSCAPE | ORL_VIEW_GROUND)
 
-/* To the horizon: the angle is the window's, and the level goes by it. */
+/* A view to the horizon: the angle is the window's, and determines the level. */
 static void test_open_view(void **state)
 {
     static const struct {
@@ -154,7 +154,7 @@ static void test_open_view(void **state)
     }
 }
 
-/* A wall across all of the view: so far away, and no sky; 3.2 m of window are wide enough. */
+/* A wall across the whole view at that distance, and no sky; 3.2 m of window are wide enough. */
 static void test_distance(void **state)
 {
     static const struct {
@@ -180,7 +180,7 @@ static void test_distance(void **state)
     }
 }
 
-/* Major is what stands in more than half of the view, and no lower than the eye. */
+/* A major layer fills more than half of the view, and is not below the eye. */
 static void test_what_is_major(void **state)
 {
     const double half = 1.6, y = 3;
@@ -198,7 +198,7 @@ static void test_what_is_major(void **state)
     assert_true(isinf(look(&scene, 0, y).distance_m));
 }
 
-/* Sky by itself is no view, nor a roof light. */
+/* Sky alone is no view, and neither is a roof light. */
 static void test_sky_alone(void **state)
 {
     const struct pane high = {1.8, 2.4, "g"};
@@ -215,8 +215,8 @@ static void test_sky_alone(void **state)
     assert_true(up.sight_angle_deg == 0 && up.level == ORL_VIEW_NONE);
 }
 
-/* The lower pane shows lawn and horizon, the upper one sky: together they are one opening where a
- * bar is between them, and two where a wall is. */
+/* The lower pane shows lawn and horizon, the upper one sky: they are one opening with a bar between
+ * them, and two with a wall. */
 static void test_bars(void **state)
 {
     static const double bars[] = {0.2, 0.4};
@@ -231,7 +231,7 @@ static void test_bars(void **state)
     }
 }
 
-/* Paper is no opening, nor a pane behind a shutter, nor one that is not named. */
+/* Paper is no opening, and neither is a pane behind a shutter or one that is not named. */
 static void test_what_is_no_opening(void **state)
 {
     const struct pane paper = {0.9, 2.4, "t"};
@@ -269,7 +269,7 @@ static void test_names(void **state)
     assert_int_equal(try_look(&scene, &wish, 1, &view, &err), ORL_ERR_LIMIT);
 }
 
-/* Hills that nobody calls ground are landscape. */
+/* Hills that are not named as ground are landscape. */
 static void test_what_is_ground(void **state)
 {
     struct text scene = {.length = 0};
@@ -282,7 +282,7 @@ static void test_what_is_ground(void **state)
     assert_int_equal(view.layers & ORL_VIEW_LANDSCAPE, ORL_VIEW_LANDSCAPE);
 }
 
-/* Same bytes, whoever does the work. */
+/* The bytes are equal for any crew. */
 static void test_crews(void **state)
 {
     static char name[] = "eye";
@@ -303,7 +303,7 @@ static void test_crews(void **state)
     }
 }
 
-/* 75 % of the area, met exactly, are enough. */
+/* Exactly 75 % of the area is enough. */
 static void test_shares(void **state)
 {
     static const enum orl_view_level levels[4] = {ORL_VIEW_HIGH, ORL_VIEW_MEDIUM, ORL_VIEW_MEDIUM,
