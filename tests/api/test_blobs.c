@@ -1,4 +1,5 @@
-/* Which blobs stay: those that a row names or a request claims, whatever the order of events. */
+/* Lifetime of blobs: those that a row names or a request claims stay, whatever the order of events.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,11 +21,11 @@ struct fixture {
     struct data_folder data;
     struct orl_settling *settling;
     struct orl_blobs *blobs;
-    char sha[ORL_SHA_HEX]; /* of "ten bytes." */
+    char sha[ORL_SHA_HEX]; /* digest of "ten bytes." */
     struct orl_error err;
 };
 
-/* In place of the C library's: counts the folders that are synced. */
+/* Replaces the C library's fsync: counts synced folders. */
 static int folders_synced;
 int fsync(int fd)
 {
@@ -52,7 +53,7 @@ static int open_blobs(struct fixture *f)
                                &f->err);
 }
 
-/* All that waits for the disk has its turn. */
+/* Runs all pending disk operations. */
 static void settle(const struct fixture *f)
 {
     while (!orl_settling_is_quiet(f->settling))
@@ -94,7 +95,7 @@ static int teardown(void **state)
     return 0;
 }
 
-/* What an upload does on the pool. */
+/* Stores the bytes as an upload does on the pool. */
 static void keep(struct fixture *f)
 {
     char path[ORL_PATH_MAX];
@@ -140,12 +141,12 @@ static void test_upload_and_removal(void **state)
     assert_int_equal(open_all(f), 0);
     expect(f, true, 10);
     unname(f);
-    expect(f, true, 10); /* a power cut might bring its row back */
+    expect(f, true, 10); /* a power cut might restore its row */
     settle(f);
     expect(f, false, 0);
 }
 
-/* The same bytes come again before the removal of the first is safe. */
+/* The bytes are uploaded again before the removal of the first upload is durable. */
 static void test_upload_after_removal(void **state)
 {
     struct fixture *f = *state;
@@ -163,13 +164,13 @@ static void test_upload_after_removal(void **state)
     settle(f);
     expect(f, true, 10);
     unname(f);
-    claim(f); /* and once more, in vain */
+    claim(f); /* once more, without success */
     orl_blobs_release(f->blobs, f->sha);
     settle(f);
     expect(f, false, 0);
 }
 
-/* Its row could not be written. */
+/* The upload's row could not be written. */
 static void test_failed_upload(void **state)
 {
     struct fixture *f = *state;
@@ -177,12 +178,12 @@ static void test_failed_upload(void **state)
     keep(f);
     orl_blobs_release(f->blobs, f->sha);
     expect(f, false, 0);
-    claim(f); /* nor could its file */
+    claim(f); /* its file could not be written either */
     orl_blobs_release(f->blobs, f->sha);
     expect(f, false, 0);
 }
 
-/* Of two uploads of the same bytes one fails. */
+/* Two uploads have the same bytes, and one fails. */
 static void test_two_uploads(void **state)
 {
     struct fixture *f = *state;
@@ -197,8 +198,8 @@ static void test_two_uploads(void **state)
     expect(f, true, 10);
 }
 
-/* An upload that finds the bytes there answers for them as well: the one that put them there may
- * not have come to its folders, that of the blob and the one above, yet. */
+/* An upload that finds existing bytes syncs their folders, too: the upload that wrote them may not
+ * yet have synced that of the blob and the one above. */
 static void test_upload_beside_another(void **state)
 {
     struct fixture *f = *state;
@@ -212,7 +213,7 @@ static void test_upload_beside_another(void **state)
     orl_blobs_release(f->blobs, f->sha);
 }
 
-/* An upload finds the bytes there just before the row that named them goes. */
+/* An upload finds existing bytes just before the row that named them is removed. */
 static void test_removal_during_upload(void **state)
 {
     struct fixture *f = *state;
@@ -228,12 +229,12 @@ static void test_removal_during_upload(void **state)
     expect(f, true, 10);
     claim(f);
     unname(f);
-    orl_blobs_release(f->blobs, f->sha); /* that failed too */
+    orl_blobs_release(f->blobs, f->sha); /* a claim that failed, too */
     settle(f);
     expect(f, false, 0);
 }
 
-/* A plan reads a scene's files: they stay until it has, removed or not. */
+/* A plan reads a scene's files: they stay until it has finished, even if the scene is removed. */
 static void test_files_that_are_read(void **state)
 {
     struct fixture *f = *state;
@@ -252,7 +253,7 @@ static void test_files_that_are_read(void **state)
     orl_blobs_release_files(&claims);
     settle(f);
     expect(f, false, 0);
-    orl_blobs_release_files(&claims); /* there are none */
+    orl_blobs_release_files(&claims); /* no files are claimed */
 }
 
 static void test_orphans_go_at_start(void **state)

@@ -1,5 +1,4 @@
-/* `oriel` and `orield` together: submit, wait, fetch, and a second job that finds the maps ready.
- */
+/* `oriel` and `orield` together: submit, wait, fetch, and a second job that reuses the maps. */
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -15,7 +14,7 @@
 #include "support/cli.h"
 #include "support/patience.h"
 
-/* A room that is open to the south, where another file puts the pane. */
+/* A room that is open to the south, where another file adds the pane. */
 static const char scene_text[] = "void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0\n"
                                  "void glass pane\n0\n0\n3 0.96 0.96 0.96\n"
                                  "void glow sky_glow\n0\n0\n4 10 10 10 0\n"
@@ -107,7 +106,7 @@ static void run(struct fixture *f, int exit_code, const char *command, const cha
                  f->result.err);
 }
 
-/* Submits a document of the folder's and follows it; ret_id[64] gets its id. */
+/* Submits a document of the folder and follows it; returns its id in ret_id[64]. */
 static void submit(struct fixture *f, const char *document, int exit_code, char *ret_id)
 {
     char path[160];
@@ -157,7 +156,7 @@ static void test_a_second_job_finds_the_maps(void **state)
     run(f, 0, "status", second, NULL, NULL);
     assert_says(f->result.out, "succeeded");
     run(f, 0, "status", NULL, NULL, NULL);
-    first[8] = second[8] = '\0'; /* as much as the table shows, and as fetch needs */
+    first[8] = second[8] = '\0'; /* as many digits as the table shows, enough for fetch */
     assert_says(f->result.out, first);
     assert_says(f->result.out, second);
     snprintf(output, sizeof output, "%s/out", f->folder);
@@ -172,7 +171,7 @@ static void test_a_second_job_finds_the_maps(void **state)
     free(hdr);
 }
 
-/* The same document gives the same numbers here and there: one code path. */
+/* A document gives equal numbers in the command and in the daemon: one code path. */
 static void test_run_and_submit_agree(void **state)
 {
     struct fixture *f = *state;
@@ -220,7 +219,7 @@ static void test_cancel_ends_a_long_job(void **state)
     assert_says(f->result.err, "cancelled");
 }
 
-/* Whose turn it is, goes by a name: the user's, or one of their own. */
+/* Scheduling uses client names: the user's, or a chosen one. */
 static void test_clients_have_names(void **state)
 {
     struct fixture *f = *state;

@@ -1,4 +1,4 @@
-/* `oriel study` as a script sees it: usage, mistakes, and a small study to its end. */
+/* `oriel study` from a script's view: usage, mistakes, and a complete small study. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -133,7 +133,7 @@ static void test_a_study_leaves_four_files_and_a_table(void **state)
         assert_says(f->result.out, files[i].name);
         free(text);
     }
-    /* A line of names and one for each point, all of as many columns. */
+    /* A header line and one line for each point, all with equally many columns. */
     char *csv = cli_read_file(f->output, "study.csv");
     size_t lines = 0, commas = 0, first = 0;
     for (const char *c = csv; *c; c++) {
@@ -149,7 +149,7 @@ static void test_a_study_leaves_four_files_and_a_table(void **state)
     free(csv);
 }
 
-/* An older study's files are gone once a new one has begun, also when that fails. */
+/* An older study's files are removed when a new one starts, even if that fails. */
 static void test_older_files_do_not_survive_a_failure(void **state)
 {
     struct cli_desk *f = *state;

@@ -1,5 +1,5 @@
 /*
- * Clients that fetch a job's result in the moment in which its events say that it has ended.
+ * Clients fetch a job's result at the moment in which its events report its end.
  *
  * The job's last row may not be on disk yet and its files not verified yet, so that the daemon has
  * two reasons to wait at once. Clients also hang up at random, and delete jobs while they fetch.
@@ -24,7 +24,7 @@
 
 enum { CLIENTS = 8, REPLY_MAX = 1 << 16 };
 
-/* ---- A client: a process of its own, so that it shares nothing with the test ----------------- */
+/* ---- A client: a separate process, so that it shares nothing with the test ------------------- */
 
 struct client {
     const struct daemon *daemon;
@@ -69,7 +69,7 @@ static int send_request(struct client *client, const char *method, const char *p
     return fd;
 }
 
-/* Reads until the text is there (true) or the connection ends; NULL: to the end. */
+/* Reads until the text has come (true) or the connection ends; NULL: to the end. */
 static bool receive_until(struct client *client, int fd, const char *text)
 {
     size_t used = 0;
@@ -83,7 +83,7 @@ static bool receive_until(struct client *client, int fd, const char *text)
     return false;
 }
 
-/* With a reset half of the time. */
+/* Closes the connection, half of the time with a reset. */
 static void hang_up(struct client *client, int fd)
 {
     const struct linger reset = {.l_onoff = (int)draw(client, 2)};

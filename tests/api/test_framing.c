@@ -1,4 +1,4 @@
-/* Bytes that are no HTTP request, or could be read as another one: refused, and the connection
+/* Bytes that are no HTTP request, or could be parsed as another one: refused, and the connection
  * ends. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +17,7 @@
 
 enum { CLOSED = 0 };
 
-/* Sends it, all at once with the end if so wished; returns the status, or CLOSED. */
+/* Sends the bytes, at once with the end of the stream if `ends`; returns the status, or CLOSED. */
 static int ask_bytes(const struct daemon *daemon, const char *bytes, size_t size, bool ends,
                      char *ret_answer, size_t room)
 {
@@ -70,7 +70,7 @@ static void test_framing(void **state)
     }
 }
 
-/* How often text has part in it. */
+/* Counts the occurrences of part in text. */
 static int count(const char *text, const char *part)
 {
     int times = 0;
@@ -95,7 +95,7 @@ static void test_unparsed_headers(void **state)
         size_t used = 0;
         assert_true(send(fd, request, at_once, MSG_NOSIGNAL) == (ssize_t)at_once);
         assert_int_equal(ask(*state, "GET /healthz HTTP/1.0\r\n\r\n", false, answer, sizeof answer),
-                         200); /* whose headers end between those */
+                         200); /* headers that end within those */
         const char *rest = request + at_once;
         assert_true(send(fd, rest, strlen(rest), MSG_NOSIGNAL) == (ssize_t)strlen(rest));
         for (ssize_t n; (n = recv(fd, answer + used, sizeof answer - 1 - used, 0)) > 0;)
@@ -124,7 +124,7 @@ static void test_many_cookies(void **state)
 
 #define GET "GET /healthz HTTP/1.1\r\n" HOST
 
-/* Headers that are none, with what could be read as a body or as another request behind them. */
+/* Malformed headers, followed by bytes that could be parsed as a body or as another request. */
 static void test_headers(void **state)
 {
     static const char none[] = "a name that is none",
@@ -167,7 +167,8 @@ static void test_headers(void **state)
     }
 }
 
-/* More arguments, or a longer target, than there is room for: an answer, and the next request. */
+/* More arguments, or a longer target, than the limits allow: an error answer, and the next request
+ * works. */
 static void test_targets(void **state)
 {
     static const char tail[] = " HTTP/1.1\r\n" HOST "Connection: close\r\n\r\n";
@@ -189,8 +190,8 @@ static void test_targets(void **state)
     }
 }
 
-/* A query behind a NUL, with more arguments than there is room for: the connection ends before the
- * time for headers (15 s) is over, and others are served. */
+/* A query after a NUL, with more arguments than the limit: the connection ends before the header
+ * timeout (15 s), and others are served. */
 static void test_hidden_queries(void **state)
 {
     static const struct {
@@ -218,7 +219,7 @@ static void test_hidden_queries(void **state)
                      200);
 }
 
-/* Those beside them are as good as ever. */
+/* Valid requests similar to the refused ones still work. */
 static void test_good(void **state)
 {
     static const struct {
@@ -241,7 +242,8 @@ static void test_good(void **state)
                          cases[i].status);
 }
 
-/* Targets in absolute form are their paths, for the daemon's own scheme and names alone. */
+/* Targets in absolute form are reduced to their paths, only for the daemon's own scheme and names.
+ */
 static void test_absolute_form(void **state)
 {
 #define END "Connection: close\r\n\r\n"
@@ -257,11 +259,11 @@ static void test_absolute_form(void **state)
         {"GET http://localhost/v1/none HTTP/1.1\r\n" HOST END, 404},
         {"GET http://localhost/healthz HTTP/1.0\r\n\r\n", 200},
         {"POST http://localhost/healthz HTTP/1.1\r\n" HOST "Content-Length: 0\r\n" END, 405},
-        /* another machine's, by either of the two names */
+        /* another machine's name, in either place */
         {"GET http://rebound.example/healthz HTTP/1.1\r\n" HOST END, 403},
         {"GET http://localhost/healthz HTTP/1.1\r\nHost: rebound.example\r\n" END, 403},
         {"GET https://localhost/healthz HTTP/1.1\r\n" HOST END, 403},
-        /* its own page by the authority, and that of another site */
+        /* the authority decides: its own page, and that of another site */
         {"GET http://localhost:9/healthz HTTP/1.1\r\n" HOST "Origin: http://localhost:9\r\n" END,
          200},
         {"GET http://localhost:9/healthz HTTP/1.1\r\n" HOST "Origin: http://localhost\r\n" END,
@@ -303,8 +305,8 @@ static void test_no_request(void **state)
                          cases[i].status);
 }
 
-/* A client that hangs up with its last bytes is not waited for, as long as headers or bodies may
- * take: this program's time would be over before. */
+/* A client that hangs up after its last bytes does not occupy the daemon for the timeout of headers
+ * or bodies, which would exceed this program's time. */
 static void test_broken_off(void **state)
 {
     static const char *const cases[] = {

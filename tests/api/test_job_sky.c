@@ -1,4 +1,4 @@
-/* Skies in jobs, through the daemon: one scene, several hours, a weather file that came with it. */
+/* Skies in jobs, through the daemon: one scene, several hours, an uploaded weather file. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -28,7 +28,7 @@ static void post(struct daemon_room *f, const char *sky, struct reply *reply)
     daemon_post_json(&f->daemon, "/v1/jobs", text, reply);
 }
 
-/* Runs a job to its end: ret_lx of the sensor on the roof, and whether its map was in the cache. */
+/* Runs a job to its end; returns true if its map was cached. ret_lx: the sensor on the roof. */
 static bool run(struct daemon_room *f, const char *sky, double *ret_lx)
 {
     struct reply reply;
@@ -88,7 +88,7 @@ static void test_mistakes_are_told_at_once(void **state)
     }
 }
 
-/* The command sends the weather file along, and says when there is none. */
+/* The command uploads the weather file, and reports a missing one. */
 static void test_submit_carries_the_weather_file(void **state)
 {
     struct daemon_room *f = *state;

@@ -1,4 +1,4 @@
-/* Which web pages may talk to the daemon: its own, those of --allow-origin, and no others. */
+/* Web pages with access to the daemon: its own, those of --allow-origin, and no others. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,7 +15,7 @@
 #include "support/daemon.h"
 #include "support/http_wire.h"
 
-/* Without tokens, and two origins let in; the daemon's own port is %s in the cases below. */
+/* A daemon without tokens that allows two origins; %s below is the daemon's port. */
 static const char *const let_in[] = {"--allow-origin",
                                      "https://tool.example",
                                      "--allow-origin",
@@ -25,7 +25,7 @@ static const char *const let_in[] = {"--allow-origin",
 
 struct fixture {
     struct daemon closed, open, tokens;
-    char token[128]; /* a header line, of scope submit */
+    char token[128]; /* header line with a token of scope submit */
 };
 
 static void make_token(const struct daemon *daemon, char ret_line[128])
@@ -71,7 +71,7 @@ static const char *port_of(const struct daemon *daemon)
     return strrchr(daemon->url, ':') + 1;
 }
 
-/* Its headers, with the daemon's port for every $. */
+/* Sends a request with those headers; every $ is replaced by the daemon's port. */
 static void ask(const struct daemon *daemon, const char *line, const char *pattern,
                 const char *body, struct reply *ret_reply)
 {
@@ -109,7 +109,7 @@ static void test_another_loopback_port(void **state)
         "Origin: http://127.0.0.1:3000\r\n",
         "Origin: http://[::1]:3000\r\n",
         "Origin: http://127.0.0.2:$\r\n",
-        "Origin: http://localhost:$\r\n", /* another name, hence another origin than Host's */
+        "Origin: http://localhost:$\r\n", /* another name, so an origin different from Host */
         "Origin: http://127.0.0.1\r\n",
         "Origin: https://127.0.0.1:$\r\n",
         "Origin: http://127.0.0.1:$0\r\n",
@@ -136,7 +136,8 @@ static void test_another_loopback_port(void **state)
     expect(&f->closed, "GET /v1/jobs", OWN, NULL, 200);
 }
 
-/* A name of the attacker's that points to this machine: Host and Origin agree, and are both his. */
+/* DNS rebinding: the attacker's name points to this machine, so Host and Origin agree, and are both
+ * the attacker's. */
 static void test_rebinding(void **state)
 {
     struct fixture *f = *state;
@@ -159,7 +160,7 @@ static void test_rebinding(void **state)
     }
 }
 
-/* What the answer tells the browser: who may read it, and which headers. */
+/* Asserts the CORS headers of the answer: the allowed origin, and the readable headers. */
 static void assert_open_to(const struct reply *reply, const char *origin)
 {
     const char *vary = reply_header(reply, "Vary");
@@ -194,7 +195,7 @@ static void test_let_in(void **state)
                     {"GET /v1/jobs", "Sec-Fetch-Site: cross-site\r\n", NULL, 200},
                     {"GET /v1/jobs/0123", "", NULL, 404},
                     {"PUT /v1/jobs", "", "", 405},
-                    {"OPTIONS /v1/jobs", "", NULL, 405}, /* asks for no method */
+                    {"OPTIONS /v1/jobs", "", NULL, 405}, /* has no Access-Control-Request-Method */
                     {"POST /v1/jobs", "Content-Type: application/json\r\n", "{}", 422}};
         for (size_t k = 0; k < sizeof asks / sizeof *asks; k++) {
             char headers[300];
@@ -206,7 +207,7 @@ static void test_let_in(void **state)
             reply_done(&reply);
         }
     }
-    /* Programs, and pages of the daemon's own, are told that others' answers differ. */
+    /* Answers to programs, and to the daemon's own pages, have Vary: Origin. */
     ask(&f->open, "GET /v1/jobs", OWN, NULL, &reply);
     assert_int_equal(reply.status, 200);
     assert_open_to(&reply, NULL);
@@ -216,7 +217,7 @@ static void test_let_in(void **state)
     reply_done(&reply);
 }
 
-/* Exactly those: no prefix, no other case, scheme, port or dot, no list, no second header. */
+/* Origins match exactly: no prefix, other case, scheme, port or dot, no list, no second header. */
 static void test_kept_out(void **state)
 {
     struct fixture *f = *state;
@@ -241,7 +242,7 @@ static void test_kept_out(void **state)
         "Origin: null\r\n",
         "Origin: *\r\n",
         "Origin: https://tool.example https://evil.example\r\n",
-        /* A picture or script of some page: which one nobody says. */
+        /* A picture or script of an unknown page. */
         "Sec-Fetch-Site: cross-site\r\n",
         "Sec-Fetch-Site: same-site\r\n",
         "Origin: https://tool.example\r\nX-Forwarded-For: 192.0.2.60\r\n",
@@ -263,11 +264,11 @@ static void test_kept_out(void **state)
     }
 }
 
-/* What a browser asks first, of every route there is. */
+/* A browser's preflight request for every route. */
 static void test_preflight(void **state)
 {
     struct fixture *f = *state;
-    const struct daemon *const daemons[] = {&f->open, &f->tokens}; /* it sends no token yet */
+    const struct daemon *const daemons[] = {&f->open, &f->tokens}; /* the preflight has no token */
     struct reply reply;
     for (size_t i = 0; i < orl_routes.count; i++)
         for (size_t d = 0; d < 2; d++) {
@@ -307,8 +308,7 @@ static void test_preflight(void **state)
     expect(&f->closed, "OPTIONS /v1/jobs", OWN "Access-Control-Request-Method: GET\r\n", NULL, 405);
 }
 
-/* Where tokens are needed any Host will do, and a page is asked where it comes from all the same.
- */
+/* With tokens any Host is accepted, but a page's origin is checked all the same. */
 static void test_with_tokens(void **state)
 {
     struct fixture *f = *state;
@@ -337,12 +337,12 @@ static void test_with_tokens(void **state)
     }
     struct reply reply;
     ask(&f->tokens, "GET /v1/jobs", OWN "Origin: https://tool.example\r\n", NULL, &reply);
-    assert_int_equal(reply.status, 401); /* and the page can read that */
+    assert_int_equal(reply.status, 401); /* the page can read that answer */
     assert_open_to(&reply, "https://tool.example");
     reply_done(&reply);
 }
 
-/* What no browser sends would let nobody in: it is a mistake, told at once. */
+/* An origin that no browser sends is refused at start as a mistake. */
 static void test_command_line(void **state)
 {
     static const char *const wrong[] = {"*",
@@ -387,9 +387,8 @@ static void test_command_line(void **state)
 }
 
 /*
- * A link of another page to the dashboard: the page comes, as typed. Anything else than going there
- * is refused: other paths, methods, what is shown in a page's frame or read by its script, a Host
- * of somebody else's.
+ * Another page's link to the dashboard opens the page, as if typed. Other requests are refused:
+ * other paths, methods, frames or scripts, a foreign Host.
  */
 static void test_followed_link(void **state)
 {

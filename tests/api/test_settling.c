@@ -1,4 +1,5 @@
-/* Commits that outlast a power cut, and who waits for that: by syncs counted, and made to fail. */
+/* Durable commits, and requests that wait for them: tested by counting syncs, and by making them
+ * fail. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,11 +21,12 @@
 
 /* ---- Syncs ---------------------------------------------------------------------------------- */
 
-static atomic_int syncs_of_log, failing; /* failing: so many syncs, of whatever file, from now on */
+static atomic_int syncs_of_log,
+    failing; /* failing: number of following syncs, of any file, that fail */
 static pthread_t loop_thread;
 static atomic_int syncs_on_loop;
 
-/* In place of the C library's. */
+/* Replaces the C library's fdatasync. */
 int fdatasync(int fd)
 {
     char link[64], path[ORL_PATH_MAX];
@@ -125,7 +127,7 @@ static void settle(const struct fixture *f)
 static void test_told_once_it_is_safe(void **state)
 {
     struct fixture *f = *state;
-    commit(f, 1); /* its log is begun anew: SQLite syncs that */
+    commit(f, 1); /* the commit starts a new log, which SQLite syncs */
     syncs_on_loop = 0;
     syncs_of_log = 0;
     commit(f, 2);
@@ -145,7 +147,7 @@ static void test_told_once_it_is_safe(void **state)
     assert_false(orl_settling_is_safe(f->settling, orl_settling_last(f->settling)));
 }
 
-/* Twenty that ask in one turn of the loop share what the thread has not begun. */
+/* Twenty requests in one turn of the loop share the syncs that the thread has not begun. */
 static void test_syncs_are_shared(void **state)
 {
     struct fixture *f = *state;
@@ -164,8 +166,8 @@ static void test_syncs_are_shared(void **state)
     assert_true(orl_settling_is_safe(f->settling, orl_settling_last(f->settling)));
 }
 
-/* One sync fails: what is in the log is made safe in the other way, and so is what comes until the
- * log is begun anew, which is with the next commit. */
+/* One sync fails: the log's content is made durable in the other way, and so are commits until a
+ * new log starts, which is at the next commit. */
 static void test_a_sync_fails(void **state)
 {
     struct fixture *f = *state;
@@ -185,10 +187,11 @@ static void test_a_sync_fails(void **state)
     const struct waiter *third = ask(f, 2);
     settle(f);
     assert_int_equal(third->rc, 0);
-    assert_int_equal(syncs_of_log, 1); /* trusted again */
+    assert_int_equal(syncs_of_log, 1); /* syncs of the log are trusted again */
 }
 
-/* All fail: who asks is told, nothing is called safe, and when they succeed again all is. */
+/* All syncs fail: requests get errors, nothing is reported durable, and when they succeed again
+ * everything is. */
 static void test_a_disk_that_fails(void **state)
 {
     struct fixture *f = *state;

@@ -1,8 +1,7 @@
 /*
  * The example's office by orield --runner slurm, on a real Slurm on loopback: sensors, two views
- * and photon maps; a day of 24 skies; sensors to 2 %; a year. Maps, pictures and numbers are those
- * of a daemon that does all by itself, byte for byte. With $ORIEL_SLURM_LONG in the example's own
- * size.
+ * and photon maps; a day of 24 skies; sensors to 2 %; a year. Maps, pictures and numbers equal,
+ * byte for byte, those of a daemon without Slurm. With $ORIEL_SLURM_LONG in the example's own size.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -48,7 +47,7 @@
     " {\"name\": \"desks\", \"sensors\": {\"file\": \"some.pts\"}}],"                              \
     " \"targets\": [\"sDA300/50 >= 55 %\"]}"
 
-/* Short, and long. */
+/* Short form, and long form. */
 static const struct {
     const char *name, *texts[2];
 } documents[] = {
