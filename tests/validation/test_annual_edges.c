@@ -347,7 +347,7 @@ static void test_shifted_file(void **state)
     }
 }
 
-/* Light mirrored by a glass ball is left out, and the warning or error states where the ball is. */
+/* Light mirrored by a glass ball is left out, and one warning names the ball's file and line. */
 static void test_curved_glass(void **state)
 {
     const struct year_run run = {.scene =

@@ -242,9 +242,9 @@ static void bytes_are_the_same(void **state)
     free(first);
 }
 
-/* Glass without absorption in blue: all blue is reflected or transmitted, and no more. The test
- * scene loses half of the excess that noise and one chromaticity for several cells would add for
- * single directions. */
+/* Glass without absorption in blue: all blue is reflected or transmitted, and no more. Noise, and
+ * one chromaticity for several cells, would otherwise add light for single directions; the bound
+ * for the mean allows for the light that the limit removes. */
 static void no_colour_gains(void **state)
 {
     (void)state;

@@ -94,7 +94,7 @@ static double now_s(void *ctx)
     return 0;
 }
 
-/* Checks a result of another scene against paths in that world. */
+/* Cross-checks a result, computed before by other means, against paths in that world. */
 static void check_against(struct orl_world *world, struct orl_crew *crew, uint64_t seed,
                           struct orl_result *result)
 {
