@@ -25,7 +25,7 @@ struct fixture {
 };
 
 /* Runs `orield ARGUMENTS`; returns its exit status, and its output on either stream. */
-static int run(const char *arguments, char *ret_said, size_t size)
+static int run_orield(const char *arguments, char *ret_said, size_t size)
 {
     char command[600];
     const char *build = getenv("ORIEL_BUILD");
@@ -43,7 +43,7 @@ static void token(const struct daemon *daemon, const char *arguments, char *ret_
 {
     char line[300];
     snprintf(line, sizeof line, "token %s --data %s", arguments, daemon->root);
-    if (run(line, ret_said, size) != 0)
+    if (run_orield(line, ret_said, size) != 0)
         fail_msg("orield %s: %s", line, ret_said);
     ret_said[strcspn(ret_said, "\n")] = '\0';
 }
@@ -268,7 +268,7 @@ static void test_removed_at_once(void **state)
     expect(f, "GET", "/v1/jobs", NULL, header, 401, "unauthorized", "invalid_token");
     char line[300];
     snprintf(line, sizeof line, "token list --data %s", f->daemon.root);
-    assert_int_equal(run(line, said, sizeof said), 0);
+    assert_int_equal(run_orield(line, said, sizeof said), 0);
     assert_non_null(strstr(said, "dashboard"));
     assert_null(strstr(said, "visitor"));
     /* No file in the folder contains a secret. */
@@ -298,7 +298,7 @@ static void test_token_command_line(void **state)
         char line[200], said[4000];
         snprintf(line, sizeof line, "token %s %s %s", cases[i].arguments,
                  cases[i].status == 1 ? "--data" : "", cases[i].status == 1 ? f->daemon.root : "");
-        const int status = run(line, said, sizeof said);
+        const int status = run_orield(line, said, sizeof said);
         if (status != cases[i].status)
             fail_msg("orield %s ended with %d: %s", line, status, said);
     }
@@ -353,19 +353,19 @@ static void test_refused_at_start(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         snprintf(line, sizeof line, "--data %s --port 0 %s", data, cases[i].arguments);
-        const int status = run(line, said, sizeof said);
+        const int status = run_orield(line, said, sizeof said);
         if (status != cases[i].status || !strstr(said, cases[i].says))
             fail_msg("orield %s ended with %d: %s", line, status, said);
     }
     /* TLS alone does not permit a public address. */
     snprintf(line, sizeof line, "--data %s --listen 0.0.0.0:0 --tls-cert %s --tls-key %s", data,
              f->cert, f->key);
-    assert_int_equal(run(line, said, sizeof said), 1);
+    assert_int_equal(run_orield(line, said, sizeof said), 1);
     assert_non_null(strstr(said, "no access tokens yet"));
     chmod(f->key, 0644);
     snprintf(line, sizeof line, "--data %s --port 0 --tls-cert %s --tls-key %s", data, f->cert,
              f->key);
-    assert_int_equal(run(line, said, sizeof said), 1);
+    assert_int_equal(run_orield(line, said, sizeof said), 1);
     assert_non_null(strstr(said, "everyone on this machine can read"));
     chmod(f->key, 0600);
     snprintf(line, sizeof line, "rm -r %s", data);

@@ -27,8 +27,8 @@ struct stream {
 };
 
 /* Uses HTTP/1.0, so that the body is sent unchanged until the connection closes. */
-static void begin(const struct daemon *daemon, const char *query, const char *last_id,
-                  struct stream *ret_stream)
+static void open_stream(const struct daemon *daemon, const char *query, const char *last_id,
+                        struct stream *ret_stream)
 {
     char request[600];
     memset(ret_stream, 0, sizeof *ret_stream);
@@ -40,7 +40,7 @@ static void begin(const struct daemon *daemon, const char *query, const char *la
 }
 
 /* Reads more; returns false if nothing came in that time, or the stream has ended. */
-static bool more(struct stream *stream, int patience_ms)
+static bool read_more(struct stream *stream, int patience_ms)
 {
     struct pollfd fd = {stream->fd, POLLIN, 0};
     assert_true(stream->size + 1 < sizeof stream->text);
@@ -57,14 +57,14 @@ static bool more(struct stream *stream, int patience_ms)
 static void until(struct stream *stream, const char *wanted)
 {
     while (!strstr(stream->text, wanted))
-        if (!more(stream, PATIENCE_MS))
+        if (!read_more(stream, PATIENCE_MS))
             fail_msg("no '%s' after '%s'", wanted, stream->text);
 }
 
 static void until_end(struct stream *stream)
 {
     while (!stream->ended)
-        if (!more(stream, PATIENCE_MS))
+        if (!read_more(stream, PATIENCE_MS))
             fail_msg("no end after %zu bytes", stream->size);
 }
 
@@ -78,7 +78,7 @@ static void last_id(const struct stream *stream, char ret_id[60])
     snprintf(ret_id, 60, "%.*s", (int)strcspn(last, "\n"), last);
 }
 
-static int count(const char *text, const char *part)
+static int count_occurrences(const char *text, const char *part)
 {
     int found = 0;
     for (; (text = strstr(text, part)); text++)
@@ -102,7 +102,7 @@ static void submit(struct daemon_room *room, const char *members, int seed, char
     reply_done(&reply);
 }
 
-static void finish(struct daemon_room *room, const char *id)
+static void wait_for_end(struct daemon_room *room, const char *id)
 {
     char path[80];
     struct reply reply;
@@ -128,7 +128,7 @@ static void test_a_life(void **state)
     struct daemon_room *room = *state;
     struct reply reply;
     char path[80], wanted[120], id[40];
-    begin(&room->daemon, "", NULL, &stream);
+    open_stream(&room->daemon, "", NULL, &stream);
     until(&stream, "event: reset\ndata: {}\n\n");
     assert_non_null(strstr(stream.text, "Content-Type: text/event-stream"));
     daemon_submit(&room->daemon, room->scene, MANY_PHOTONS, 1, NULL, path);
@@ -154,23 +154,23 @@ static void test_filters(void **state)
     static struct stream all, tagged, one;
     struct daemon_room *room = *state;
     char ids[3][40], query[100];
-    begin(&room->daemon, "", NULL, &all);
-    begin(&room->daemon, "?tag=x%20y&tag=z", NULL, &tagged);
+    open_stream(&room->daemon, "", NULL, &all);
+    open_stream(&room->daemon, "?tag=x%20y&tag=z", NULL, &tagged);
     until(&all, "event: reset");
     until(&tagged, "event: reset");
     submit(room, "\"name\":\"a\",\"tags\":[\"x y\",\"z\"]", 1, ids[0]);
     submit(room, "\"name\":\"b\",\"tags\":[\"x y\"]", 2, ids[1]);
     snprintf(query, sizeof query, "?job=%.8s&job=0000", ids[1]);
-    begin(&room->daemon, query, NULL, &one);
+    open_stream(&room->daemon, query, NULL, &one);
     until(&one, "event: reset");
     submit(room, "\"name\":\"c\"", 3, ids[2]);
     for (int i = 0; i < 3; i++)
-        finish(room, ids[i]);
+        wait_for_end(room, ids[i]);
     for (int i = 0; i < 3; i++)
         removed(room, ids[i]);
     until(&all, "event: removed");
-    while (count(all.text, "event: removed") < 3)
-        assert_true(more(&all, PATIENCE_MS));
+    while (count_occurrences(all.text, "event: removed") < 3)
+        assert_true(read_more(&all, PATIENCE_MS));
     until(&tagged, "event: removed");
     until(&one, "event: removed");
     assert_non_null(strstr(tagged.text, ids[0]));
@@ -193,45 +193,45 @@ static void test_goes_on(void **state)
     static struct stream stream;
     struct daemon_room *room = *state;
     char first[40], second[40], id[60], later[60];
-    begin(&room->daemon, "", NULL, &stream);
+    open_stream(&room->daemon, "", NULL, &stream);
     until(&stream, "event: reset");
     submit(room, "", 1, first);
     until(&stream, "\"state\":\"succeeded\"");
     last_id(&stream, id);
     close(stream.fd);
     submit(room, "", 2, second);
-    finish(room, second);
-    begin(&room->daemon, "", id, &stream);
+    wait_for_end(room, second);
+    open_stream(&room->daemon, "", id, &stream);
     until(&stream, second);
     until(&stream, "\"state\":\"succeeded\"");
     assert_null(strstr(stream.text, "reset"));
     assert_null(strstr(stream.text, first));
-    assert_int_equal(count(stream.text, "event: job"), 1);
+    assert_int_equal(count_occurrences(stream.text, "event: job"), 1);
     last_id(&stream, later);
     close(stream.fd);
     /* Without news no event comes. */
-    begin(&room->daemon, "", later, &stream);
+    open_stream(&room->daemon, "", later, &stream);
     while (!strstr(stream.text, "\r\n\r\n"))
-        assert_true(more(&stream, PATIENCE_MS));
-    more(&stream, 600);
+        assert_true(read_more(&stream, PATIENCE_MS));
+    read_more(&stream, 600);
     assert_null(strstr(stream.text, "event: "));
     close(stream.fd);
     /* Ids that this daemon has not issued. */
     static const char *const strange[] = {"x", "0123456789abcdef-1", "-", "0-0"};
     char changed[80];
     for (size_t i = 0; i < 4; i++) {
-        begin(&room->daemon, "", strange[i], &stream);
+        open_stream(&room->daemon, "", strange[i], &stream);
         until(&stream, "event: reset");
         close(stream.fd);
     }
     snprintf(changed, sizeof changed, "%s999999", later); /* an id in the future */
-    begin(&room->daemon, "", changed, &stream);
+    open_stream(&room->daemon, "", changed, &stream);
     until(&stream, "event: reset");
     close(stream.fd);
     /* A restarted daemon has no events of before. */
     assert_int_equal(daemon_end(&room->daemon, SIGTERM), 0);
     daemon_restart(&room->daemon, NULL);
-    begin(&room->daemon, "", later, &stream);
+    open_stream(&room->daemon, "", later, &stream);
     until(&stream, "event: reset");
     close(stream.fd);
 }
@@ -241,7 +241,7 @@ static void test_ends_with_the_daemon(void **state)
 {
     static struct stream stream;
     struct daemon_room *room = *state;
-    begin(&room->daemon, "", NULL, &stream);
+    open_stream(&room->daemon, "", NULL, &stream);
     until(&stream, "event: reset");
     assert_int_equal(daemon_end(&room->daemon, SIGTERM), 0);
     until_end(&stream);
@@ -261,10 +261,10 @@ static void test_slow_reader(void **state)
     submit(room, "\"accuracy\":{\"deadline_s\":600}", 1, id); /* a job without a growing map */
     snprintf(blocker, sizeof blocker, "/v1/jobs/%.32s", id);
     daemon_wait_running(&room->daemon, blocker, -1);
-    begin(&room->daemon, "", NULL, &quick);
+    open_stream(&room->daemon, "", NULL, &quick);
     until(&quick, "event: reset");
     last_id(&quick, seen);
-    begin(&room->daemon, "", NULL, &slow);
+    open_stream(&room->daemon, "", NULL, &slow);
     until(&slow, "event: reset");
     /* Long names, so that few events reach the limit. */
     size_t at = (size_t)snprintf(name, sizeof name, "\"name\":\"");
@@ -278,7 +278,7 @@ static void test_slow_reader(void **state)
         daemon_cancel(&room->daemon, path, &reply);
         reply_done(&reply);
         quick.size = 0; /* reads on, and drops the text */
-        while (more(&quick, 0) && quick.size + (1 << 16) < sizeof quick.text)
+        while (read_more(&quick, 0) && quick.size + (1 << 16) < sizeof quick.text)
             continue;
     }
     assert_false(quick.ended);
@@ -288,9 +288,9 @@ static void test_slow_reader(void **state)
     until(&quick, id);
     /* The sockets' buffers still arrive; then the end, unless the buffers held everything. */
     while (!slow.ended && !strstr(slow.text, id))
-        assert_true(more(&slow, PATIENCE_MS));
+        assert_true(read_more(&slow, PATIENCE_MS));
     close(slow.fd);
-    begin(&room->daemon, "", seen, &slow); /* resumes at an id that has been dropped */
+    open_stream(&room->daemon, "", seen, &slow); /* resumes at an id that has been dropped */
     until(&slow, "event: reset");
     close(slow.fd);
     close(quick.fd);

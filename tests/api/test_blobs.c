@@ -54,7 +54,7 @@ static int open_blobs(struct fixture *f)
 }
 
 /* Runs all pending disk operations. */
-static void settle(const struct fixture *f)
+static void wait_for_syncs(const struct fixture *f)
 {
     while (!orl_settling_is_quiet(f->settling))
         uv_run(uv_default_loop(), UV_RUN_ONCE);
@@ -62,7 +62,7 @@ static void settle(const struct fixture *f)
 
 static void close_all(struct fixture *f)
 {
-    settle(f);
+    wait_for_syncs(f);
     orl_settling_stop(f->settling);
     uv_run(uv_default_loop(), UV_RUN_DEFAULT);
     orl_blobs_close(f->blobs);
@@ -96,7 +96,7 @@ static int teardown(void **state)
 }
 
 /* Stores the bytes as an upload does on the pool. */
-static void keep(struct fixture *f)
+static void store_blob(struct fixture *f)
 {
     char path[ORL_PATH_MAX];
     orl_folders_temporary(&f->data.folders, path);
@@ -133,7 +133,7 @@ static void test_upload_and_removal(void **state)
 {
     struct fixture *f = *state;
     claim(f);
-    keep(f);
+    store_blob(f);
     name_it(f);
     orl_blobs_release(f->blobs, f->sha);
     expect(f, true, 10);
@@ -142,7 +142,7 @@ static void test_upload_and_removal(void **state)
     expect(f, true, 10);
     unname(f);
     expect(f, true, 10); /* a power cut might restore its row */
-    settle(f);
+    wait_for_syncs(f);
     expect(f, false, 0);
 }
 
@@ -151,22 +151,22 @@ static void test_upload_after_removal(void **state)
 {
     struct fixture *f = *state;
     claim(f);
-    keep(f);
+    store_blob(f);
     name_it(f);
     orl_blobs_release(f->blobs, f->sha);
     unname(f);
     claim(f);
-    keep(f);
-    settle(f);
+    store_blob(f);
+    wait_for_syncs(f);
     expect(f, true, 10);
     name_it(f);
     orl_blobs_release(f->blobs, f->sha);
-    settle(f);
+    wait_for_syncs(f);
     expect(f, true, 10);
     unname(f);
     claim(f); /* once more, without success */
     orl_blobs_release(f->blobs, f->sha);
-    settle(f);
+    wait_for_syncs(f);
     expect(f, false, 0);
 }
 
@@ -175,7 +175,7 @@ static void test_failed_upload(void **state)
 {
     struct fixture *f = *state;
     claim(f);
-    keep(f);
+    store_blob(f);
     orl_blobs_release(f->blobs, f->sha);
     expect(f, false, 0);
     claim(f); /* its file could not be written either */
@@ -189,8 +189,8 @@ static void test_two_uploads(void **state)
     struct fixture *f = *state;
     claim(f);
     claim(f);
-    keep(f);
-    keep(f);
+    store_blob(f);
+    store_blob(f);
     orl_blobs_release(f->blobs, f->sha);
     expect(f, true, 0);
     name_it(f);
@@ -205,10 +205,10 @@ static void test_upload_beside_another(void **state)
     struct fixture *f = *state;
     claim(f);
     folders_synced = 0;
-    keep(f);
+    store_blob(f);
     assert_int_equal(folders_synced, 2);
     folders_synced = 0;
-    keep(f);
+    store_blob(f);
     assert_int_equal(folders_synced, 2);
     orl_blobs_release(f->blobs, f->sha);
 }
@@ -218,7 +218,7 @@ static void test_removal_during_upload(void **state)
 {
     struct fixture *f = *state;
     claim(f);
-    keep(f);
+    store_blob(f);
     name_it(f);
     orl_blobs_release(f->blobs, f->sha);
     claim(f);
@@ -230,7 +230,7 @@ static void test_removal_during_upload(void **state)
     claim(f);
     unname(f);
     orl_blobs_release(f->blobs, f->sha); /* a claim that failed, too */
-    settle(f);
+    wait_for_syncs(f);
     expect(f, false, 0);
 }
 
@@ -241,17 +241,17 @@ static void test_files_that_are_read(void **state)
     struct orl_blob_claims claims = {0};
     struct orl_bundle files = {0};
     claim(f);
-    keep(f);
+    store_blob(f);
     name_it(f);
     orl_blobs_release(f->blobs, f->sha);
     assert_int_equal(orl_bundle_add(&files, "b.xml", true, "b", 10, f->sha, false, &f->err), 0);
     assert_int_equal(orl_blobs_claim_files(f->blobs, &files, &claims, &f->err), 0);
     orl_bundle_done(&files);
     unname(f);
-    settle(f);
+    wait_for_syncs(f);
     expect(f, true, 10);
     orl_blobs_release_files(&claims);
-    settle(f);
+    wait_for_syncs(f);
     expect(f, false, 0);
     orl_blobs_release_files(&claims); /* no files are claimed */
 }
@@ -259,7 +259,7 @@ static void test_files_that_are_read(void **state)
 static void test_orphans_go_at_start(void **state)
 {
     struct fixture *f = *state;
-    keep(f);
+    store_blob(f);
     close_all(f);
     assert_int_equal(open_all(f), 0);
     expect(f, false, 0);

@@ -96,7 +96,7 @@ static void test_mistakes_name_file_and_place(void **state)
     }
 }
 
-static json_t *run(struct cli_desk *f, const char *threads)
+static json_t *run_annual(struct cli_desk *f, const char *threads)
 {
     const char *const args[] = {"annual", f->document,  "-o",    f->output, "-j",
                                 threads,  "--honeybee", "--ill", NULL};
@@ -279,7 +279,7 @@ static void assert_columns_are_listed(const struct cli_desk *f, double hours)
 static void test_a_year_to_its_end(void **state)
 {
     struct cli_desk *f = *state;
-    json_t *result = run(f, "1");
+    json_t *result = run_annual(f, "1");
     const json_t *verdicts = json_object_get(result, "verdicts");
     const json_t *hours = json_object_get(result, "hours");
     const json_t *provenance = json_object_get(result, "provenance");
@@ -332,10 +332,10 @@ static void test_threads_change_nothing(void **state)
     struct cli_desk *f = *state;
     char *first[NAMES];
 
-    json_decref(run(f, "1"));
+    json_decref(run_annual(f, "1"));
     for (int i = 0; i < NAMES; i++)
         assert_non_null(first[i] = cli_read_file(f->output, names[i]));
-    json_decref(run(f, "3"));
+    json_decref(run_annual(f, "3"));
     for (int i = 0; i < NAMES; i++) {
         char *again = cli_read_file(f->output, names[i]);
         assert_non_null(again);
@@ -381,7 +381,7 @@ static void test_until_a_verdict_is_sure(void **state)
              "%.*s, \"accuracy\": {\"verdict\": \"sDA1000/40 of the desks >= 20 %%\"}}",
              (int)(end - year_text), year_text);
     cli_write_file(f->folder, "year.json", text);
-    json_t *result = run(f, "2");
+    json_t *result = run_annual(f, "2");
     const json_t *accuracy = json_object_get(result, "accuracy");
     const double low =
         json_number_value(json_array_get(json_object_get(accuracy, "interval_95"), 0));
@@ -409,7 +409,7 @@ static void test_the_page_tells_of_shades(void **state)
              "[{\"from\": 12, \"state\": \"down\"}]}]}",
              (int)(end - year_text), year_text);
     for (int i = 0; i < 2; i++) {
-        json_t *result = run(f, "2");
+        json_t *result = run_annual(f, "2");
         const json_t *groups = json_object_get(json_object_get(result, "shades"), "groups");
         const json_t *states = json_object_get(json_array_get(groups, 0), "states");
         char *page = cli_read_file(f->output, "the_desks.page.svg"), wanted[96];
@@ -467,7 +467,7 @@ static void test_verify(void **state)
     const char *const nowhere[] = {"verify", f->output, NULL};
     char path[128], *text;
 
-    json_decref(run(f, "1"));
+    json_decref(run_annual(f, "1"));
     snprintf(path, sizeof path, "%s/result.json", f->output);
     assert_int_equal(verify(f, f->output), 0);
     assert_says(f->result.out, "the same: ");
@@ -504,7 +504,7 @@ static void test_misplaced_sensors(void **state)
     struct cli_desk *f = *state;
     cli_write_file(f->folder, "desks.pts",
                    "1 1 .8 0 0 1\n2 1 .8 0 0 1\n1 2 .8 0 0 1\n2 2 .8 0 0 1\n1 1 -.1 0 0 1\n");
-    json_t *result = run(f, "1");
+    json_t *result = run_annual(f, "1");
     char *told = json_dumps(json_object_get(result, "warnings"), 0);
     assert_non_null(told);
     assert_says(told, wanted);

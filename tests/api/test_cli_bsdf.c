@@ -17,7 +17,7 @@
 
 static struct cli_result result;
 
-static void check(const char *file, const char *option)
+static void check_bsdf(const char *file, const char *option)
 {
     const char *const args[] = {"bsdf", "check", file, option, NULL};
     cli_run(args, &result);
@@ -32,7 +32,7 @@ static void assert_says(const char *text, const char *wanted)
 static void a_sound_file_passes(void **state)
 {
     (void)state;
-    check("tests/fixtures/bsdf_lcp8.xml", NULL);
+    check_bsdf("tests/fixtures/bsdf_lcp8.xml", NULL);
     assert_int_equal(result.exit_code, 0);
     assert_says(result.out, "TensorTree4, resolution 8");
     assert_says(result.out, "goes straight through");
@@ -44,7 +44,7 @@ static void it_speaks_json(void **state)
     json_t *json;
     const char *verdict = NULL;
     (void)state;
-    check("tests/fixtures/bsdf_klems41.xml", "--json");
+    check_bsdf("tests/fixtures/bsdf_klems41.xml", "--json");
     assert_int_equal(result.exit_code, 0);
     json = json_loads(result.out, 0, NULL);
     assert_non_null(json);
@@ -74,7 +74,7 @@ static void faults_end_with_1(void **state)
         memset(data, ' ', strcspn(data, ",\n"));
         memcpy(data, cases[i].value, strlen(cases[i].value));
         cli_write_file(folder, "bad.xml", text);
-        check(path, NULL);
+        check_bsdf(path, NULL);
         assert_int_equal(result.exit_code, 1);
         assert_says(result.out, cases[i].out);
         assert_says(result.err, cases[i].err);
@@ -116,7 +116,7 @@ static void a_panel_becomes_a_file(void **state)
                      0);
     assert_true(transmitted > 0.29 && transmitted < 0.31); /* 0.3 */
     json_decref(json);
-    check(xml, NULL);
+    check_bsdf(xml, NULL);
     assert_int_equal(result.exit_code, 0);
     assert_says(result.out, "Klems Quarter, resolution 41");
     char *text = cli_read_file(folder, "errors.xml");
@@ -215,7 +215,7 @@ static void measurements_become_a_file(void **state)
     assert_true(fabs(total - 0.6) <
                 0.003); /* values have five digits; sums are accurate to 0.5 % */
     json_decref(json);
-    check(xml, NULL);
+    check_bsdf(xml, NULL);
     assert_int_equal(result.exit_code, 0);
     assert_says(result.out, "\"paper\"");
     const char *const by_words[] = {"bsdf",         "fit", data,     "-o",    other,
@@ -303,7 +303,7 @@ static void wrong_command_lines_exit_with_2(void **state)
     assert_says(result.err, "\"paint\" is none of check, fit, make, convert");
     cli_run(missing, &result);
     assert_int_equal(result.exit_code, 2);
-    check("no/such/file.xml", NULL);
+    check_bsdf("no/such/file.xml", NULL);
     assert_int_equal(result.exit_code, 1);
     assert_says(result.err, "cannot open");
 }

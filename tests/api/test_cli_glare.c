@@ -46,7 +46,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-static void ask(const char *a, const char *b, const char *c)
+static void run_glare(const char *a, const char *b, const char *c)
 {
     const char *const args[] = {"glare", picture, a, b, c, NULL};
     cli_run(args, &result);
@@ -62,7 +62,7 @@ static double number(const json_t *json, const char *a, const char *b, const cha
 static void test_numbers(void **state)
 {
     (void)state;
-    ask("--json", NULL, NULL);
+    run_glare("--json", NULL, NULL);
     assert_int_equal(result.exit_code, 0);
     assert_string_equal(result.err, "");
     json_t *json = json_loads(result.out, 0, NULL);
@@ -85,12 +85,12 @@ static void test_numbers(void **state)
 static void test_table_and_options(void **state)
 {
     (void)state;
-    ask("--detail", "-b", "20000");
+    run_glare("--detail", "-b", "20000");
     assert_int_equal(result.exit_code, 0);
     assert_non_null(strstr(result.out, "0 above 20000 cd/m2"));
-    ask("--task", "50.5,20.5,0.5", NULL);
+    run_glare("--task", "50.5,20.5,0.5", NULL);
     assert_non_null(strstr(result.out, "1 above 3593.98"));
-    ask("-A", picture, NULL);
+    run_glare("-A", picture, NULL);
     assert_non_null(strstr(result.out, "mask: "));
 }
 
@@ -98,14 +98,14 @@ static void test_mistakes(void **state)
 {
     const char *const missing[] = {"glare", "nowhere.hdr", NULL};
     (void)state;
-    ask("--task", "1,2", NULL);
+    run_glare("--task", "1,2", NULL);
     assert_int_equal(result.exit_code, 2);
-    ask("--radius", "9", NULL);
+    run_glare("--radius", "9", NULL);
     assert_int_equal(result.exit_code, 1);
     assert_non_null(strstr(result.err, "radius_rad"));
     cli_run(missing, &result);
     assert_int_equal(result.exit_code, 1);
-    ask("--view", "-vtl -vh 2 -vv 2", NULL);
+    run_glare("--view", "-vtl -vh 2 -vv 2", NULL);
     assert_int_equal(result.exit_code, 1);
     assert_non_null(strstr(result.err, "no eye"));
 }

@@ -52,7 +52,7 @@ static int tear_down(void **state)
 }
 
 /* Returns the illuminance of the sensor; expects that exit code. */
-static double run(struct canned_daemon *f, int exit_code)
+static double run_job(struct canned_daemon *f, int exit_code)
 {
     char document[96], output[96];
 
@@ -77,12 +77,12 @@ static void test_run_finds_function_files_by_raypath(void **state)
     /* E = L pi sin^2(45 degrees), in lux; the estimate's relative error is .0062 (a share of .5 of
      * 8192 paths), and the bounds are eight of these. */
     const double whole = 10 * 3.14159265358979 * .5 * 179;
-    const double half = run(f, 0);
+    const double half = run_job(f, 0);
 
     assert_true(half > .95 * .5 * whole && half < 1.05 * .5 * whole);
     /* A file beside the scene takes precedence. */
     cli_write_file(f->folder, "half.cal", "half = .25;\n");
-    const double quarter = run(f, 0);
+    const double quarter = run_job(f, 0);
     assert_true(quarter > .95 * .25 * whole && quarter < 1.05 * .25 * whole);
 }
 
@@ -91,7 +91,7 @@ static void test_without_raypath_the_error_says_where_to_put_it(void **state)
     struct canned_daemon *f = *state;
 
     unsetenv("RAYPATH");
-    run(f, 1);
+    run_job(f, 1);
     canned_says(f->result.err, "room.rad:1: brightfunc dim: there is no function file 'half.cal'");
     canned_says(f->result.err, "RAYPATH");
 }

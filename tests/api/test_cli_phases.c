@@ -103,8 +103,8 @@ static int tear_down(void **state)
 }
 
 /* Runs a document of the folder; the output goes to a subfolder. */
-static int run(const char *folder, const char *text, const char *output, const char *threads,
-               struct cli_result *ret_result)
+static int run_document(const char *folder, const char *text, const char *output,
+                        const char *threads, struct cli_result *ret_result)
 {
     char document[96], to[96];
     cli_write_file(folder, "year.json", text);
@@ -118,7 +118,7 @@ static int run(const char *folder, const char *text, const char *output, const c
 static void need(const char *folder, const char *text, const char *output, const char *threads)
 {
     static struct cli_result result;
-    if (run(folder, text, output, threads, &result) != 0)
+    if (run_document(folder, text, output, threads, &result) != 0)
         fail_msg("%s", result.err);
 }
 
@@ -274,14 +274,16 @@ static void test_refused(void **state)
 {
     static struct cli_result result;
     const char *folder = *state;
-    assert_int_not_equal(
-        run(folder, DOCUMENT("open.rad", ", \"formats\": [\"phases\"]"), "no", "1", &result), 0);
+    assert_int_not_equal(run_document(folder, DOCUMENT("open.rad", ", \"formats\": [\"phases\"]"),
+                                      "no", "1", &result),
+                         0);
     assert_non_null(strstr(result.err, "light has other ways in"));
     assert_int_not_equal(
-        run(folder,
-            DOCUMENT("clear.rad", ", \"formats\": [\"phases\"], \"accuracy\": {\"verdict\": "
-                                  "\"sDA300/50 >= 55 %\"}"),
-            "no", "1", &result),
+        run_document(folder,
+                     DOCUMENT("clear.rad",
+                              ", \"formats\": [\"phases\"], \"accuracy\": {\"verdict\": "
+                              "\"sDA300/50 >= 55 %\"}"),
+                     "no", "1", &result),
         0);
     assert_non_null(strstr(result.err, "matrices of phases are of one run"));
 }

@@ -51,7 +51,7 @@ static int set_up(void **state)
     return cli_desk_set_up(state, files);
 }
 
-static void run(struct cli_desk *f, const char *output, const char *threads)
+static void run_job(struct cli_desk *f, const char *output, const char *threads)
 {
     const char *const args[] = {"run", f->document, "-o", output, "--threads", threads, NULL};
 
@@ -185,7 +185,7 @@ static void test_mistakes_are_named_and_recorded(void **state)
             snprintf(path, sizeof path, "%s/%s", f->folder, cases[i].file);
             unlink(path);
         }
-        run(f, f->output, "1");
+        run_job(f, f->output, "1");
         assert_int_equal(f->result.exit_code, 1);
         assert_says(f->result.err, cases[i].says);
         result = load_result(f->output);
@@ -204,7 +204,7 @@ static void test_an_older_result_does_not_survive_a_failure(void **state)
     assert_int_equal(mkdir(f->output, 0777), 0);
     cli_write_file(f->output, "result.json", "{\"state\": \"succeeded\"}");
     cli_write_file(f->folder, "job.json", "[]");
-    run(f, f->output, "1");
+    run_job(f, f->output, "1");
     assert_int_equal(f->result.exit_code, 1);
     result = load_result(f->output);
     assert_string_equal(text_of(result, "state"), "failed");
@@ -250,7 +250,7 @@ static void test_a_run_leaves_numbers_images_and_maps(void **state)
     struct cli_desk *f = *state;
     json_t *first, *second;
 
-    run(f, f->output, "1");
+    run_job(f, f->output, "1");
     assert_int_equal(f->result.exit_code, 0);
     first = load_result(f->output);
     assert_string_equal(text_of(first, "state"), "succeeded");
@@ -262,7 +262,7 @@ static void test_a_run_leaves_numbers_images_and_maps(void **state)
     assert_images(f->output, first);
     assert_false(all_cached(first));
     /* A second run with the maps cached gives equal numbers. */
-    run(f, f->output, "1");
+    run_job(f, f->output, "1");
     assert_int_equal(f->result.exit_code, 0);
     second = load_result(f->output);
     assert_true(all_cached(second));
@@ -300,9 +300,9 @@ static void test_threads_change_no_byte(void **state)
     json_t *a, *b;
 
     snprintf(other, sizeof other, "%s/other", f->folder);
-    run(f, f->output, "1");
+    run_job(f, f->output, "1");
     assert_int_equal(f->result.exit_code, 0);
-    run(f, other, "3");
+    run_job(f, other, "3");
     assert_int_equal(f->result.exit_code, 0);
     a = load_result(f->output);
     b = load_result(other);
@@ -355,7 +355,7 @@ static void test_warnings_come_before_rendering(void **state)
                    " \"gather_samples\": 64, \"sensors\": {\"file\": \"sensors.txt\"},\n"
                    " \"views\": [{\"name\": \"wall\", \"view\": \"-vtv -vp 3 2 1 -vd -1 0 0\","
                    " \"width\": 16, \"height\": 16}]}");
-    run(f, f->output, "1");
+    run_job(f, f->output, "1");
     assert_int_equal(f->result.exit_code, 0);
     assert_told_before(f->result.err, "warning: view 'wall': the eye lies on a surface", "render");
     assert_told_before(f->result.err,

@@ -40,7 +40,7 @@ static void assert_says(const char *text, const char *wanted)
         fail_msg("expected \"%s\" in:\n%s", wanted, text);
 }
 
-static void run(struct cli_desk *f)
+static void run_study(struct cli_desk *f)
 {
     const char *const args[] = {"study", f->document, "--output", f->output, NULL};
 
@@ -80,7 +80,7 @@ static void test_mistakes_name_file_and_place(void **state)
 
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         cli_write_file(f->folder, "study.json", cases[i].text);
-        run(f);
+        run_study(f);
         assert_int_equal(f->result.exit_code, 1);
         assert_string_equal(f->result.out, "");
         assert_says(f->result.err, cases[i].says);
@@ -118,7 +118,7 @@ static void test_a_study_leaves_four_files_and_a_table(void **state)
         {"study.csv", "technique,photons,"}, {"study.svg", "<svg "}, {"study.png", "\x89PNG"}};
     struct cli_desk *f = *state;
 
-    run(f);
+    run_study(f);
     if (f->result.exit_code != 0)
         fail_msg("%s", f->result.err);
     assert_says(f->result.out, "reference: backward, 16384 samples in 8 runs");
@@ -154,10 +154,10 @@ static void test_older_files_do_not_survive_a_failure(void **state)
 {
     struct cli_desk *f = *state;
 
-    run(f);
+    run_study(f);
     assert_int_equal(f->result.exit_code, 0);
     cli_write_file(f->folder, "study.json", "[]");
-    run(f);
+    run_study(f);
     assert_int_equal(f->result.exit_code, 1);
     assert_null(cli_read_file(f->output, "study.json"));
     assert_null(cli_read_file(f->output, "study.svg"));

@@ -126,7 +126,7 @@ static struct taken run_alone(const char *members)
 
 /* Compares the excess over a year of one block of sensors without matrices: the estimate is at
  * least the measured value, and at most three times that. */
-static void compare(const struct year_room *f, int sensors, const char *format)
+static void compare_estimate(const struct year_room *f, int sensors, const char *format)
 {
     struct taken foreseen, least_foreseen;
     char *members = year_of(sensors, format), *least = year_of(BLOCK, "ill");
@@ -155,14 +155,14 @@ static void test_coefficients(void **state)
 {
     if (ORL_SANITIZED)
         skip();
-    compare(*state, 2000, "coefficients");
+    compare_estimate(*state, 2000, "coefficients");
 }
 
 static void test_phases(void **state)
 {
     if (ORL_SANITIZED)
         skip();
-    compare(*state, 600, "phases");
+    compare_estimate(*state, 600, "phases");
 }
 
 /* Photons traced until they are absorbed deposit more values than the map of sunlight stores. */

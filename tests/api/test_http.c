@@ -253,7 +253,7 @@ static void test_one_daemon_per_folder(void **state)
     assert_int_equal(system(command), 0);
 }
 
-static int run(const char *arguments)
+static int run_orield(const char *arguments)
 {
     char command[400];
     const char *build = getenv("ORIEL_BUILD");
@@ -266,8 +266,8 @@ static int run(const char *arguments)
 static void test_command_line(void **state)
 {
     (void)state;
-    assert_int_equal(run("--help"), 0);
-    assert_int_equal(run("--version"), 0);
+    assert_int_equal(run_orield("--help"), 0);
+    assert_int_equal(run_orield("--version"), 0);
     static const char *const wrong[] = {
         "--listen 0.0.0.0:1",
         "--listen 192.168.1.2:80",
@@ -285,7 +285,7 @@ static void test_command_line(void **state)
         "--listen example.org:80",
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
-        if (run(wrong[i]) != 2)
+        if (run_orield(wrong[i]) != 2)
             fail_msg("orield %s did not end with status 2", wrong[i]);
 }
 

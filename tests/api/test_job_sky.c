@@ -29,7 +29,7 @@ static void post(struct daemon_room *f, const char *sky, struct reply *reply)
 }
 
 /* Runs a job to its end; returns true if its map was cached. ret_lx: the sensor on the roof. */
-static bool run(struct daemon_room *f, const char *sky, double *ret_lx)
+static bool run_sky(struct daemon_room *f, const char *sky, double *ret_lx)
 {
     struct reply reply;
     char path[80], result[96];
@@ -58,10 +58,10 @@ static void test_one_scene_many_hours(void **state)
     static const char later[] =
         "{\"weather\":{\"file\":\"place.wea\",\"month\":3,\"day\":22,\"hour\":15.5}}";
     double lx[4];
-    assert_false(run(*state, overcast, &lx[0]));
-    assert_false(run(*state, noon, &lx[1]));
-    assert_false(run(*state, later, &lx[2]));
-    assert_true(run(*state, noon, &lx[3]));
+    assert_false(run_sky(*state, overcast, &lx[0]));
+    assert_false(run_sky(*state, noon, &lx[1]));
+    assert_false(run_sky(*state, later, &lx[2]));
+    assert_true(run_sky(*state, noon, &lx[3]));
     assert_true(fabs(lx[0] - 9000) < 18);
     assert_true(lx[1] > 50000 && lx[2] > 20000 && lx[2] < 0.8 * lx[1]);
     assert_true(lx[3] == lx[1]);

@@ -55,7 +55,7 @@ static void submit(struct daemon *daemon, const char *id, int which, char ret_pa
 }
 
 /* Waits for a job and returns its one sensor's lux. */
-static double finish(struct daemon *daemon, const char *job)
+static double wait_for_lux(struct daemon *daemon, const char *job)
 {
     struct reply reply;
     char path[96];
@@ -98,14 +98,14 @@ static void test_kept(void **state)
     for (int i = 0; i < JOBS; i++)
         submit(&daemon, id, i, jobs[i]);
     for (int i = 0; i < JOBS; i++) {
-        lux[i] = finish(&daemon, jobs[i]);
+        lux[i] = wait_for_lux(&daemon, jobs[i]);
         assert_true(lux[i] == lux[0]);
     }
     expect_kept(&daemon, JOBS - 1);
     assert_int_equal(daemon_end(&daemon, SIGTERM), 0);
     daemon_restart(&daemon, two_at_once);
     submit(&daemon, id, JOBS, jobs[0]);
-    assert_true(finish(&daemon, jobs[0]) == lux[0]);
+    assert_true(wait_for_lux(&daemon, jobs[0]) == lux[0]);
     expect_kept(&daemon, JOBS);
     daemon_remove(&daemon);
 }

@@ -32,7 +32,7 @@ static void shell(const struct daemon *daemon, const char *command)
 struct files {
     size_t blobs, results, maps;
 };
-static struct files fill(struct daemon_room *f, char ret_job[80])
+static struct files fill_folder(struct daemon_room *f, char ret_job[80])
 {
     storage_run_job(&f->daemon, f->scene, 1, "v", ret_job);
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
@@ -91,7 +91,7 @@ static void expect_refusal(struct daemon *daemon, const char *text)
 static void lose_database(struct daemon_room *f, const char *how)
 {
     char job[80];
-    const struct files before = fill(f, job), none = {0};
+    const struct files before = fill_folder(f, job), none = {0};
     shell(&f->daemon, "cp $D/oriel.db $D/saved");
     shell(&f->daemon, how);
     expect_refusal(&f->daemon, "its database oriel.db is missing or empty");
@@ -147,7 +147,7 @@ static void test_another_folders_database(void **state)
     struct daemon_room *f = *state;
     struct daemon other;
     char job[80], command[160];
-    const struct files before = fill(f, job), none = {0};
+    const struct files before = fill_folder(f, job), none = {0};
     daemon_start(&other, NULL);
     assert_int_equal(daemon_end(&other, SIGTERM), 0);
     snprintf(command, sizeof command, "cp %s/oriel.db $D/oriel.db", other.root);
@@ -168,7 +168,7 @@ static void test_older_backup(void **state)
 {
     struct daemon_room *f = *state;
     char first[80], second[80];
-    const struct files before = fill(f, first);
+    const struct files before = fill_folder(f, first);
     shell(&f->daemon, "cp $D/oriel.db $D/saved");
     daemon_restart(&f->daemon, NULL);
     storage_run_job(&f->daemon, f->scene, 2, "w", second);
@@ -190,7 +190,7 @@ static void test_results_of_a_job_under_way(void **state)
     struct daemon_room *f = *state;
     struct reply reply;
     char job[80];
-    fill(f, job);
+    fill_folder(f, job);
     storage_run_sql(&f->daemon,
                     "UPDATE jobs SET state = 'running', outcome = NULL, finished_ms = NULL");
     daemon_restart(&f->daemon, NULL);
@@ -215,7 +215,7 @@ static void test_removal_of_orphans(void **state)
 {
     struct daemon_room *f = *state;
     char job[80];
-    fill(f, job);
+    fill_folder(f, job);
     storage_run_sql(&f->daemon, "DELETE FROM jobs");
     assert_true(orphans_after_start(&f->daemon, "0") > 0); /* moved aside by this start */
     storage_run_sql(&f->daemon, "UPDATE data_folder SET wall_ms = wall_ms - 90 * 86400000");
@@ -231,7 +231,7 @@ static void test_missing_files(void **state)
     struct daemon_room *f = *state;
     struct reply reply;
     char job[80], scene[65], path[160];
-    fill(f, job);
+    fill_folder(f, job);
     shell(&f->daemon, "mkdir $D/away; mv $D/blobs/* $D/results/* $D/away");
     daemon_restart(&f->daemon, NULL);
     shell(&f->daemon, "grep -q 'event=files-missing count=4' $D.log");
@@ -263,7 +263,7 @@ static void expect_refused_start(struct daemon_room *f, const char *said,
 static void damage_database(struct daemon_room *f, const char *how, const char *said)
 {
     char job[80];
-    const struct files before = fill(f, job);
+    const struct files before = fill_folder(f, job);
     shell(&f->daemon, how);
     assert_int_equal(run_program(&f->daemon, "--port 0"), 1);
     expect_said(&f->daemon, said);
@@ -295,7 +295,7 @@ static void test_dropped_table(void **state)
     static const char *const tables[] = {"scenes", "jobs", "scene_files", "tokens", "maps"};
     struct daemon_room *f = *state;
     char job[80], sql[160], said[80];
-    const struct files before = fill(f, job);
+    const struct files before = fill_folder(f, job);
     shell(&f->daemon, "cp $D/oriel.db $D/saved");
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
         snprintf(sql, sizeof sql, "PRAGMA foreign_keys = OFF; DROP TABLE %s", tables[i]);

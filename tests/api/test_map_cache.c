@@ -344,7 +344,7 @@ static void key_of(uint64_t target, char ret_key[ORL_DIGEST_HEX + 1])
     snprintf(ret_key, ORL_DIGEST_HEX + 1, "%064llx", (unsigned long long)target);
 }
 
-static void begin(struct fixture *f, uint64_t target, char ret_path[4096])
+static void begin_build(struct fixture *f, uint64_t target, char ret_path[4096])
 {
     char key[ORL_DIGEST_HEX + 1];
     struct orl_map_info info;
@@ -355,7 +355,7 @@ static void begin(struct fixture *f, uint64_t target, char ret_path[4096])
     assert_false(hit);
 }
 
-static void finish(struct fixture *f, uint64_t target, const char *path)
+static void finish_build(struct fixture *f, uint64_t target, const char *path)
 {
     struct orl_map_info info = {.kind = "global", .family = FAMILY, .target = target, .seconds = 2};
     key_of(target, info.key);
@@ -388,11 +388,11 @@ static void test_finds_the_largest_smaller(void **state)
     static const uint64_t targets[] = {500, 2000, 1000};
     char path[4096], key[ORL_DIGEST_HEX + 1];
     for (size_t i = 0; i < 3; i++) {
-        begin(f, targets[i], path);
+        begin_build(f, targets[i], path);
         assert_int_equal(smaller_than(f, "global", FAMILY, 501), i > 0 ? 500 : 0);
-        finish(f, targets[i], path);
+        finish_build(f, targets[i], path);
     }
-    begin(f, 1500, path); /* still being built, so not available */
+    begin_build(f, 1500, path); /* still being built, so not available */
     for (int opened = 0; opened < 2; opened++) {
         assert_int_equal(smaller_than(f, "global", FAMILY, 2000), 1000);
         assert_int_equal(smaller_than(f, "global", FAMILY, 2001), 2000);

@@ -72,8 +72,8 @@ static const char *port_of(const struct daemon *daemon)
 }
 
 /* Sends a request with those headers; every $ is replaced by the daemon's port. */
-static void ask(const struct daemon *daemon, const char *line, const char *pattern,
-                const char *body, struct reply *ret_reply)
+static void send_request(const struct daemon *daemon, const char *line, const char *pattern,
+                         const char *body, struct reply *ret_reply)
 {
     char headers[1200];
     size_t at = 0;
@@ -90,7 +90,7 @@ static void expect(const struct daemon *daemon, const char *line, const char *he
                    const char *body, long status)
 {
     struct reply reply;
-    ask(daemon, line, headers, body, &reply);
+    send_request(daemon, line, headers, body, &reply);
     if (reply.status != status)
         fail_msg("%s, %s: %ld: %s", line, headers, reply.status, reply.body);
     if (status == 403)
@@ -200,7 +200,7 @@ static void test_let_in(void **state)
         for (size_t k = 0; k < sizeof asks / sizeof *asks; k++) {
             char headers[300];
             snprintf(headers, sizeof headers, OWN "Origin: %s\r\n%s", origins[i], asks[k].more);
-            ask(&f->open, asks[k].line, headers, asks[k].body, &reply);
+            send_request(&f->open, asks[k].line, headers, asks[k].body, &reply);
             if (reply.status != asks[k].status)
                 fail_msg("%s from %s: %ld", asks[k].line, origins[i], reply.status);
             assert_open_to(&reply, origins[i]);
@@ -208,11 +208,11 @@ static void test_let_in(void **state)
         }
     }
     /* Answers to programs, and to the daemon's own pages, have Vary: Origin. */
-    ask(&f->open, "GET /v1/jobs", OWN, NULL, &reply);
+    send_request(&f->open, "GET /v1/jobs", OWN, NULL, &reply);
     assert_int_equal(reply.status, 200);
     assert_open_to(&reply, NULL);
     reply_done(&reply);
-    ask(&f->closed, "GET /v1/jobs", OWN, NULL, &reply);
+    send_request(&f->closed, "GET /v1/jobs", OWN, NULL, &reply);
     assert_null(reply_header(&reply, "Vary"));
     reply_done(&reply);
 }
@@ -255,7 +255,7 @@ static void test_kept_out(void **state)
         expect(&f->open, "POST /v1/bsdfs", headers, "<x/>", 403);
         snprintf(headers, sizeof headers, OWN "%sAccess-Control-Request-Method: GET\r\n",
                  others[i]);
-        ask(&f->open, "OPTIONS /v1/jobs", headers, NULL, &reply);
+        send_request(&f->open, "OPTIONS /v1/jobs", headers, NULL, &reply);
         assert_int_equal(reply.status, 403);
         assert_null(reply_header(&reply, "Access-Control-Allow-Methods"));
         if (!strstr(others[i], "tool.example\r\nX-"))
@@ -284,7 +284,7 @@ static void test_preflight(void **state)
                      OWN "Origin: https://tool.example\r\nAccess-Control-Request-Method: %s\r\n"
                          "Access-Control-Request-Headers: authorization\r\n",
                      orl_routes.table[i].method);
-            ask(daemons[d], line, headers, NULL, &reply);
+            send_request(daemons[d], line, headers, NULL, &reply);
             if (reply.status != 204)
                 fail_msg("%s: %ld", line, reply.status);
             assert_open_to(&reply, "https://tool.example");
@@ -295,10 +295,10 @@ static void test_preflight(void **state)
             assert_null(reply_header(&reply, "Access-Control-Allow-Private-Network"));
             reply_done(&reply);
         }
-    ask(&f->open, "OPTIONS /v1/jobs",
-        OWN "Origin: https://tool.example\r\nAccess-Control-Request-Method: POST\r\n"
-            "Access-Control-Request-Private-Network: true\r\n",
-        NULL, &reply);
+    send_request(&f->open, "OPTIONS /v1/jobs",
+                 OWN "Origin: https://tool.example\r\nAccess-Control-Request-Method: POST\r\n"
+                     "Access-Control-Request-Private-Network: true\r\n",
+                 NULL, &reply);
     assert_string_equal(reply_header(&reply, "Access-Control-Allow-Private-Network"), "true");
     reply_done(&reply);
     expect(&f->open, "OPTIONS /nowhere",
@@ -336,7 +336,7 @@ static void test_with_tokens(void **state)
         expect(&f->tokens, "GET /v1/jobs", headers, NULL, cases[i].status);
     }
     struct reply reply;
-    ask(&f->tokens, "GET /v1/jobs", OWN "Origin: https://tool.example\r\n", NULL, &reply);
+    send_request(&f->tokens, "GET /v1/jobs", OWN "Origin: https://tool.example\r\n", NULL, &reply);
     assert_int_equal(reply.status, 401); /* the page can read that answer */
     assert_open_to(&reply, "https://tool.example");
     reply_done(&reply);
@@ -425,7 +425,7 @@ static void test_followed_link(void **state)
         for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
             expect(daemons[d], cases[i].line, cases[i].headers, NULL, cases[i].status);
     struct reply reply;
-    ask(&f->closed, "GET /", OWN CROSS GOES HTML, NULL, &reply);
+    send_request(&f->closed, "GET /", OWN CROSS GOES HTML, NULL, &reply);
     assert_non_null(strstr(reply_header(&reply, "Content-Type"), "text/html"));
     assert_non_null(
         strstr(reply_header(&reply, "Content-Security-Policy"), "frame-ancestors 'none'"));

@@ -22,7 +22,7 @@ struct waiting {
     const char *name, *client;
 };
 
-static void add(struct orl_queue *queue, struct waiting *waiting, size_t count)
+static void add_waiting(struct orl_queue *queue, struct waiting *waiting, size_t count)
 {
     struct orl_error err;
     for (size_t i = 0; i < count; i++) {
@@ -56,10 +56,10 @@ static void test_clients_take_turns(void **state)
         {{.priority = 5}, "d", "B"}, {{.priority = 5}, "e", "C"}, {{.priority = 5}, "f", "C"},
     };
     struct orl_queue *queue = orl_queue_new();
-    add(queue, waiting, 6);
+    add_waiting(queue, waiting, 6);
     expect_order(queue, waiting, 6, "adebfc");
     /* C was served before A. */
-    add(queue, waiting, 6);
+    add_waiting(queue, waiting, 6);
     expect_order(queue, waiting, 6, "deafbc");
     orl_queue_free(queue);
 }
@@ -74,7 +74,7 @@ static void test_priority_goes_before_turns(void **state)
         {{.priority = 9}, "d", "A"},
     };
     struct orl_queue *queue = orl_queue_new();
-    add(queue, waiting, 4);
+    add_waiting(queue, waiting, 4);
     expect_order(queue, waiting, 4, "cdab");
     orl_queue_free(queue);
 }
@@ -85,7 +85,7 @@ static void test_removal(void **state)
     struct waiting waiting[] = {
         {{.priority = 5}, "a", "A"}, {{.priority = 5}, "b", "A"}, {{.priority = 5}, "c", "B"}};
     struct orl_queue *queue = orl_queue_new();
-    add(queue, waiting, 3);
+    add_waiting(queue, waiting, 3);
     orl_queue_remove(queue, &waiting[0].entry);
     orl_queue_remove(queue, &waiting[0].entry);
     assert_int_equal(orl_queue_position(queue, &waiting[0].entry), 0);
@@ -103,7 +103,7 @@ static void test_coming_back_is_no_advantage(void **state)
     struct orl_error err;
     char taken[16] = "";
     struct orl_queue *queue = orl_queue_new();
-    add(queue, many, 3);
+    add_waiting(queue, many, 3);
     for (int i = 0; i < 6; i++) {
         if (!single.entry.client)
             orl_queue_add(queue, &single.entry, single.client, &err);

@@ -99,8 +99,8 @@ static int teardown(void **state)
 }
 
 /* Sends one request with those lines; expects the status. */
-static void ask(struct fixture *f, const char *line, const char *first, const char *second,
-                const char *body, long wanted, struct reply *ret_reply)
+static void send_request(struct fixture *f, const char *line, const char *first, const char *second,
+                         const char *body, long wanted, struct reply *ret_reply)
 {
     char headers[1200];
     snprintf(headers, sizeof headers, "%s%s%s", first, second,
@@ -114,7 +114,7 @@ static void expect(struct fixture *f, const char *line, const char *first, const
                    const char *body, long wanted)
 {
     struct reply reply;
-    ask(f, line, first, second, body, wanted, &reply);
+    send_request(f, line, first, second, body, wanted, &reply);
     reply_done(&reply);
 }
 
@@ -122,7 +122,7 @@ static void expect(struct fixture *f, const char *line, const char *first, const
 static void sign_in(struct fixture *f, const char *token, char ret_cookie[160])
 {
     struct reply reply;
-    ask(f, "POST /v1/session", f->own, token, "", 201, &reply);
+    send_request(f, "POST /v1/session", f->own, token, "", 201, &reply);
     const char *cookie = reply_header(&reply, "Set-Cookie");
     assert_non_null(cookie);
     assert_non_null(strstr(cookie, "; Path=/; HttpOnly; SameSite=Strict; Max-Age=43200"));
@@ -138,14 +138,14 @@ static void test_in_and_out(void **state)
     struct fixture *f = *state;
     struct reply reply;
     char cookie[160], other[160];
-    ask(f, "GET /v1/session", f->host, "", NULL, 200, &reply);
+    send_request(f, "GET /v1/session", f->host, "", NULL, 200, &reply);
     assert_true(json_is_true(reply_at(&reply, "needed")));
     assert_true(json_is_false(reply_at(&reply, "signed_in")));
     reply_done(&reply);
     sign_in(f, f->submit, cookie);
     sign_in(f, f->submit, other);
     assert_string_not_equal(cookie, other);
-    ask(f, "GET /v1/session", f->host, cookie, NULL, 200, &reply);
+    send_request(f, "GET /v1/session", f->host, cookie, NULL, 200, &reply);
     assert_string_equal(reply_text(&reply, "token"), "desk");
     assert_string_equal(reply_text(&reply, "scope"), "submit");
     reply_done(&reply);
@@ -154,7 +154,7 @@ static void test_in_and_out(void **state)
     expect(f, "POST /v1/jobs", f->own, cookie, "{}", 422);
     /* A session that signed out is over for all copies of its cookie; the other browser's session
      * stays. */
-    ask(f, "DELETE /v1/session", f->own, cookie, NULL, 204, &reply);
+    send_request(f, "DELETE /v1/session", f->own, cookie, NULL, 204, &reply);
     assert_non_null(strstr(reply_header(&reply, "Set-Cookie"), "=; "));
     assert_non_null(strstr(reply_header(&reply, "Set-Cookie"), "Max-Age=0"));
     reply_done(&reply);
@@ -222,7 +222,7 @@ static void test_forged_by_other_pages(void **state)
     expect(f, cancel, headers, cookie, "", 409); /* the daemon's own page is served */
     /* With a token the request is not forged: a browser never sends one by itself. */
     snprintf(headers, sizeof headers, "%s%s", cookie, f->submit);
-    ask(f, cancel, f->host, headers, "", 409, &reply);
+    send_request(f, cancel, f->host, headers, "", 409, &reply);
     reply_done(&reply);
 }
 
@@ -372,14 +372,14 @@ static void test_elsewhere(void **state)
     restart(f, open);
     sign_in(f, f->submit, cookie);
     snprintf(headers, sizeof headers, "%sOrigin: http://localhost:3000\r\n", f->host);
-    ask(f, "GET /v1/jobs", headers, cookie, NULL, 401, &reply);
+    send_request(f, "GET /v1/jobs", headers, cookie, NULL, 401, &reply);
     assert_null(reply_header(&reply, "Access-Control-Allow-Credentials"));
     reply_done(&reply);
     expect(f, "GET /v1/jobs", headers, f->submit, NULL, 200);
     snprintf(
         headers, sizeof headers,
         "Host: oriel.example\r\nOrigin: https://oriel.example\r\nX-Forwarded-Proto: https\r\n");
-    ask(f, "POST /v1/session", headers, f->submit, "", 201, &reply);
+    send_request(f, "POST /v1/session", headers, f->submit, "", 201, &reply);
     assert_int_equal(strncmp(reply_header(&reply, "Set-Cookie"), "__Host-oriel-", 13), 0);
     assert_non_null(strstr(reply_header(&reply, "Set-Cookie"), "; Secure"));
     reply_done(&reply);
@@ -418,7 +418,7 @@ static void make_link(struct fixture *f, const char *who, const char *file, int 
     char line[120], body[200];
     snprintf(line, sizeof line, "POST %s/links", f->job);
     snprintf(body, sizeof body, "{\"files\":[\"%s\"],\"seconds\":%d}", file, seconds);
-    ask(f, line, f->own, who, body, 201, &reply);
+    send_request(f, line, f->own, who, body, 201, &reply);
     snprintf(ret_line, 400, "GET %s", reply_text(&reply, "links.0.url"));
     assert_string_equal(reply_text(&reply, "links.0.file"), file);
     reply_done(&reply);
@@ -641,9 +641,9 @@ static void test_without_tokens(void **state)
     struct reply reply;
     char line[120], link[400];
     restart(f, NULL);
-    ask(f, "POST /v1/session", f->own, "", "", 409, &reply);
+    send_request(f, "POST /v1/session", f->own, "", "", 409, &reply);
     reply_done(&reply);
-    ask(f, "GET /v1/session", f->own, "", NULL, 200, &reply);
+    send_request(f, "GET /v1/session", f->own, "", NULL, 200, &reply);
     assert_true(json_is_false(reply_at(&reply, "needed")));
     reply_done(&reply);
     snprintf(line, sizeof line, "POST %s/links", f->job);

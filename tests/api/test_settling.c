@@ -108,7 +108,7 @@ static void commit(struct fixture *f, int number)
     assert_int_equal(orl_bsdf_insert(&f->data.db, id, "b", 1, "{}", &created, &f->err), 0);
 }
 
-static struct waiter *ask(struct fixture *f, int i)
+static struct waiter *ask_for_sync(struct fixture *f, int i)
 {
     struct waiter *waiter = &f->waiters[i];
     *waiter = (struct waiter){.wait.settled = on_settled};
@@ -116,7 +116,7 @@ static struct waiter *ask(struct fixture *f, int i)
     return waiter;
 }
 
-static void settle(const struct fixture *f)
+static void wait_for_syncs(const struct fixture *f)
 {
     while (!orl_settling_is_quiet(f->settling))
         uv_run(uv_default_loop(), UV_RUN_ONCE);
@@ -134,9 +134,9 @@ static void test_told_once_it_is_safe(void **state)
     const uint64_t last = orl_settling_last(f->settling);
     assert_false(orl_settling_is_safe(f->settling, last));
     assert_int_equal(syncs_of_log, 0);
-    const struct waiter *waiter = ask(f, 0);
+    const struct waiter *waiter = ask_for_sync(f, 0);
     assert_int_equal(waiter->told, 0);
-    settle(f);
+    wait_for_syncs(f);
     assert_int_equal(waiter->told, 1);
     assert_int_equal(waiter->rc, 0);
     assert_true(orl_settling_is_safe(f->settling, last));
@@ -155,9 +155,9 @@ static void test_syncs_are_shared(void **state)
     syncs_of_log = 0;
     for (int i = 0; i < 20; i++) {
         commit(f, 1 + i);
-        ask(f, i);
+        ask_for_sync(f, i);
     }
-    settle(f);
+    wait_for_syncs(f);
     for (int i = 0; i < 20; i++) {
         assert_int_equal(f->waiters[i].told, 1);
         assert_int_equal(f->waiters[i].rc, 0);
@@ -174,18 +174,18 @@ static void test_a_sync_fails(void **state)
     for (int i = 0; i < 5; i++)
         commit(f, i);
     failing = 1;
-    const struct waiter *first = ask(f, 0);
-    settle(f);
+    const struct waiter *first = ask_for_sync(f, 0);
+    wait_for_syncs(f);
     assert_int_equal(failing, 0);
     assert_int_equal(first->rc, 0);
     commit(f, 10);
-    const struct waiter *second = ask(f, 1);
-    settle(f);
+    const struct waiter *second = ask_for_sync(f, 1);
+    wait_for_syncs(f);
     assert_int_equal(second->rc, 0);
     commit(f, 11);
     syncs_of_log = 0;
-    const struct waiter *third = ask(f, 2);
-    settle(f);
+    const struct waiter *third = ask_for_sync(f, 2);
+    wait_for_syncs(f);
     assert_int_equal(third->rc, 0);
     assert_int_equal(syncs_of_log, 1); /* syncs of the log are trusted again */
 }
@@ -200,15 +200,15 @@ static void test_a_disk_that_fails(void **state)
     const uint64_t last = orl_settling_last(f->settling);
     failing = 1000;
     for (int i = 0; i < 3; i++) {
-        const struct waiter *waiter = ask(f, i);
-        settle(f);
+        const struct waiter *waiter = ask_for_sync(f, i);
+        wait_for_syncs(f);
         assert_true(waiter->rc < 0);
         assert_non_null(strstr(waiter->message, "database"));
         assert_false(orl_settling_is_safe(f->settling, last));
     }
     failing = 0;
-    const struct waiter *waiter = ask(f, 3);
-    settle(f);
+    const struct waiter *waiter = ask_for_sync(f, 3);
+    wait_for_syncs(f);
     assert_int_equal(waiter->rc, 0);
     assert_true(orl_settling_is_safe(f->settling, last));
 }

@@ -57,7 +57,7 @@ static void wait_for(struct daemon_room *f, const char *job, const char *state,
         fail_msg("%s", ret_reply->body);
 }
 
-static void run(struct daemon_room *f, const char *more, char ret_path[80])
+static void run_job(struct daemon_room *f, const char *more, char ret_path[80])
 {
     struct reply reply;
     submit(f, more, ret_path);
@@ -133,7 +133,7 @@ static void test_a_day(void **state)
     struct daemon_room *f = *state;
     struct reply reply;
     char day[80], noon[80];
-    run(f, DAY VIEW("16"), day);
+    run_job(f, DAY VIEW("16"), day);
     daemon_get(&f->daemon, day, &reply);
     assert_true(reply_number(&reply, "skies.count") == 8 &&
                 reply_number(&reply, "skies.done") == 8);
@@ -152,7 +152,7 @@ static void test_a_day(void **state)
     }
     const double lx = reply_number(&reply, "skies.3.illuminance_lx.1");
     reply_done(&reply);
-    run(f, "\"sky\":" HOUR("11.5") VIEW("16"), noon);
+    run_job(f, "\"sky\":" HOUR("11.5") VIEW("16"), noon);
     expect_same(f, day, "files/0322-1130.v.hdr", noon, "files/v.hdr");
     get_below(f, noon, "result", &reply);
     assert_true(reply_number(&reply, "sensors.1.illuminance_lx") == lx);
@@ -202,7 +202,7 @@ static void test_torn_between_skies(void **state)
     assert_true(written(f, "results", torn, "+key") == 0);
     assert_true(written(f, "results", torn, "global-0.opm.part") == 0);
     assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
-    run(f, more, whole);
+    run_job(f, more, whole);
     expect_same(f, torn, "files/0322-0930.v.hdr", whole, "files/0322-0930.v.hdr");
     expect_same(f, torn, "files/0322-1530.v.error.hdr", whole, "files/0322-1530.v.error.hdr");
 }

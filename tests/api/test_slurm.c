@@ -20,7 +20,7 @@
 static const char *const by_slurm[] = {"--slurm", "--parts", "4", NULL};
 
 /* Also asserts that each task had a time limit. */
-static void compare(struct cli_desk *desk, const char *document)
+static void compare_parts(struct cli_desk *desk, const char *document)
 {
     parted_compare(desk, document, by_slurm);
     assert_true(cluster_tasks_ever() > 0);
@@ -29,27 +29,27 @@ static void compare(struct cli_desk *desk, const char *document)
 
 static void test_a_render(void **state)
 {
-    compare(*state, parted_render);
+    compare_parts(*state, parted_render);
 }
 
 static void test_skies(void **state)
 {
-    compare(*state, parted_skies);
+    compare_parts(*state, parted_skies);
 }
 
 static void test_rounds(void **state)
 {
-    compare(*state, parted_goal);
+    compare_parts(*state, parted_goal);
 }
 
 static void test_a_year(void **state)
 {
-    compare(*state, parted_annual);
+    compare_parts(*state, parted_annual);
 }
 
 static void test_a_study(void **state)
 {
-    compare(*state, parted_study);
+    compare_parts(*state, parted_study);
 }
 
 /* ---- Faults ---------------------------------------------------------------------------------- */

@@ -75,7 +75,7 @@ static int set_up(void **state)
     return code;
 }
 
-static void compare(struct parted_daemon *f, const char *document)
+static void compare_results(struct parted_daemon *f, const char *document)
 {
     char path[80];
     parted_submit(f, document, path);
@@ -85,22 +85,22 @@ static void compare(struct parted_daemon *f, const char *document)
 
 static void test_sensors_views_and_maps(void **state)
 {
-    compare(*state, documents[0].name);
+    compare_results(*state, documents[0].name);
 }
 
 static void test_a_day_of_24_skies(void **state)
 {
-    compare(*state, documents[1].name);
+    compare_results(*state, documents[1].name);
 }
 
 static void test_sensors_to_2_per_cent(void **state)
 {
-    compare(*state, documents[2].name);
+    compare_results(*state, documents[2].name);
 }
 
 static void test_a_year(void **state)
 {
-    compare(*state, documents[3].name);
+    compare_results(*state, documents[3].name);
 }
 
 int main(void)

@@ -81,7 +81,7 @@ static int teardown(void **state)
 }
 
 /* Runs the command; returns its status and its output. */
-static int run(const char *arguments, const char *folder, char *ret_said, size_t size)
+static int run_orield(const char *arguments, const char *folder, char *ret_said, size_t size)
 {
     char command[600];
     const char *build = getenv("ORIEL_BUILD");
@@ -110,25 +110,25 @@ static void test_damage_is_found(void **state)
 {
     struct fixture *f = *state;
     char said[8000], blob[80], name[64];
-    assert_int_equal(run("scrub", f->daemon.root, said, sizeof said), 0);
+    assert_int_equal(run_orield("scrub", f->daemon.root, said, sizeof said), 0);
     assert_non_null(strstr(said, ", 0 damaged"));
     snprintf(blob, sizeof blob, "blobs/%.2s/%s", f->bsdf, f->bsdf);
     damage(f, blob);
     damage(f, "maps/*.opm");
     snprintf(name, sizeof name, "results/%.32s/v.hdr", strrchr(f->job, '/') + 1);
     damage(f, name);
-    assert_int_equal(run("scrub", f->daemon.root, said, sizeof said), 1);
+    assert_int_equal(run_orield("scrub", f->daemon.root, said, sizeof said), 1);
     if (!strstr(said, blob) || !strstr(said, name) || !strstr(said, "maps/global-") ||
         strstr(said, ", 0 damaged"))
         fail_msg("%s", said);
     upload_bsdf(f, 200);
-    assert_int_equal(run("scrub", f->daemon.root, said, sizeof said), 1);
+    assert_int_equal(run_orield("scrub", f->daemon.root, said, sizeof said), 1);
     assert_null(strstr(said, blob));
     /* A missing file. */
     char path[200];
     snprintf(path, sizeof path, "%s/%s", f->daemon.root, blob);
     assert_int_equal(unlink(path), 0);
-    assert_int_equal(run("scrub", f->daemon.root, said, sizeof said), 1);
+    assert_int_equal(run_orield("scrub", f->daemon.root, said, sizeof said), 1);
     assert_non_null(strstr(said, blob));
     upload_bsdf(f, 200);
 }
@@ -192,10 +192,11 @@ static void test_backup(void **state)
     daemon_submit(&f->daemon, f->scene, 1000, 6, NULL, waiting);
     snprintf(copy.root, sizeof copy.root, "%.50s-copy", f->daemon.root);
     snprintf(arguments, sizeof arguments, "backup %s", copy.root);
-    if (run(arguments, f->daemon.root, said, sizeof said) != 0)
+    if (run_orield(arguments, f->daemon.root, said, sizeof said) != 0)
         fail_msg("%s", said);
-    assert_int_equal(run(arguments, f->daemon.root, said, sizeof said), 1); /* the target exists */
-    assert_int_equal(run("scrub", copy.root, said, sizeof said), 0);
+    assert_int_equal(run_orield(arguments, f->daemon.root, said, sizeof said),
+                     1); /* the target exists */
+    assert_int_equal(run_orield("scrub", copy.root, said, sizeof said), 0);
     daemon_cancel(&f->daemon, running, &reply);
     reply_done(&reply);
     daemon_restart(&copy, NULL);
@@ -222,10 +223,10 @@ static void test_backup_of_damage(void **state)
     damage(f, "results/*/v.hdr");
     snprintf(copy.root, sizeof copy.root, "%.50s-copy", f->daemon.root);
     snprintf(arguments, sizeof arguments, "backup %s", copy.root);
-    assert_int_equal(run(arguments, f->daemon.root, said, sizeof said), 1);
+    assert_int_equal(run_orield(arguments, f->daemon.root, said, sizeof said), 1);
     assert_non_null(strstr(said, blob));
     assert_non_null(strstr(said, "2 damaged"));
-    assert_int_equal(run("scrub", copy.root, said, sizeof said), 0);
+    assert_int_equal(run_orield("scrub", copy.root, said, sizeof said), 0);
     daemon_restart(&copy, NULL);
     snprintf(path, sizeof path, "/v1/bsdfs/%s", f->bsdf);
     daemon_get(&copy, path, &reply);

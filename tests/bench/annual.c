@@ -30,7 +30,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static struct errors compare(const struct annual_truth *truth, const struct orl_annual_result *year)
+static struct errors compare_year(const struct annual_truth *truth,
+                                  const struct orl_annual_result *year)
 {
     const size_t n = truth->n_hours * OFFICE_SENSORS;
     double *sizes = malloc(n * sizeof *sizes);
@@ -117,7 +118,7 @@ static void print_samples(struct annual_bench *bench, FILE *json, double rate, b
         seconds[k] = annual_run(bench, samples, ret_year);
     }
     annual_need_truth(bench, ret_year);
-    const struct errors e = compare(&bench->truth, ret_year);
+    const struct errors e = compare_year(&bench->truth, ret_year);
     print_row(json, *first, bench, ret_year, &e, bench_median(seconds, runs), rate);
     *first = false;
     print_stages(ret_year);

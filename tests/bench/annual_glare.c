@@ -133,9 +133,10 @@ static void tell_pictures(const struct annual_bench *bench, const struct orl_sea
     free(dgp);
 }
 
-static struct dgp_errors compare(const struct orl_annual_result *year,
-                                 const struct annual_truth *hours, const struct picture *pictures,
-                                 const struct orl_seat_hours *seat)
+static struct dgp_errors compare_dgp(const struct orl_annual_result *year,
+                                     const struct annual_truth *hours,
+                                     const struct picture *pictures,
+                                     const struct orl_seat_hours *seat)
 {
     struct dgp_errors e = {.n = hours->n_hours};
     for (size_t i = 0; i < hours->n_hours; i++) {
@@ -171,7 +172,7 @@ void annual_print_glare(struct annual_bench *bench, FILE *json, bool *first, con
         struct orl_seat_hours *found = NULL;
         const double seconds = run_seat(bench, year, i, &found);
         struct picture *pictures = need_pictures(bench, year, &hours, i);
-        const struct dgp_errors e = compare(year, &hours, pictures, found);
+        const struct dgp_errors e = compare_dgp(year, &hours, pictures, found);
         printf("%8s %8.2f %9.1f %8.4f %8.4f %10.3f +- %8.4f %3zu of %zu\n", seats[i].name, seconds,
                seconds * rate / 1e6, e.rms, e.worst, e.worst_dgp, e.stated, e.covered, e.n);
         fprintf(json,

@@ -212,7 +212,7 @@ static bool read_kept(const char *path, struct annual_truth *truth)
     return n == truth->n_hours * OFFICE_SENSORS;
 }
 
-static void keep(const char *path, const struct annual_truth *truth)
+static void store_truth(const char *path, const struct annual_truth *truth)
 {
     char part[BENCH_PATH + 8];
     snprintf(part, sizeof part, "%s.part", path);
@@ -277,5 +277,5 @@ void annual_need_truth(struct annual_bench *bench, const struct orl_annual_resul
     fprintf(stderr, "  %zu hours by backward are computed, once\n", truth->n_hours);
     for (size_t i = 0; i < truth->n_hours; i++)
         run_hour(bench, &year->steps[truth->steps[i]], i);
-    keep(path, truth);
+    store_truth(path, truth);
 }

@@ -50,7 +50,7 @@ double bench_own_s(void *ctx)
     return bench_wall_s(ctx) - 1e-9 * (double)queued;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_doubles(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -58,7 +58,7 @@ static int compare(const void *a, const void *b)
 
 double bench_median(double *values, int n)
 {
-    qsort(values, (size_t)n, sizeof *values, compare);
+    qsort(values, (size_t)n, sizeof *values, compare_doubles);
     return values[n / 2];
 }
 

@@ -62,7 +62,7 @@ static void book(const struct calibration_scene *scene, const struct orl_result 
 }
 
 /* Returns the standard deviation of sensor values between seeds, rms over sensors. */
-static double spread(const struct coverage *c, size_t n_sensors)
+static double seed_deviation(const struct coverage *c, size_t n_sensors)
 {
     double sum = 0;
     for (size_t i = 0; i < n_sensors; i++)
@@ -81,7 +81,7 @@ static void print_coverage(const struct calibration_scene *scene, enum orl_techn
                share >= 0.92 && share <= 0.98 ? "yes" : "no", 100 * sqrt(c->stated2 / n));
     else
         printf(" %14s  %-3s %8s", "-", "-", "-");
-    printf(" %8.2f %8.2f %+8.2f %8.3f %8.2f\n", 100 * spread(c, scene->n_sensors),
+    printf(" %8.2f %8.2f %+8.2f %8.3f %8.2f\n", 100 * seed_deviation(c, scene->n_sensors),
            100 * sqrt(c->rms2 / n), 100 * c->bias / n, 100 * sqrt(c->reference2 / n),
            c->seconds / n);
 }

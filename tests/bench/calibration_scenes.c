@@ -178,8 +178,8 @@ void calibration_run(const struct calibration *c, const struct calibration_scene
 /* ---- References ------------------------------------------------------------------------------ */
 
 /* Computes means and standard errors of the means from sums and sums of squares over n runs. */
-static void settle(struct calibration_scene *scene, const double *sums, const double *squares,
-                   uint32_t n)
+static void compute_means(struct calibration_scene *scene, const double *sums,
+                          const double *squares, uint32_t n)
 {
     for (size_t i = 0; i < scene->n_sensors; i++) {
         const double mean = sums[i] / n;
@@ -205,7 +205,7 @@ static void run_reference(const struct calibration *c, struct calibration_scene 
         }
         orl_result_done(&r);
     }
-    settle(scene, sums, squares, c->knobs.reference_runs);
+    compute_means(scene, sums, squares, c->knobs.reference_runs);
 }
 
 void calibration_refer(const struct calibration *c, struct calibration_scene *scene)
@@ -228,7 +228,7 @@ void calibration_refer(const struct calibration *c, struct calibration_scene *sc
             bench_wall_s(NULL) - started, 100 * sqrt(squares));
 }
 
-static int compare(const void *a, const void *b)
+static int compare_doubles(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -236,7 +236,7 @@ static int compare(const void *a, const void *b)
 
 double calibration_percentile(double *values, size_t n, double share)
 {
-    qsort(values, n, sizeof *values, compare);
+    qsort(values, n, sizeof *values, compare_doubles);
     const double at = ceil(share * (double)n) - 1;
     return values[at > 0 ? (size_t)at : 0];
 }

@@ -53,7 +53,7 @@ static const struct {
     {"photons", {ask_photons}}, {"view", {ask_view}}, {"sensors", {ask_gather, ask_backward}}};
 enum { JOBS = sizeof jobs / sizeof *jobs };
 
-static void run(const struct office *office, void (*ask)(struct orl_job *job))
+static void run_request(const struct office *office, void (*ask)(struct orl_job *job))
 {
     struct orl_crew *crew = orl_crew_start(1);
     char maps[BENCH_PATH + 8];
@@ -88,7 +88,7 @@ int main(int argc, char **argv)
     }
     office_open(&office, "tests/fixtures/bsdf_lcp8.xml");
     for (int i = 0; i < 2 && jobs[found].ask[i]; i++)
-        run(&office, jobs[found].ask[i]);
+        run_request(&office, jobs[found].ask[i]);
     office_close(&office);
     return 0;
 }

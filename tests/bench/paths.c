@@ -57,8 +57,8 @@ struct outcome {
 };
 
 /* Compares one run with the truth, without sensors whose truth is unknown. */
-static void compare(const struct orl_result *result, const struct brute_value *truth,
-                    struct tally *tally, struct outcome *outcome)
+static void compare_result(const struct orl_result *result, const struct brute_value *truth,
+                           struct tally *tally, struct outcome *outcome)
 {
     for (size_t i = 0; i < PATH_SENSORS; i++) {
         const double lx = result->illuminance_lx[i];
@@ -130,7 +130,7 @@ static void run_cell(const struct cell *cell, const struct brute_value *truth, u
                                                             .caustic = 200000,
                                                             .bounded = true,
                                                             .threads = 2});
-        compare(&r, truth, tally, &outcome);
+        compare_result(&r, truth, tally, &outcome);
         for (int i = 0; i < PATH_SENSORS && getenv("ORIEL_PATHS_SENSORS"); i++)
             printf("\n    %-12s sensor %d: %.5g +- %.2g [%.5g, %.5g], truth %.5g +- %.2g",
                    techniques[t].name, i, r.illuminance_lx[i], r.standard_error_lx[i],

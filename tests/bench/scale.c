@@ -46,7 +46,7 @@ static double ray_times(const struct scale_build *b)
 }
 
 /* Builds maps of increasing size; the last one remains. */
-static void grow(struct scale *s)
+static void build_maps(struct scale *s)
 {
     printf("\n  %9s %8s %9s %9s %9s %8s %8s %9s %10s\n", "photons", "s", "M/s", "rays each",
            "to first", "MB", "bytes", "peak MB", "look-up us");
@@ -233,7 +233,7 @@ int main(int argc, char **argv)
     office_open(&scale.office, NULL);
     snprintf(scale.maps, sizeof scale.maps, "%s/maps", scale.office.folder);
     printf("Scaling: the office, its panel of 2^6\n");
-    grow(&scale);
+    build_maps(&scale);
     fit_searches(&scale);
     spread_out(&scale);
     squeeze(&scale);

@@ -95,7 +95,7 @@ static struct speed_figure run_once(struct speed *speed, enum speed_row_id id, i
  * Measures a row with every number of threads, in turns, so that other load on the machine affects
  * all alike. Gains are medians over single turns.
  */
-static void measure(struct speed *speed, enum speed_row_id id)
+static void measure_row(struct speed *speed, enum speed_row_id id)
 {
     struct speed_row *row = &speed->rows[id];
     struct speed_figure figures[SPEED_MOST_THREADS][BENCH_MOST_RUNS];
@@ -135,7 +135,7 @@ static void measure_all(struct speed *speed)
         fprintf(stderr, "  %s\n", speed->rows[id].name);
         set_threads(speed, 0);
         speed_prepare(speed, (enum speed_row_id)id);
-        measure(speed, (enum speed_row_id)id);
+        measure_row(speed, (enum speed_row_id)id);
         set_threads(speed, 0);
         if (speed->rows[id].judge == SPEED_BY_SENSORS)
             speed_measure_goal(speed, &speed->rows[id]);

@@ -104,8 +104,8 @@ static void write_ray(const struct radiance *r)
         bench_fail("cannot write a ray for Radiance", NULL);
 }
 
-static void compare(struct speed *s, const char *panel, struct speed_fact *seconds,
-                    struct speed_fact *peak)
+static void compare_loads(struct speed *s, const char *panel, struct speed_fact *seconds,
+                          struct speed_fact *peak)
 {
     double of_runs[BENCH_MOST_RUNS];
     struct radiance radiance;
@@ -153,5 +153,5 @@ void speed_measure_bsdf(struct speed *s)
     struct speed_fact *peak = speed_add_fact(s, "bsdf_peak_mb", "MB", first_peak / 1e6, 0,
                                              "the peak of memory of a job that plans with it");
     speed_add_fact(s, "bsdf_later_peak_mb", "MB", later_peak / 1e6, 0, "the same of a later job");
-    compare(s, panel, time, peak);
+    compare_loads(s, panel, time, peak);
 }

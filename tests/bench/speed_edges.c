@@ -98,7 +98,7 @@ static void name_file(const struct sitting *sitting, char ret_name[BENCH_PATH])
     orl_scene_summary_done(&summary);
 }
 
-static void measure(struct speed *s, const struct picture *picture)
+static void measure_picture(struct speed *s, const struct picture *picture)
 {
     struct sitting sitting = {.speed = s,
                               .picture = picture,
@@ -133,5 +133,5 @@ static void measure(struct speed *s, const struct picture *picture)
 void speed_measure_edges(struct speed *speed)
 {
     for (int i = 0; i < PICTURES; i++)
-        measure(speed, &pictures[i]);
+        measure_picture(speed, &pictures[i]);
 }

@@ -22,7 +22,7 @@ struct sightings {
     double stated; /* half width of the widest interval */
 };
 
-static void look(struct speed *s, int run, struct sightings *found)
+static void render_glare(struct speed *s, int run, struct sightings *found)
 {
     static char name[] = "eye", view_text[] = EYE;
     struct orl_view_request view = {.name = name,
@@ -106,7 +106,7 @@ void speed_measure_glare(struct speed *s)
     struct sightings found = {.stated = 0};
     for (int run = 0; run < s->runs; run++) {
         fprintf(stderr, "  glare, seed %d\n", run + 1);
-        look(s, run, &found);
+        render_glare(s, run, &found);
     }
     const double ray_times = bench_median(found.ray_times, s->runs);
     struct speed_fact *fact = speed_add_fact(

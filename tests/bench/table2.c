@@ -80,7 +80,7 @@ static void say_what_differs(const struct technique *t, const struct orl_result 
         printf("  (%s: %s)\n", t->name, r->warnings[i]);
 }
 
-static void measure(struct table *table, const struct technique *t, struct orl_crew *crew)
+static void measure_technique(struct table *table, const struct technique *t, struct orl_crew *crew)
 {
     struct table_row *row = &table->rows[table->n_rows++];
     *row = (struct table_row){.name = t->name, .paper = t->paper};
@@ -140,7 +140,7 @@ int main(void)
     table.rate = office_rate(&table.office, crew, 3);
     office_reference_make(&table.office, &table.reference);
     for (int i = 0; i < TECHNIQUES; i++)
-        measure(&table, &techniques[i], crew);
+        measure_technique(&table, &techniques[i], crew);
     table_add_radiance(&table);
     table_print(&table);
     snprintf(path, sizeof path, "%s/table2.json", bench_build());

@@ -42,7 +42,7 @@ int parted_daemon_tear_down(void **state)
     return 0;
 }
 
-static void run(struct parted_daemon *f, const char *const *args)
+static void run_oriel(struct parted_daemon *f, const char *const *args)
 {
     cli_run(args, &f->desk->result);
     if (f->desk->result.exit_code != 0)
@@ -54,7 +54,7 @@ void parted_submit(struct parted_daemon *f, const char *document, char ret_path[
     char path[160], id[40] = "";
     snprintf(path, sizeof path, "%s/%s", f->desk->folder, document);
     const char *const args[] = {"submit", path, NULL};
-    run(f, args);
+    run_oriel(f, args);
     assert_int_equal(sscanf(f->desk->result.out, "%36s", id), 1);
     snprintf(ret_path, 80, "/v1/jobs/%s", id);
 }
@@ -64,7 +64,7 @@ void parted_fetch(struct parted_daemon *f, const char *path, const char *output)
     char to[160];
     snprintf(to, sizeof to, "%s/%s", f->desk->folder, output);
     const char *const args[] = {"fetch", path + strlen("/v1/jobs/"), "-o", to, NULL};
-    run(f, args);
+    run_oriel(f, args);
 }
 
 static void wait_for(struct parted_daemon *f, const char *path, bool resumed)

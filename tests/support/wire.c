@@ -80,7 +80,7 @@ static void say_nothing(void *ctx, const char *format, va_list args)
 }
 
 /* Runs until libmicrohttpd has no more work on the bytes. */
-static size_t run(struct MHD_Daemon *daemon, int fd)
+static size_t run_daemon(struct MHD_Daemon *daemon, int fd)
 {
     enum { TURNS = 64 };
     char answer[4096];
@@ -116,7 +116,7 @@ size_t wire_send(const void *bytes, size_t size, wire_see see, void *ctx)
     size_t total = 0;
     if (MHD_add_connection(daemon, fds[1], (const struct sockaddr *)&nobody, sizeof nobody) ==
         MHD_YES)
-        total = run(daemon, fds[0]);
+        total = run_daemon(daemon, fds[0]);
     MHD_stop_daemon(daemon);
     free(wire.open);
     close(fds[0]);

@@ -61,8 +61,8 @@ static const char *below(const char *path)
 }
 
 /* Called under the lock, which fixes the order. Preserves errno. */
-static void tell(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static void tell(const char *format, ...)
+static void record(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static void record(const char *format, ...)
 {
     char line[2 * PATH_BYTES + 200];
     const int why = errno;
@@ -103,7 +103,7 @@ static void tell_synced(int fd)
     if (fstat(fd, &st) != 0 || (!name && !(S_ISDIR(st.st_mode) && below(strcat(path, "/")))))
         return;
     if (S_ISDIR(st.st_mode)) {
-        tell("{\"a\": \"folder\", \"p\": \"%s\"}\n", name ? name : "");
+        record("{\"a\": \"folder\", \"p\": \"%s\"}\n", name ? name : "");
         return;
     }
     const long at = data_size;
@@ -112,7 +112,7 @@ static void tell_synced(int fd)
     for (ssize_t n; reader >= 0 && (n = read(reader, bytes, sizeof bytes)) > 0;)
         copy_to_data(bytes, (size_t)n);
     close(reader);
-    tell("{\"a\": \"file\", \"p\": \"%s\", \"at\": %ld, \"n\": %ld}\n", name, at, data_size - at);
+    record("{\"a\": \"file\", \"p\": \"%s\", \"at\": %ld, \"n\": %ld}\n", name, at, data_size - at);
 }
 
 static int sync_with(const char *call, int fd)
@@ -147,8 +147,8 @@ static ssize_t pwrite_with(const char *call, int fd, const void *bytes, size_t s
     if (name) {
         const long from = data_size;
         copy_to_data(bytes, (size_t)n);
-        tell("{\"a\": \"write\", \"p\": \"%s\", \"to\": %lld, \"at\": %ld, \"n\": %ld}\n", name,
-             (long long)at, from, (long)n);
+        record("{\"a\": \"write\", \"p\": \"%s\", \"to\": %lld, \"at\": %ld, \"n\": %ld}\n", name,
+               (long long)at, from, (long)n);
     }
     pthread_mutex_unlock(&lock);
     return n;
@@ -175,7 +175,7 @@ static int open_with(const char *call, const char *path, int flags, mode_t mode)
     const bool there = access(path, F_OK) == 0;
     const int fd = REAL(open_call, call)(path, flags, mode);
     if (fd >= 0 && !there)
-        tell("{\"a\": \"create\", \"p\": \"%s\"}\n", name);
+        record("{\"a\": \"create\", \"p\": \"%s\"}\n", name);
     pthread_mutex_unlock(&lock);
     return fd;
 }
@@ -212,7 +212,7 @@ static FILE *fopen_with(const char *call, const char *path, const char *mode)
     const bool there = access(path, F_OK) == 0;
     FILE *file = REAL(FILE * (*)(const char *, const char *), call)(path, mode);
     if (file && !there)
-        tell("{\"a\": \"create\", \"p\": \"%s\"}\n", name);
+        record("{\"a\": \"create\", \"p\": \"%s\"}\n", name);
     pthread_mutex_unlock(&lock);
     return file;
 }
@@ -232,7 +232,7 @@ int mkdir(const char *path, mode_t mode)
     pthread_mutex_lock(&lock);
     const int rc = REAL(int (*)(const char *, mode_t), "mkdir")(path, mode);
     if (rc == 0 && below(path))
-        tell("{\"a\": \"mkdir\", \"p\": \"%s\"}\n", below(path));
+        record("{\"a\": \"mkdir\", \"p\": \"%s\"}\n", below(path));
     pthread_mutex_unlock(&lock);
     return rc;
 }
@@ -244,7 +244,7 @@ static int remove_with(const char *call, const char *path)
     const bool folder = lstat(path, &st) == 0 && S_ISDIR(st.st_mode);
     const int rc = REAL(path_call, call)(path);
     if (rc == 0 && below(path))
-        tell("{\"a\": \"%s\", \"p\": \"%s\"}\n", folder ? "rmdir" : "unlink", below(path));
+        record("{\"a\": \"%s\", \"p\": \"%s\"}\n", folder ? "rmdir" : "unlink", below(path));
     pthread_mutex_unlock(&lock);
     return rc;
 }
@@ -269,7 +269,7 @@ int rename(const char *from, const char *to)
     pthread_mutex_lock(&lock);
     const int rc = REAL(int (*)(const char *, const char *), "rename")(from, to);
     if (rc == 0 && below(from) && below(to))
-        tell("{\"a\": \"rename\", \"p\": \"%s\", \"q\": \"%s\"}\n", below(from), below(to));
+        record("{\"a\": \"rename\", \"p\": \"%s\", \"q\": \"%s\"}\n", below(from), below(to));
     pthread_mutex_unlock(&lock);
     return rc;
 }

@@ -82,8 +82,8 @@ static double no_clock(void *ctx)
     return 0;
 }
 
-static int run(const struct orl_annual_request *request, struct orl_annual_result *ret_result,
-               struct orl_error *err)
+static int run_year(const struct orl_annual_request *request, struct orl_annual_result *ret_result,
+                    struct orl_error *err)
 {
     static const char *const names[FILES] = {scene_name, weather_name, view, transmission,
                                              daylight,   sky,          other};
@@ -143,7 +143,7 @@ static void test_three_phases(void **state)
     /* one term; two equal terms; two and one more */
     for (size_t n = 1; n <= 3; n++) {
         const struct orl_annual_request request = request_of(terms, n);
-        if (run(&request, &result, &err) < 0)
+        if (run_year(&request, &result, &err) < 0)
             fail_msg("%s", err.message);
         assert_int_equal(result.n_steps, ROWS);
         assert_true(result.n_columns > 6 && result.se == NULL);
@@ -172,7 +172,7 @@ static void test_coefficients_subtracted(void **state)
     (void)state;
     request.n_sensors = IN; /* the number of rows of that matrix */
     request.n_grids = 0;
-    assert_int_equal(run(&request, &result, &err), 0);
+    assert_int_equal(run_year(&request, &result, &err), 0);
     for (size_t i = 0; i < IN * result.n_columns; i++)
         assert_true(result.total[i] == 0);
     orl_annual_done(&result);
@@ -203,7 +203,7 @@ static void test_what_does_not_fit(void **state)
         const struct orl_annual_request request = request_of(&cases[i].term, 1);
         struct orl_annual_result result;
         struct orl_error err = {0};
-        assert_int_equal(run(&request, &result, &err), cases[i].code);
+        assert_int_equal(run_year(&request, &result, &err), cases[i].code);
         if (cases[i].file)
             assert_string_equal(err.file, cases[i].file);
         if (!strstr(err.message, cases[i].says))

@@ -26,7 +26,7 @@ enum { SENSORS = sizeof sensors / sizeof *sensors };
  * the stated errors of both, which are common to all hours of one sensor: for four sensors' hours
  * the rms of z must be below 1.6, the worst below 4.5. Direct sunlight is equal.
  */
-static void compare(const char *scene, const char *panel)
+static void compare_techniques(const char *scene, const char *panel)
 {
     struct year_run run = {.scene = scene,
                            .resource_name = panel ? "pane.xml" : NULL,
@@ -67,7 +67,7 @@ static void compare(const char *scene, const char *panel)
 static void test_glass(void **state)
 {
     (void)state;
-    compare(GLASS, NULL);
+    compare_techniques(GLASS, NULL);
 }
 
 static void test_panel(void **state)
@@ -75,7 +75,7 @@ static void test_panel(void **state)
     size_t size;
     char *panel = (char *)scene_read_bytes("tests/fixtures/bsdf_lcp8.xml", &size);
     (void)state;
-    compare(PANEL, panel);
+    compare_techniques(PANEL, panel);
     free(panel);
 }
 

@@ -114,8 +114,8 @@ struct tally {
     unsigned n, covered, wrong, undecided;
 };
 
-static void count(const struct orl_annual_refinement *found, const struct orl_annual_value *truth,
-                  double bound, struct tally *tally)
+static void count_verdict(const struct orl_annual_refinement *found,
+                          const struct orl_annual_value *truth, double bound, struct tally *tally)
 {
     const struct orl_annual_value *area = &found->area.value;
     /* The report leaves verdicts on so few hours open, so the verdict is judged on the interval
@@ -165,7 +165,7 @@ static void try_room(size_t room, unsigned seeds, bool all, struct tally *ret)
         const double bound = truth.value + (all ? offsets[seed % 4] : short_offsets[seed % 3]);
         snprintf(target, sizeof target, "%s >= %.6g %%", rooms[room].figure, bound);
         const struct orl_annual_refinement found = decide(room, target, seed + 1, FIRST, 0);
-        count(&found, &truth, bound, ret);
+        count_verdict(&found, &truth, bound, ret);
     }
     print_message("%-14s %s %.1f %% [%.1f, %.1f]: %u seeds, interval holds it in %u, wrong %u, "
                   "undecided %u\n",

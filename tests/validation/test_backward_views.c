@@ -29,7 +29,7 @@ struct look {
     const enum orl_wish *wishes;
 };
 
-static void look(const struct look *l, picture ret)
+static void render_view(const struct look *l, picture ret)
 {
     char folder[64], path[128];
     cli_make_folder(folder);
@@ -53,7 +53,7 @@ static void look(const struct look *l, picture ret)
     cli_remove_folder(folder);
 }
 
-static int compare(const void *a, const void *b)
+static int compare_doubles(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -70,7 +70,7 @@ static double part_ratio(picture a, picture b, int column, int row)
         const int pixel = (row * SIZE + i / SIZE) * SIDE + column * SIZE + i % SIZE;
         ratios[i] = a[pixel][1] == b[pixel][1] ? 1 : a[pixel][1] / b[pixel][1];
     }
-    qsort(ratios, SIZE * SIZE, sizeof *ratios, compare);
+    qsort(ratios, SIZE * SIZE, sizeof *ratios, compare_doubles);
     return ratios[SIZE * SIZE / 2];
 }
 
@@ -90,13 +90,14 @@ static double mean(picture p)
 static void assert_both_alike(const char *scene, const char *pane, const char *view, double share)
 {
     static picture gathered, backward;
-    look(&(struct look){.scene = scene,
-                        .view = view,
-                        .pane = pane,
-                        .technique = ORL_TECHNIQUE_GATHER,
-                        .photons = extent(100000, 300000)},
-         gathered);
-    look(&(struct look){.scene = scene, .view = view, .pane = pane, .pixel_samples = 64}, backward);
+    render_view(&(struct look){.scene = scene,
+                               .view = view,
+                               .pane = pane,
+                               .technique = ORL_TECHNIQUE_GATHER,
+                               .photons = extent(100000, 300000)},
+                gathered);
+    render_view(&(struct look){.scene = scene, .view = view, .pane = pane, .pixel_samples = 64},
+                backward);
     for (int row = 0; row < PARTS; row++)
         for (int column = 0; column < PARTS; column++) {
             const double ratio = part_ratio(backward, gathered, column, row);
@@ -123,11 +124,12 @@ static void test_furnace(void **state)
                  "void light l 0 0 3 100 100 100\nl sphere lamp 0 0 4 0 0 0 .1\n"
                  "void plastic w 0 0 5 %g %g %g 0 0\nw bubble wall 0 0 4 0 0 0 1\n",
                  rho, rho, rho);
-        look(&(struct look){.scene = scene, .view = "-vtv -vp 0 .3 -.5 -vd 0 1 0 -vh 90 -vv 90"},
-             p);
+        render_view(
+            &(struct look){.scene = scene, .view = "-vtv -vp 0 .3 -.5 -vd 0 1 0 -vh 90 -vv 90"}, p);
         if (!(fabs(mean(p) / wall - 1) < 0.012))
             fail_msg("wall of %g: %g, not %g", rho, mean(p), wall);
-        look(&(struct look){.scene = scene, .view = "-vtv -vp 0 -.5 0 -vd 0 1 0 -vh 4 -vv 4"}, p);
+        render_view(
+            &(struct look){.scene = scene, .view = "-vtv -vp 0 -.5 0 -vd 0 1 0 -vh 4 -vv 4"}, p);
         assert_true(fabs(mean(p) / 100 - 1) < 0.01);
     }
 }
@@ -159,11 +161,11 @@ static void test_mirrors_that_scatter(void **state)
                  "%sm polygon plate 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n"
                  "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n",
                  plates[i / 2].material);
-        look(&(struct look){.scene = scene,
-                            .view = "-vtv -vp 0 0 1 -vd 0 0 -1 -vu 0 1 0 -vh 20 -vv 20",
-                            .technique = gathers ? ORL_TECHNIQUE_GATHER : ORL_TECHNIQUE_AUTO,
-                            .photons = gathers ? 100000 : 0},
-             p);
+        render_view(&(struct look){.scene = scene,
+                                   .view = "-vtv -vp 0 0 1 -vd 0 0 -1 -vu 0 1 0 -vh 20 -vv 20",
+                                   .technique = gathers ? ORL_TECHNIQUE_GATHER : ORL_TECHNIQUE_AUTO,
+                                   .photons = gathers ? 100000 : 0},
+                    p);
         if (!(fabs(mean(p) / plates[i / 2].shown - 1) < 0.018))
             fail_msg("plate %d shows %g, not %g", i, mean(p), plates[i / 2].shown);
     }
@@ -181,15 +183,17 @@ static void test_through_backs(void **state)
     static picture p;
     (void)state;
     for (int i = 0; i < 4; i++) {
-        look(&(struct look){.scene = scene,
-                            .view = views[i % 2],
-                            .photons = 200000,
-                            .technique = i < 2 ? ORL_TECHNIQUE_BACKWARD : ORL_TECHNIQUE_GATHER},
-             p);
+        render_view(
+            &(struct look){.scene = scene,
+                           .view = views[i % 2],
+                           .photons = 200000,
+                           .technique = i < 2 ? ORL_TECHNIQUE_BACKWARD : ORL_TECHNIQUE_GATHER},
+            p);
         if (!(fabs(mean(p) / wall - 1) < (i < 2 ? .012 : .03)))
             fail_msg("%d: %g, not %g", i, mean(p), wall);
     }
-    look(&(struct look){.scene = scene, .view = "-vtv -vp 0 -5 .5 -vd 0 1 0 -vh 6 -vv 6"}, p);
+    render_view(&(struct look){.scene = scene, .view = "-vtv -vp 0 -5 .5 -vd 0 1 0 -vh 6 -vv 6"},
+                p);
     assert_true(mean(p) == 0);
 }
 
@@ -221,15 +225,15 @@ static void test_sun_disc(void **state)
     char scene[2048];
     (void)state;
     snprintf(scene, sizeof scene, "%s", ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL);
-    look(&(struct look){.scene = scene, .view = up, .photons = 2000}, p);
+    render_view(&(struct look){.scene = scene, .view = up, .photons = 2000}, p);
     assert_true(fabs(mean(p) / 1e6 - 1) < 0.005);
     snprintf(scene, sizeof scene, "%s",
              ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE);
-    look(&(struct look){.scene = scene, .view = up, .photons = 2000}, p);
+    render_view(&(struct look){.scene = scene, .view = up, .photons = 2000}, p);
     assert_true(fabs(mean(p) / (1e6 * through_glass(sqrt(0.5), 0.9)) - 1) < 0.005);
     /* The mirror on the floor, seen from above, shows the sky. */
     snprintf(scene, sizeof scene, "%s%s", ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL, mirror);
-    look(&(struct look){.scene = scene, .view = down, .photons = 2000}, p);
+    render_view(&(struct look){.scene = scene, .view = down, .photons = 2000}, p);
     assert_true(fabs(mean(p) / 0.8e6 - 1) < 0.005);
 }
 

@@ -33,7 +33,7 @@ enum { SENSORS = 2, SEEDS = 6 };
 static const struct orl_sensor sensors[SENSORS] = {{{2.2, 2, 1.6}, {0, 0, -1}},
                                                    {{2.9, 2, 1.6}, {0, 0, -1}}};
 
-static struct orl_result run(enum orl_technique technique, uint32_t samples, uint64_t seed)
+static struct orl_result run_room(enum orl_technique technique, uint32_t samples, uint64_t seed)
 {
     return scene_run(&(struct scene_run){.scene = ROOM,
                                          .sensors = sensors,
@@ -47,10 +47,10 @@ static struct orl_result run(enum orl_technique technique, uint32_t samples, uin
 
 static void test_intervals_hold_beside_a_lens(void **state)
 {
-    struct orl_result truth = run(ORL_TECHNIQUE_BACKWARD, 32768, 1);
+    struct orl_result truth = run_room(ORL_TECHNIQUE_BACKWARD, 32768, 1);
     (void)state;
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-        struct orl_result r = run(ORL_TECHNIQUE_GATHER, 1024, seed);
+        struct orl_result r = run_room(ORL_TECHNIQUE_GATHER, 1024, seed);
         for (int i = 0; i < SENSORS; i++) {
             const double slack = 4 * truth.standard_error_lx[i], lx = truth.illuminance_lx[i];
             const double *interval = r.interval_95_lx[i];

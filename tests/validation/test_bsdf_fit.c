@@ -60,7 +60,7 @@ static void measure_rows(struct bench *bench, enum scatterer which, double theta
     bench->contents[bench->n++] = (struct orl_file){.data = text, .size = size};
 }
 
-static void measure(struct bench *bench, enum scatterer which, double theta, double phi)
+static void measure_scan(struct bench *bench, enum scatterer which, double theta, double phi)
 {
     measure_rows(bench, which, theta, phi, 10000);
 }
@@ -154,7 +154,7 @@ static double mean_in_ring(enum scatterer which, int ring, int x, int y)
 }
 
 /* Evaluates light from a ring by the means of cells, of the sample or of its BSDF. */
-static struct seen look(enum scatterer which, int ring, const struct orl_bsdf *bsdf)
+static struct seen evaluate_ring(enum scatterer which, int ring, const struct orl_bsdf *bsdf)
 {
     const struct orl_vec3 in = in_ring(ring, 0.5);
     struct orl_vec3 peaks[2];
@@ -186,11 +186,12 @@ static double apart_deg(struct orl_vec3 a, struct orl_vec3 b)
     return 2 * asin(0.5 * orl_length(orl_sub(u, v))) / ORL_DEG_TO_RAD;
 }
 
-static void compare(enum scatterer which, const struct orl_bsdf *bsdf, int ring)
+static void compare_ring(enum scatterer which, const struct orl_bsdf *bsdf, int ring)
 {
     const struct orl_vec3 in = in_ring(ring, 0.5);
     const double theta = acos(in.z) / ORL_DEG_TO_RAD;
-    const struct seen truth = look(which, ring, NULL), got = look(which, ring, bsdf);
+    const struct seen truth = evaluate_ring(which, ring, NULL),
+                      got = evaluate_ring(which, ring, bsdf);
     struct orl_vec3 peaks[2];
     const int n_peaks = scatterer_peaks(which, in, peaks);
     const double off = got.total / scatterer_albedo(which, in) - 1;
@@ -211,7 +212,7 @@ static void measure_row(struct bench *bench, enum scatterer which)
 {
     static const double thetas[] = {8, 16, 24, 32, 40, 48, 56, 62, 68, 74, 79, 83};
     for (size_t i = 0; i < sizeof thetas / sizeof *thetas; i++)
-        measure(bench, which, thetas[i], 180);
+        measure_scan(bench, which, thetas[i], 180);
 }
 
 /* Returns the share of ideally diffuse light: rings have equal projected solid angle. */
@@ -254,7 +255,7 @@ static void check_scans(enum scatterer which, const struct orl_bsdf_fitted *fitt
     assert_true(told.error < 2 * rms + 0.003 && rms < 2 * told.error + 0.003);
 }
 
-static void check(enum scatterer which)
+static void check_fit(enum scatterer which)
 {
     static const int rings[] = {6, 12, 18, 20, 25, 29, 30};
     side = 64;
@@ -265,7 +266,7 @@ static void check(enum scatterer which)
     assert_int_equal(fitted.symmetry, ORL_BSDF_FIT_ISOTROPIC);
     check_scans(which, &fitted);
     for (size_t i = 0; i < sizeof rings / sizeof *rings; i++)
-        compare(which, bsdf, rings[i]);
+        compare_ring(which, bsdf, rings[i]);
     orl_bsdf_unref(bsdf);
     orl_bsdf_fitted_done(&fitted);
     clear(&bench);
@@ -276,31 +277,31 @@ static void check(enum scatterer which)
 static void lambert(void **state)
 {
     (void)state;
-    check(SCATTERER_LAMBERT);
+    check_fit(SCATTERER_LAMBERT);
 }
 
 static void ward(void **state)
 {
     (void)state;
-    check(SCATTERER_WARD);
+    check_fit(SCATTERER_WARD);
 }
 
 static void slab(void **state)
 {
     (void)state;
-    check(SCATTERER_SLAB);
+    check_fit(SCATTERER_SLAB);
 }
 
 static void peak(void **state)
 {
     (void)state;
-    check(SCATTERER_PEAK);
+    check_fit(SCATTERER_PEAK);
 }
 
 static void crossing(void **state)
 {
     (void)state;
-    check(SCATTERER_CROSSING);
+    check_fit(SCATTERER_CROSSING);
 }
 
 /* Uses one in four of a quadrant's incident cells, to 80 degrees. */
@@ -347,8 +348,8 @@ static void a_hidden_peak_is_told(void **state)
 {
     struct bench bench = {0};
     (void)state;
-    measure(&bench, SCATTERER_PEAK, 0, 180);
-    measure(&bench, SCATTERER_PEAK, 20, 180);
+    measure_scan(&bench, SCATTERER_PEAK, 0, 180);
+    measure_scan(&bench, SCATTERER_PEAK, 20, 180);
     struct orl_bsdf_fitted fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_3, 8, 1);
     assert_int_equal(fitted.n_scans, 2);
     assert_true(fitted.scans[0].hidden_deg > 3.9 && fitted.scans[0].hidden_deg < 4.2);

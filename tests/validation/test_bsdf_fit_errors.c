@@ -62,7 +62,7 @@ static struct orl_fit_shape shape_of(enum scatterer which, const struct scattere
     return shape;
 }
 
-static void count(struct tally *tally, double made, double stated)
+static void count_error(struct tally *tally, double made, double stated)
 {
     tally->count++;
     tally->made2 += made * made;
@@ -89,8 +89,8 @@ static void of_kind(enum scatterer which, double noise, unsigned rows, struct ta
         for (uint64_t seed = 1; seed <= extent(1, 4); seed++) {
             const struct scatterer_scan scan = {thetas[i], 180, rows, noise, true, 100 * i + seed};
             struct orl_fit_shape shape = shape_of(which, &scan);
-            count(&tally, shape.total - albedo, shape.total_error);
-            count(all, shape.total - albedo, shape.total_error);
+            count_error(&tally, shape.total - albedo, shape.total_error);
+            count_error(all, shape.total - albedo, shape.total_error);
             orl_fit_shape_done(&shape);
         }
     }

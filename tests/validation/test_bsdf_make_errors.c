@@ -56,7 +56,7 @@ struct tally {
     double squares; /* of differences in units of errors */
 };
 
-static void count(struct tally *tally, double off, double error)
+static void count_error(struct tally *tally, double off, double error)
 {
     const double z = fabs(off) / error;
     assert_true(error > 0);
@@ -92,7 +92,7 @@ struct made {
     struct orl_bsdf *bsdf, *errors; /* errors: for trees */
 };
 
-static struct made make(struct panel panel, uint64_t seed)
+static struct made make_bsdf(struct panel panel, uint64_t seed)
 {
     panel.seed = seed;
     panel.threads = 2;
@@ -144,7 +144,7 @@ static void compare_part(const struct made *m, const struct made *longer, int pa
         const double e0 = (double)m->made.errors[part / 2][part % 2][i];
         const double e1 = (double)longer->made.errors[part / 2][part % 2][i];
         if (is >= 0.01 * peak)
-            count(tally, value(m, part, i / n, i % n) - is, hypot(e0, e1));
+            count_error(tally, value(m, part, i / n, i % n) - is, hypot(e0, e1));
     }
 }
 
@@ -158,7 +158,7 @@ static void compare_shares(const struct orl_bsdf_made *made, const struct orl_bs
         const struct orl_bsdf_share *a = &made->directions[i / 4].shares[i / 2 % 2][i % 2];
         const struct orl_bsdf_share *b = &longer->directions[i / 4].shares[i / 2 % 2][i % 2];
         if (a->value > 0 || b->value > 0)
-            count(tally, a->value - b->value, hypot(hypot(a->error, b->error), least));
+            count_error(tally, a->value - b->value, hypot(hypot(a->error, b->error), least));
     }
 }
 
@@ -168,7 +168,7 @@ static double tally_up(struct panel panel, const struct made *longer, const char
     struct tally tally = {0}, shares = {0};
     double worst = 0;
     for (uint64_t seed = 1; seed <= extent(1, 2); seed++) {
-        struct made m = make(panel, seed);
+        struct made m = make_bsdf(panel, seed);
         assert_true(m.made.reached);
         worst = fmax(worst, m.made.worst);
         for (int part = 0; part < 4; part++)
@@ -199,7 +199,7 @@ static void of_matrices(void **state)
         struct panel panel = {
             .text = cases[i].text, .basis = ORL_BSDF_KLEMS_QUARTER, .cell = cases[i].cell};
         panel.paths = (uint32_t)extent(1 << 12, 1 << 14);
-        struct made longer = make(panel, 77);
+        struct made longer = make_bsdf(panel, 77);
         panel.paths = cases[i].paths;
         tally_up(panel, &longer, cases[i].name, cases[i].room);
         panel.paths = 128;
@@ -237,8 +237,8 @@ static void compare_tree(const struct made *m, const struct made *longer, size_t
             peak = pass == 0 ? fmax(peak, is) : peak;
             const double value = eval(m->bsdf, in, out);
             if (pass == 1 && value >= 0.01 * peak && value > 0)
-                count(tally, value - is,
-                      hypot(eval(m->errors, in, out), eval(longer->errors, in, out)));
+                count_error(tally, value - is,
+                            hypot(eval(m->errors, in, out), eval(longer->errors, in, out)));
         }
 }
 
@@ -274,14 +274,14 @@ static void of_trees(void **state)
         panel.paths = (uint32_t)extent(1 << 12, 1 << 14);
         if (i == 0 || trees[i].text != trees[i - 1].text) {
             done(&longer); /* an equal panel has an equal longer run */
-            longer = make(panel, 77);
+            longer = make_bsdf(panel, 77);
         }
         panel.cull = trees[i].cull;
         panel.accuracy = trees[i].accuracy;
         panel.paths_most = 1 << 15;
         panel.paths = panel.accuracy > 0 ? 2048 : (uint32_t)extent(2048, 4096);
         for (uint64_t seed = 1; seed <= extent(1, 2); seed++) {
-            struct made m = make(panel, seed);
+            struct made m = make_bsdf(panel, seed);
             assert_true(m.made.reached);
             assert_true(panel.accuracy == 0 || m.made.worst < 2 * panel.accuracy);
             assert_true((m.made.joined > 0.02) == (i > 2));

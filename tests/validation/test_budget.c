@@ -49,8 +49,8 @@ static struct orl_result run_as(const char *scene, const char *bsdf, uint64_t ca
                                          .threads = threads});
 }
 
-static struct orl_result run(const char *scene, const char *bsdf, uint64_t caustic,
-                             uint32_t threads)
+static struct orl_result run_job(const char *scene, const char *bsdf, uint64_t caustic,
+                                 uint32_t threads)
 {
     return run_as(scene, bsdf, caustic, threads, false);
 }
@@ -108,8 +108,8 @@ static void test_a_gleam_gets_few(void **state)
 static void test_a_spot_is_kept(void **state)
 {
     (void)state;
-    struct orl_result r = run(ROOM LENS, NULL, ORL_PHOTONS_BY_PLAN, 2);
-    struct orl_result more = run(ROOM LENS, NULL, GLOBAL, 2);
+    struct orl_result r = run_job(ROOM LENS, NULL, ORL_PHOTONS_BY_PLAN, 2);
+    struct orl_result more = run_job(ROOM LENS, NULL, GLOBAL, 2);
     assert_true(r.illuminance_lx[0] > 2 * r.illuminance_lx[1]);
     expect_foreseen(&r);
     expect_same_light(&r, &more, 0);
@@ -133,7 +133,7 @@ static void test_a_prism_is_bounded(void **state)
         "void spotlight lamp 0 0 7 1000 1000 1000 100 -1 0 -.5\n"
         "lamp ring bulb 0 0 8 2.4 2.1 1.8 -1 0 -.5 0 .03\n";
     (void)state;
-    struct orl_result r = run(scene, NULL, ORL_PHOTONS_BY_PLAN, 2);
+    struct orl_result r = run_job(scene, NULL, ORL_PHOTONS_BY_PLAN, 2);
     const struct orl_map_info *global = map_of(&r, "global"), *caustic = map_of(&r, "caustic");
     print_message("%llu caustic photons of %llu emissions; global %llu of %llu; %s\n",
                   (unsigned long long)caustic->stored, (unsigned long long)caustic->emitted,
@@ -150,8 +150,8 @@ static void test_scattering_panes_get_all(void **state)
     char xml[2048];
     (void)state;
     scene_uniform_bsdf(0.2, xml);
-    struct orl_result r = run(ROOM_SKY ROOM_SUN ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE, xml,
-                              ORL_PHOTONS_BY_PLAN, 2);
+    struct orl_result r = run_job(ROOM_SKY ROOM_SUN ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE, xml,
+                                  ORL_PHOTONS_BY_PLAN, 2);
     assert_int_equal(r.plan.photons_caustic, GLOBAL);
     expect_foreseen(&r);
     orl_result_done(&r);
@@ -195,8 +195,8 @@ static void test_askers_are_bounded(void **state)
 static void test_numbers(void **state)
 {
     (void)state;
-    struct orl_result asked = run(ROOM GLOSS, NULL, 5000, 1);
-    struct orl_result one = run(ROOM GLOSS, NULL, ORL_PHOTONS_BY_PLAN, 1);
+    struct orl_result asked = run_job(ROOM GLOSS, NULL, 5000, 1);
+    struct orl_result one = run_job(ROOM GLOSS, NULL, ORL_PHOTONS_BY_PLAN, 1);
     const struct orl_result *const three = &gleam_by_plan;
     assert_int_equal(asked.plan.photons_caustic, 5000);
     assert_false(asked.plan.foresight.made);
@@ -212,8 +212,8 @@ static void test_numbers(void **state)
 static int run_gleams(void **state)
 {
     (void)state;
-    gleam_by_plan = run(ROOM GLOSS, NULL, ORL_PHOTONS_BY_PLAN, 3);
-    gleam_of_many = run(ROOM GLOSS, NULL, extent(50000, 100000), 3);
+    gleam_by_plan = run_job(ROOM GLOSS, NULL, ORL_PHOTONS_BY_PLAN, 3);
+    gleam_of_many = run_job(ROOM GLOSS, NULL, extent(50000, 100000), 3);
     return 0;
 }
 

@@ -46,7 +46,7 @@ static size_t count_files(const char *folder)
 }
 
 /* Runs the room with maps and a view; the folder is the store. */
-static int run(enum orl_technique technique, const char *folder, struct trap *trap)
+static int run_room(enum orl_technique technique, const char *folder, struct trap *trap)
 {
     char xml[2048];
     struct orl_error err = {0};
@@ -89,19 +89,19 @@ static void check(void **state)
     int cancelled = 0;
     cli_make_folder(folder);
     atomic_init(&trap.cancel, false);
-    assert_int_equal(run(technique, folder, &trap), 0);
+    assert_int_equal(run_room(technique, folder, &trap), 0);
     const size_t whole = count_files(folder);
     cli_remove_folder(folder);
     for (int i = 0; i < POINTS; i++) {
         cli_make_folder(folder);
         trap = (struct trap){.at = (double)i * ORL_STAGE_COUNT / POINTS};
-        const int code = run(technique, folder, &trap);
+        const int code = run_room(technique, folder, &trap);
         assert_true(code == 0 || code == ORL_ERR_CANCELLED);
         cancelled += code < 0;
         assert_in_range(count_files(folder), code < 0 ? 0 : whole, whole);
         if (i == POINTS / 2) {
             trap = (struct trap){.at = INFINITY};
-            assert_int_equal(run(technique, folder, &trap), 0);
+            assert_int_equal(run_room(technique, folder, &trap), 0);
             assert_int_equal(count_files(folder), whole);
         }
         cli_remove_folder(folder);

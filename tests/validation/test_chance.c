@@ -37,7 +37,7 @@ static double sun_lx(void)
     return ORL_EFFICACY_LM_PER_W * 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
 }
 
-static struct orl_result run(const char *scene, enum orl_technique technique)
+static struct orl_result run_scene(const char *scene, enum orl_technique technique)
 {
     return scene_run(&(struct scene_run){.scene = scene,
                                          .sensors = &sensor,
@@ -65,8 +65,8 @@ static double said_lx(const char *warning)
  */
 static void check_missed(const char *scene, double missed)
 {
-    struct orl_result backward = run(scene, ORL_TECHNIQUE_BACKWARD),
-                      planned = run(scene, ORL_TECHNIQUE_AUTO);
+    struct orl_result backward = run_scene(scene, ORL_TECHNIQUE_BACKWARD),
+                      planned = run_scene(scene, ORL_TECHNIQUE_AUTO);
     const char *warning = warning_of(&backward);
     if (!warning || !(fabs(said_lx(warning) - missed) < 0.25 * missed))
         fail_msg("missed %g lx, but: %s", missed, warning ? warning : "nothing is said");

@@ -27,7 +27,8 @@ static void assert_factor(const struct orl_annual_result *year, size_t sensor, d
         fail_msg("%.5f is not %.5f", found, wanted);
 }
 
-static struct orl_annual_result run(const char *scene, const struct orl_sensor *sensors, size_t n)
+static struct orl_annual_result run_year(const char *scene, const struct orl_sensor *sensors,
+                                         size_t n)
 {
     return year_run(&(struct year_run){
         .scene = scene, .site = izmir, .sensors = sensors, .n_sensors = n, .samples = 2048});
@@ -42,7 +43,7 @@ static void test_open_sky(void **state)
 {
     static const struct orl_sensor sensors[] = {
         {{0, 0, 1}, {0, 0, 1}}, {{0, 0, 1}, {0, 1, 0}}, {{0, 0, 1}, {0, 0, -1}}};
-    struct orl_annual_result year = run(NOTHING_NEAR, sensors, 3);
+    struct orl_annual_result year = run_year(NOTHING_NEAR, sensors, 3);
     (void)state;
     assert_factor(&year, 0, 1);
     assert_factor(&year, 1, (ORL_PI / 2 + 4.0 / 3) * 3 / (7 * ORL_PI) + 0.1);
@@ -59,10 +60,10 @@ static void test_half_a_sky(void **state)
         "w polygon wall 0 0 12 -9204 -3911 -1 9206 3901 -1 9206 3901 1e4 -9204 -3911 1e4\n";
     static const struct orl_sensor sensor = {{0, 0, 0}, {0, 0, 1}};
     (void)state;
-    struct orl_annual_result year = run(east, &sensor, 1);
+    struct orl_annual_result year = run_year(east, &sensor, 1);
     assert_factor(&year, 0, 0.5);
     orl_annual_done(&year);
-    year = run(askew, &sensor, 1);
+    year = run_year(askew, &sensor, 1);
     assert_factor(&year, 0, 0.5);
     orl_annual_done(&year);
 }
@@ -75,7 +76,7 @@ static void test_round_opening(void **state)
     static const struct orl_sensor sensor = {{0, 0, 0}, {0, 0, 1}};
     const double s = sin(ORL_PI / 3);
     (void)state;
-    struct orl_annual_result year = run(plate, &sensor, 1);
+    struct orl_annual_result year = run_year(plate, &sensor, 1);
     assert_factor(&year, 0, 3.0 / 7 * (1 - s * s + 4.0 / 3 * (1 - s * s * s)));
     orl_annual_done(&year);
 }

@@ -69,7 +69,7 @@ static double truth(const struct orl_material *pane, const struct orl_sensor *se
  * through, for 15 to 50 %. Of 40 intervals 95 % cover, with a binomial scatter of 1.4: 32 is four
  * times that below.
  */
-static void check(enum orl_technique technique, const char *pane)
+static void check_pane(enum orl_technique technique, const char *pane)
 {
     char scene[4096], xml[2048];
     scene_uniform_bsdf(0.01, xml);
@@ -110,10 +110,10 @@ static void test_dim_panes(void **state)
 {
     (void)state;
     for (int p = 0; p < PANES; p++)
-        check(ORL_TECHNIQUE_GATHER, panes[p]);
-    check(ORL_TECHNIQUE_PRECOMPUTED, panes[0]);
-    check(ORL_TECHNIQUE_DIRECT, panes[0]);
-    check(ORL_TECHNIQUE_BACKWARD, panes[0]);
+        check_pane(ORL_TECHNIQUE_GATHER, panes[p]);
+    check_pane(ORL_TECHNIQUE_PRECOMPUTED, panes[0]);
+    check_pane(ORL_TECHNIQUE_DIRECT, panes[0]);
+    check_pane(ORL_TECHNIQUE_BACKWARD, panes[0]);
 }
 
 int main(void)

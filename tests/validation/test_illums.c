@@ -28,7 +28,7 @@
 
 static const double lumens = 179;
 
-static double run(const char *scene, enum orl_technique technique, double *ret_error)
+static double run_scene(const char *scene, enum orl_technique technique, double *ret_error)
 {
     static const struct orl_sensor sensor = {{1.5, 1, .8}, {0, 0, 1}};
     const bool has_maps = technique != ORL_TECHNIQUE_BACKWARD;
@@ -57,8 +57,8 @@ static void check_sun(const char *illum, double transmitted)
     double error[2];
     snprintf(with, sizeof with, "%s%s", illum, SKY SUN ROOM("0") WINDOW);
     snprintf(without, sizeof without, "%s%s", illum, SKY ROOM("0") WINDOW);
-    const double a = run(with, ORL_TECHNIQUE_BACKWARD, &error[0]);
-    const double b = run(without, ORL_TECHNIQUE_BACKWARD, &error[1]);
+    const double a = run_scene(with, ORL_TECHNIQUE_BACKWARD, &error[0]);
+    const double b = run_scene(without, ORL_TECHNIQUE_BACKWARD, &error[1]);
     const double tolerance = 4 * hypot(error[0], error[1]) + 1e-3 * sun;
     if (!(b > 1000 && fabs(a - b - transmitted * sun) < tolerance))
         fail_msg("%g lx with the sun, %g without: %g more, not %g", a, b, a - b, transmitted * sun);
@@ -79,9 +79,9 @@ static void test_by_glass(void **state)
 {
     double error[2];
     (void)state;
-    const double bare = run(SUN ROOM("0"), ORL_TECHNIQUE_BACKWARD, &error[0]);
-    const double paned =
-        run(SUN GLASS "void alias win pane\n" ROOM("0") WINDOW, ORL_TECHNIQUE_BACKWARD, &error[1]);
+    const double bare = run_scene(SUN ROOM("0"), ORL_TECHNIQUE_BACKWARD, &error[0]);
+    const double paned = run_scene(SUN GLASS "void alias win pane\n" ROOM("0") WINDOW,
+                                   ORL_TECHNIQUE_BACKWARD, &error[1]);
     assert_true(paned > 0 && paned < .9 * bare);
     check_sun(GLASS "void illum win 1 pane 0 3 60 50 40\n", paned / bare);
 }
@@ -93,10 +93,10 @@ static void test_techniques(void **state)
         SKY SUN GLASS "void illum win 1 pane 0 3 60 50 40\n" ROOM(".6") WINDOW;
     static const enum orl_technique techniques[] = {ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_DIRECT};
     double error[2];
-    const double paths = run(scene, ORL_TECHNIQUE_BACKWARD, &error[0]);
+    const double paths = run_scene(scene, ORL_TECHNIQUE_BACKWARD, &error[0]);
     (void)state;
     for (size_t i = 0; i < sizeof techniques / sizeof *techniques; i++) {
-        const double maps = run(scene, techniques[i], &error[1]);
+        const double maps = run_scene(scene, techniques[i], &error[1]);
         if (!(fabs(maps - paths) < 4 * hypot(error[0], error[1]) && error[1] < .03 * paths))
             fail_msg("technique %zu: %g +- %g lx, not %g", i, maps, error[1], paths);
     }
@@ -115,8 +115,8 @@ static void test_surfaces_behind(void **state)
     double error[2];
     (void)state;
     for (size_t i = 0; i < sizeof techniques / sizeof *techniques; i++) {
-        const double expected = run(alone, techniques[i], &error[0]);
-        const double lx = run(before_wall, techniques[i], &error[1]);
+        const double expected = run_scene(alone, techniques[i], &error[0]);
+        const double lx = run_scene(before_wall, techniques[i], &error[1]);
         print_message("technique %zu: %g +- %g lx, alone %g\n", i, lx, error[1], expected);
         assert_true(fabs(lx - expected) < 4 * hypot(error[0], error[1]));
         assert_true(error[1] < .03 * lx);
@@ -134,10 +134,10 @@ static void test_from_behind(void **state)
     static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER,
                                                     ORL_TECHNIQUE_DIRECT};
     double error[2];
-    const double paths = run(open, ORL_TECHNIQUE_BACKWARD, &error[0]);
+    const double paths = run_scene(open, ORL_TECHNIQUE_BACKWARD, &error[0]);
     (void)state;
     for (size_t i = 0; i < sizeof techniques / sizeof *techniques; i++) {
-        const double lx = run(shut, techniques[i], &error[1]);
+        const double lx = run_scene(shut, techniques[i], &error[1]);
         if (!(fabs(lx - paths) < 4 * hypot(error[0], error[1]) && error[1] < .03 * paths))
             fail_msg("technique %zu: %g +- %g lx, not %g", i, lx, error[1], paths);
     }

@@ -30,7 +30,7 @@ static const char ground[] = "void plastic dark 0 0 5 .05 .1 .02 0 0\n"
                              "void glow sky_glow 0 0 4 10 10 10 0\n"
                              "sky_glow source sky 0 0 4 0 0 1 180\n";
 
-static void check(enum orl_technique technique)
+static void check_view(enum orl_technique technique)
 {
     const struct scene_run run = {.scene = ground,
                                   .view = "-vtv -vp 0 0 10 -vd 0 0 -1 -vu 0 1 0 -vh 60 -vv 60",
@@ -58,13 +58,13 @@ static void check(enum orl_technique technique)
 static void test_backward(void **state)
 {
     (void)state;
-    check(ORL_TECHNIQUE_BACKWARD);
+    check_view(ORL_TECHNIQUE_BACKWARD);
 }
 
 static void test_gather(void **state)
 {
     (void)state;
-    check(ORL_TECHNIQUE_GATHER);
+    check_view(ORL_TECHNIQUE_GATHER);
 }
 
 /* A view up shows only the sky, which receives nothing. */

@@ -42,7 +42,8 @@ static double of_lamp(struct orl_vec3 point, struct orl_vec3 normal)
     return ORL_PI * 1e4 * 0.01 / d2 * fmax(orl_dot(way, normal), 0) / sqrt(d2);
 }
 
-static void run(void **state, const char *scene, double ret_lx[SENSORS], double ret_se[SENSORS])
+static void run_scene(void **state, const char *scene, double ret_lx[SENSORS],
+                      double ret_se[SENSORS])
 {
     char pane[2048];
     scene_uniform_bsdf(0.2, pane);
@@ -68,7 +69,7 @@ static void check_glass(void **state, const char *scene)
 {
     struct orl_description d = scene_parse_text(scene, NULL, NULL);
     double lx[SENSORS], se[SENSORS];
-    run(state, scene, lx, se);
+    run_scene(state, scene, lx, se);
     for (int i = 0; i < SENSORS; i++) {
         const struct orl_hit anywhere = {.normal = {0, -1, 0}, .front = true};
         const struct orl_vec3 way = orl_normalize(orl_sub(lamp, sensors[i].position));
@@ -113,7 +114,7 @@ static double by_pane(const struct orl_sensor *sensor)
 static void test_bsdf(void **state)
 {
     double lx[SENSORS], se[SENSORS];
-    run(state, "void BSDF g 6 0 pane.xml 0 0 1 . 0 0\n" PANE("g") ROOM LAMP, lx, se);
+    run_scene(state, "void BSDF g 6 0 pane.xml 0 0 1 . 0 0\n" PANE("g") ROOM LAMP, lx, se);
     for (int i = 0; i < SENSORS; i++) {
         const double expected = by_pane(&sensors[i]);
         print_message("%.4f of %.1f lx\n", lx[i] / expected, expected);

@@ -52,7 +52,7 @@ struct outcome {
     struct orl_health health;
 };
 
-static void run(struct scene_run job, struct outcome *o)
+static void run_job(struct scene_run job, struct outcome *o)
 {
     char folder[64], path[128];
     double squares;
@@ -120,12 +120,12 @@ static void test_skylight_and_sky(void **state)
     const double tau = .9 * .95 * .5, flux = tau * ORL_PI * 2;
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene = scene,
-                           .sensors = under,
-                           .n_sensors = UNDER,
-                           .samples = 32768,
-                           .view = "-vtv -vp 2 2.5 1 -vd 0 0 1 -vu 0 1 0 -vh 10 -vv 10"},
-        &o);
+    run_job((struct scene_run){.scene = scene,
+                               .sensors = under,
+                               .n_sensors = UNDER,
+                               .samples = 32768,
+                               .view = "-vtv -vp 2 2.5 1 -vd 0 0 1 -vu 0 1 0 -vh 10 -vv 10"},
+            &o);
     for (int i = 0; i < UNDER; i++)
         assert_within("sensor", o.w[i], tau * form(&under[i]), 0.01 * tau * form(&under[i]));
     assert_within("flux", o.global_w, flux, 3 * o.global_sigma + 0.001 * flux);
@@ -142,12 +142,12 @@ static void test_skylight_and_sun(void **state)
     struct outcome o;
     double is = 0, should = 0;
     (void)state;
-    run((struct scene_run){.scene =
-                               SUN(0, -.6, .8) "void trans p 0 0 7 .9 .9 .9 0 0 .5 0\n" SKYLIGHT,
-                           .sensors = under,
-                           .n_sensors = UNDER,
-                           .caustic = 200000},
-        &o);
+    run_job((struct scene_run){.scene = SUN(0, -.6,
+                                            .8) "void trans p 0 0 7 .9 .9 .9 0 0 .5 0\n" SKYLIGHT,
+                               .sensors = under,
+                               .n_sensors = UNDER,
+                               .caustic = 200000},
+            &o);
     assert_within("flux", o.caustic_w, flux, 3 * o.caustic_sigma + 0.002 * flux);
     /* Density of some 300 photons, 6 % each; 3 sigma of the mean of five are 8 %. */
     for (int i = 0; i < UNDER; i++) {
@@ -167,12 +167,12 @@ static void test_skylight_patch(void **state)
     const double expected = .9 * .5 * sun_normal_w() * .8;
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene =
-                               SUN(0, -.6, .8) "void trans p 0 0 7 .9 .9 .9 0 0 .5 1\n" SKYLIGHT,
-                           .sensors = sensors,
-                           .n_sensors = 2,
-                           .caustic = 20000},
-        &o);
+    run_job((struct scene_run){.scene = SUN(0, -.6,
+                                            .8) "void trans p 0 0 7 .9 .9 .9 0 0 .5 1\n" SKYLIGHT,
+                               .sensors = sensors,
+                               .n_sensors = 2,
+                               .caustic = 20000},
+            &o);
     assert_within("in the patch", o.w[0], expected, 0.01 * expected);
     assert_within("beside it", o.w[1], 0, 0.005 * expected);
     assert_within("no caustics", o.caustic_w, 0, 0.005 * expected);
@@ -188,14 +188,14 @@ static void test_lampshade(void **state)
     const double flux = 1000 * ORL_PI * 4 * ORL_PI * .02 * .02, expected = flux * 1.45 / .55;
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene = DARK WALLS SOUTH CEILING
-                           "void light lamp 0 0 3 1000 1000 1000\n"
-                           "lamp sphere bulb 0 0 4 2 2.5 1.5 .02\n"
-                           "void trans shade 0 0 7 .9 .9 .9 0 0 .5 0\n"
-                           "!genbox shade s .6 .6 .6 | xform -t 1.7 2.2 1.2\n",
-                           .sensors = under,
-                           .n_sensors = 1},
-        &o);
+    run_job((struct scene_run){.scene = DARK WALLS SOUTH CEILING
+                               "void light lamp 0 0 3 1000 1000 1000\n"
+                               "lamp sphere bulb 0 0 4 2 2.5 1.5 .02\n"
+                               "void trans shade 0 0 7 .9 .9 .9 0 0 .5 0\n"
+                               "!genbox shade s .6 .6 .6 | xform -t 1.7 2.2 1.2\n",
+                               .sensors = under,
+                               .n_sensors = 1},
+            &o);
     assert_within("flux", o.global_w, expected, 3 * o.global_sigma + 0.01 * expected);
 }
 
@@ -253,11 +253,11 @@ static void test_block_and_sky(void **state)
     for (int k = 0; k < 2; k++) {
         const double t = k ? .1 : 1, flux = slab_of_even_light(t) * ORL_PI * 3;
         struct outcome o;
-        run((struct scene_run){.scene = blocks[k],
-                               .sensors = sensors,
-                               .n_sensors = 2,
-                               .view = "-vtv -vp 2 2 1.25 -vd 0 -1 0 -vu 0 0 1 -vh 5 -vv 5"},
-            &o);
+        run_job((struct scene_run){.scene = blocks[k],
+                                   .sensors = sensors,
+                                   .n_sensors = 2,
+                                   .view = "-vtv -vp 2 2 1.25 -vd 0 -1 0 -vu 0 0 1 -vh 5 -vv 5"},
+                &o);
         assert_within("flux", o.global_w, flux, 3 * o.global_sigma + 0.003 * flux);
         for (int i = 0; i < 2; i++) {
             const double expected = form_of_block(sensors[i].position, t);
@@ -278,11 +278,11 @@ static void test_block_and_sun(void **state)
     const double c = sqrt(.5), arrives = slab(c, 1) * sun_normal_w() * c;
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene = SUN(0, -1, 1) "void dielectric p 0 0 5 1 1 1 1.5 0\n" BLOCK,
-                           .sensors = sensors,
-                           .n_sensors = 4,
-                           .caustic = 100000},
-        &o);
+    run_job((struct scene_run){.scene = SUN(0, -1, 1) "void dielectric p 0 0 5 1 1 1 1.5 0\n" BLOCK,
+                               .sensors = sensors,
+                               .n_sensors = 4,
+                               .caustic = 100000},
+            &o);
     assert_within("flux", o.caustic_w, arrives * 3, 3 * o.caustic_sigma + 0.003 * arrives * 3);
     assert_within("in the patch", o.w[0], arrives, 0.2 * arrives);
     assert_within("in the patch", o.w[1], arrives, 0.2 * arrives);
@@ -303,15 +303,15 @@ static void test_trapped_light(void **state)
     const double free = 3 * (1 - sqrt(1 - 1 / 2.25));
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene = DARK WALLS SOUTH CEILING
-                           "void light lamp 0 0 3 1000 1000 1000\n"
-                           "lamp sphere bulb 0 0 4 2 2.5 1.5 .02\n"
-                           "void dielectric cube 0 0 5 1 1 1 1.5 0\n"
-                           "!genbox cube c 1 1 1 | xform -t 1.4 1.9 .9\n",
-                           .sensors = &sensor,
-                           .n_sensors = 1,
-                           .global = 5000},
-        &o);
+    run_job((struct scene_run){.scene = DARK WALLS SOUTH CEILING
+                               "void light lamp 0 0 3 1000 1000 1000\n"
+                               "lamp sphere bulb 0 0 4 2 2.5 1.5 .02\n"
+                               "void dielectric cube 0 0 5 1 1 1 1.5 0\n"
+                               "!genbox cube c 1 1 1 | xform -t 1.4 1.9 .9\n",
+                               .sensors = &sensor,
+                               .n_sensors = 1,
+                               .global = 5000},
+            &o);
     assert_within("flux", o.global_w, free * flux, 3 * o.global_sigma + 0.01 * flux);
     assert_within("all of it", o.health.flux_w, flux, 0.01 * flux);
     assert_true(o.health.photons_capped > 0 && o.health.flux_capped_w > 0.05 * flux);
@@ -330,14 +330,14 @@ static void test_mirror_patch(void **state)
     struct outcome o;
     double mean = 0;
     (void)state;
-    run((struct scene_run){.scene = SUN(.6, 0, .8) DARK
-                           "void mirror m 0 0 3 .9 .9 .9\n"
-                           "m polygon floor 0 0 12 -.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5 0\n"
-                           "w polygon up 0 0 12 -2.5 -1 2 -2.5 1 2 -.5 1 2 -.5 -1 2\n",
-                           .sensors = sensors,
-                           .n_sensors = 6,
-                           .caustic = 100000},
-        &o);
+    run_job((struct scene_run){.scene = SUN(.6, 0, .8) DARK
+                               "void mirror m 0 0 3 .9 .9 .9\n"
+                               "m polygon floor 0 0 12 -.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5 0\n"
+                               "w polygon up 0 0 12 -2.5 -1 2 -2.5 1 2 -.5 1 2 -.5 -1 2\n",
+                               .sensors = sensors,
+                               .n_sensors = 6,
+                               .caustic = 100000},
+            &o);
     assert_within("flux", o.caustic_w, expected, 3 * o.caustic_sigma + 0.01 * expected);
     for (int i = 0; i < 6; i++)
         assert_within("sensor", o.w[i], i < 3 ? expected : 0, 0.2 * expected);
@@ -369,7 +369,7 @@ static void test_spotlight(void **state)
         const double focus = k ? 1 : 1e-6;
         double flux = 0;
         struct outcome o;
-        run((struct scene_run){.scene = lamps[k], .sensors = sensors, .n_sensors = 3}, &o);
+        run_job((struct scene_run){.scene = lamps[k], .sensors = sensors, .n_sensors = 3}, &o);
         for (int i = 0; i < 3; i++) {
             const double d = hypot(off[i], height), c = height / d;
             const double expected = 1e4 * area * c * c / pow(d + focus, 2);
@@ -392,13 +392,13 @@ static void test_spotlight_seen(void **state)
                                 "w polygon floor 0 0 12 -9 -9 -1 9 -9 -1 9 9 -1 -9 9 -1\n";
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene = scene,
-                           .view = "-vtv -vp 0 0 0 -vd 0 0 1 -vu 0 1 0 -vh 5 -vv 5"},
-        &o);
+    run_job((struct scene_run){.scene = scene,
+                               .view = "-vtv -vp 0 0 0 -vd 0 0 1 -vu 0 1 0 -vh 5 -vv 5"},
+            &o);
     assert_within("from below", o.pixels[0][0], 7, 0.03);
-    run((struct scene_run){.scene = scene,
-                           .view = "-vtv -vp 3 0 0 -vd -3 0 2 -vu 0 1 0 -vh 5 -vv 5"},
-        &o);
+    run_job((struct scene_run){.scene = scene,
+                               .view = "-vtv -vp 3 0 0 -vd -3 0 2 -vu 0 1 0 -vh 5 -vv 5"},
+            &o);
     assert_within("from the side", o.pixels[0][0], 0, 0);
 }
 
@@ -414,7 +414,7 @@ static void test_illum_is_light(void **state)
     struct outcome o[3];
     (void)state;
     for (int k = 0; k < 3; k++)
-        run((struct scene_run){.scene = lamps[k], .sensors = under, .n_sensors = UNDER}, &o[k]);
+        run_job((struct scene_run){.scene = lamps[k], .sensors = under, .n_sensors = UNDER}, &o[k]);
     for (int k = 1; k < 3; k++) {
         assert_true(o[k].global_w == o[0].global_w);
         for (int i = 0; i < UNDER; i++)
@@ -444,7 +444,7 @@ static void test_illum_seen(void **state)
                  "lamp polygon p 0 0 12 -1 1 -1 1 1 -1 1 1 1 -1 1 1\n"
                  "back polygon q 0 0 12 -9 2 -9 9 2 -9 9 2 9 -9 2 9\n",
                  cases[k].lamp);
-        run((struct scene_run){.scene = scene, .view = "-vtv -vp 0 0 0 -vh 5 -vv 5"}, &o);
+        run_job((struct scene_run){.scene = scene, .view = "-vtv -vp 0 0 0 -vh 5 -vv 5"}, &o);
         for (int i = 0; i < SIDE * SIDE; i++)
             assert_within("pixel", o.pixels[i][2], cases[k].seen, 0.005 * cases[k].seen);
     }
@@ -463,12 +463,12 @@ static void test_glow_radius(void **state)
                  DARK WALLS SOUTH CEILING "void glow lamp 0 0 4 100 100 100 %g\n"
                                           "lamp ring disc 0 0 8 2 2.5 2.9 0 0 -1 0 .5\n",
                  radius[k]);
-        run((struct scene_run){.scene = scene,
-                               .sensors = under,
-                               .n_sensors = 1,
-                               .samples = 32768,
-                               .view = "-vtv -vp 2 2.5 1 -vd 0 0 1 -vu 0 1 0 -vh 5 -vv 5"},
-            &o);
+        run_job((struct scene_run){.scene = scene,
+                                   .sensors = under,
+                                   .n_sensors = 1,
+                                   .samples = 32768,
+                                   .view = "-vtv -vp 2 2.5 1 -vd 0 0 1 -vu 0 1 0 -vh 5 -vv 5"},
+                &o);
         const double expected = k < 2 ? 100 * ORL_PI * .25 / (2.9 * 2.9 + .25) : 0;
         assert_within("sensor", o.w[0], expected, 0.03 * expected);
         assert_within("pixel", o.pixels[9][0], 100, 0.5);
@@ -495,11 +495,11 @@ static void test_small_glow(void **state)
                  "rough polygon p 0 0 12 0 1 .01 4 1 .01 4 2.4 .01 0 2.4 .01\n"
                  "%slamp sphere ball 0 0 4 2.5 2.5 2 .02\n",
                  lamps[k]);
-        run((struct scene_run){.scene = scene,
-                               .sensors = under,
-                               .n_sensors = 1,
-                               .view = "-vtv -vp 2 .5 1 -vd 0 1 -.6 -vh 5 -vv 5"},
-            &o[k]);
+        run_job((struct scene_run){.scene = scene,
+                                   .sensors = under,
+                                   .n_sensors = 1,
+                                   .view = "-vtv -vp 2 .5 1 -vd 0 1 -.6 -vh 5 -vv 5"},
+                &o[k]);
         assert_within("sensor", o[k].w[0], expected, 1e-3 * expected);
     }
     for (int i = 0; i < SIDE * SIDE; i++)
@@ -518,7 +518,7 @@ static void test_lamp_outside(void **state)
     static const double distances[2] = {4, 1.5};
     struct outcome o;
     (void)state;
-    run(
+    run_job(
         (struct scene_run){
             .scene = DARK WALLS CEILING
             "void glass p 0 0 4 1 1 1 1\np polygon pane 0 0 12 0 0 0 0 0 3 4 0 3 4 0 0\n"

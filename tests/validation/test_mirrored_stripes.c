@@ -55,7 +55,7 @@ static void write_scene(bool metal, size_t size, char *text)
  * 114 should hold now; sensors of one run share photons, so that the scatter is that of some 30
  * (3.6 each): two deviations are 9.
  */
-static void check(bool metal, double tolerance)
+static void check_stripes(bool metal, double tolerance)
 {
     const double half = 0.5 * 0.533 * ORL_DEG_TO_RAD;
     const double sun = ORL_EFFICACY_LM_PER_W * 0.8 * 1e7 * ORL_PI * sin(half) * sin(half);
@@ -93,13 +93,13 @@ static void check(bool metal, double tolerance)
 static void test_images_alone(void **state)
 {
     (void)state;
-    check(false, 0.002);
+    check_stripes(false, 0.002);
 }
 
 static void test_images_and_density(void **state)
 {
     (void)state;
-    check(true, 0.013);
+    check_stripes(true, 0.013);
 }
 
 int main(void)

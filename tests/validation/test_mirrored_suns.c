@@ -71,7 +71,7 @@ static double transmittance_of_pane(void)
     return 0;
 }
 
-static void check(const char *scene, double pane, enum orl_technique technique, int n)
+static void check_shaft(const char *scene, double pane, enum orl_technique technique, int n)
 {
     struct orl_result r = scene_run(&(struct scene_run){.scene = scene,
                                                         .sensors = sensors,
@@ -94,16 +94,16 @@ static void check(const char *scene, double pane, enum orl_technique technique, 
 static void down_an_open_shaft(void **state)
 {
     (void)state;
-    check(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_GATHER, IN_AIR);
+    check_shaft(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check_shaft(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_GATHER, IN_AIR);
 }
 
 static void down_a_glazed_shaft(void **state)
 {
     const double pane = transmittance_of_pane();
     (void)state;
-    check(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_GATHER, IN_AIR);
+    check_shaft(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check_shaft(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_GATHER, IN_AIR);
 }
 
 /*

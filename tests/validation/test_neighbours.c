@@ -71,8 +71,8 @@ static double before_the_facade(void)
     return ORL_EFFICACY_LM_PER_W * sum;
 }
 
-static struct orl_result run(const char *scene, const struct orl_sensor *sensor,
-                             enum orl_technique technique)
+static struct orl_result run_scene(const char *scene, const struct orl_sensor *sensor,
+                                   enum orl_technique technique)
 {
     return scene_run(&(struct scene_run){.scene = scene,
                                          .sensors = sensor,
@@ -90,7 +90,7 @@ static void sees_the_wall_behind(void **state)
     const double expected = before_the_facade();
     (void)state;
     for (int i = 0; i < 2; i++) {
-        struct orl_result r = run(SKY FACADE ABOVE, &sensor, techniques[i]);
+        struct orl_result r = run_scene(SKY FACADE ABOVE, &sensor, techniques[i]);
         const double lx = r.illuminance_lx[0], error = r.standard_error_lx[0];
         if (!(error < 0.01 * expected) || !(fabs(lx - expected) < 4 * error + 1e-3 * expected))
             fail_msg("technique %d: %g +- %g lx, not %g", i, lx, error, expected);
@@ -105,8 +105,8 @@ static void a_slit_changes_nothing(void **state)
     static const enum orl_technique techniques[2] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
     (void)state;
     for (int i = 0; i < 2; i++) {
-        struct orl_result sealed = run(SKY FACADE ABOVE ROOM, &sensor, techniques[i]);
-        struct orl_result open = run(SKY FACADE ROOM, &sensor, techniques[i]);
+        struct orl_result sealed = run_scene(SKY FACADE ABOVE ROOM, &sensor, techniques[i]);
+        struct orl_result open = run_scene(SKY FACADE ROOM, &sensor, techniques[i]);
         const double a = sealed.illuminance_lx[0], b = open.illuminance_lx[0];
         const double error = hypot(sealed.standard_error_lx[0], open.standard_error_lx[0]);
         if (!(error < 0.01 * a) || !(fabs(a - b) < 4 * error + 1e-3 * a))
@@ -153,7 +153,7 @@ static void lamps_shine_through_panes(void **state)
 {
     static const struct orl_sensor sensor = {{0, -0.7, 1}, {0, 1, 0}};
     const double expected = through_two_panes();
-    struct orl_result r = run(SUN DIM_WALL, &sensor, ORL_TECHNIQUE_BACKWARD);
+    struct orl_result r = run_scene(SUN DIM_WALL, &sensor, ORL_TECHNIQUE_BACKWARD);
     const double lx = r.illuminance_lx[0], error = r.standard_error_lx[0];
     (void)state;
     if (!(error < 0.01 * expected) || !(fabs(lx - expected) < 4 * error + 3e-3 * expected))

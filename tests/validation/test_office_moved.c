@@ -107,7 +107,7 @@ struct difference {
     double mean, rms, worst;
 };
 
-static struct difference compare(const double lx[SENSORS], const double reference[SENSORS])
+static struct difference compare_office(const double lx[SENSORS], const double reference[SENSORS])
 {
     struct difference d = {0, 0, 0};
     for (int i = 0; i < SENSORS; i++) {
@@ -140,7 +140,7 @@ static void test_shifted(void **state)
     struct references set = {.name = "the office moved", .tolerance = 1e-4};
     double lx[SENSORS];
     run_moved(&move, 1, lx);
-    const struct difference d = compare(lx, base[0]);
+    const struct difference d = compare_office(lx, base[0]);
     reference_row(&set, "100 km away: mean", 1, 1 + d.mean);
     reference_row(&set, "100 km away: the most changed of 57", 1, 1 + d.worst);
     references_end(&set);
@@ -157,7 +157,7 @@ static void test_scaled_by_thousand(void **state)
     char what[64];
     for (int i = 0; i < 2; i++) {
         run_moved(&moves[i], 1, lx);
-        const struct difference d = compare(lx, base[0]);
+        const struct difference d = compare_office(lx, base[0]);
         snprintf(what, sizeof what, "%s: mean", moves[i].name);
         reference_row(&set, what, 1, 1 + d.mean);
         snprintf(what, sizeof what, "%s: rms of 57", moves[i].name);
@@ -175,8 +175,8 @@ static void test_turned(void **state)
     for (int s = 0; s < SEEDS; s++) {
         double lx[SENSORS];
         run_moved(&move, (uint64_t)s + 1, lx);
-        const struct difference d = compare(lx, base[s]);
-        const struct difference between = compare(base[s], base[(s + 1) % SEEDS]);
+        const struct difference d = compare_office(lx, base[s]);
+        const struct difference between = compare_office(base[s], base[(s + 1) % SEEDS]);
         means[s] = d.mean;
         mean += d.mean / SEEDS;
         rms += d.rms * d.rms / SEEDS;

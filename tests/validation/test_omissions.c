@@ -30,7 +30,7 @@ struct run {
     const char *folder;
 };
 
-static struct orl_result run(const struct run *r)
+static struct orl_result run_job(const struct run *r)
 {
     enum orl_wish wishes[ORL_EFFECT_COUNT] = {ORL_WISH_AUTO};
     wishes[r->effect] = r->wish;
@@ -55,9 +55,9 @@ static void test_clear_windows(void **state)
         struct run r = {.text = ROOM_SKY ROOM_SUN ROOM,
                         .technique = techniques[i],
                         .effect = ORL_EFFECT_EXTERIOR};
-        struct orl_result planned = run(&r);
+        struct orl_result planned = run_job(&r);
         r.wish = ORL_WISH_FORCE;
-        struct orl_result forced = run(&r);
+        struct orl_result forced = run_job(&r);
         assert_false(planned.plan.effects[ORL_EFFECT_EXTERIOR].simulated);
         assert_memory_equal(planned.illuminance_lx, forced.illuminance_lx,
                             ROOM_SENSORS * sizeof *forced.illuminance_lx);
@@ -86,10 +86,10 @@ static void test_small_mirror(void **state)
     double squares;
     (void)state;
     cli_make_folder(folder);
-    struct orl_result result = run(&(struct run){.text = ROOM_SKY ROOM_SUN ROOM COIN,
-                                                 .technique = ORL_TECHNIQUE_GATHER,
-                                                 .caustic = 50000,
-                                                 .folder = folder});
+    struct orl_result result = run_job(&(struct run){.text = ROOM_SKY ROOM_SUN ROOM COIN,
+                                                     .technique = ORL_TECHNIQUE_GATHER,
+                                                     .caustic = 50000,
+                                                     .folder = folder});
     const double flux = scene_map_flux(&result, folder, "caustic", &squares);
     assert_true(result.plan.effects[ORL_EFFECT_CAUSTICS_MIRROR].simulated);
     assert_int_equal(result.maps[1].stored >= 50000, 1);
@@ -117,12 +117,13 @@ static void test_kinds_of_caustics(void **state)
     for (int i = 0; i < 3; i++) {
         char folder[64];
         cli_make_folder(folder);
-        struct orl_result result = run(&(struct run){.text = both,
-                                                     .technique = ORL_TECHNIQUE_GATHER,
-                                                     .caustic = 50000,
-                                                     .effect = skipped[i % 2],
-                                                     .wish = i < 2 ? ORL_WISH_SKIP : ORL_WISH_AUTO,
-                                                     .folder = folder});
+        struct orl_result result =
+            run_job(&(struct run){.text = both,
+                                  .technique = ORL_TECHNIQUE_GATHER,
+                                  .caustic = 50000,
+                                  .effect = skipped[i % 2],
+                                  .wish = i < 2 ? ORL_WISH_SKIP : ORL_WISH_AUTO,
+                                  .folder = folder});
         flux[i] = scene_map_flux(&result, folder, "caustic", &squares);
         orl_result_done(&result);
         cli_remove_folder(folder);
@@ -156,10 +157,10 @@ static void test_skips(void **state)
                         .effect = cases[k].effect,
                         .wish = ORL_WISH_SKIP};
         const char *name = orl_effect_name(cases[k].effect);
-        struct orl_result skipped = run(&r);
+        struct orl_result skipped = run_job(&r);
         bool told = false;
         r.wish = ORL_WISH_FORCE;
-        struct orl_result forced = run(&r);
+        struct orl_result forced = run_job(&r);
         const double bound = skipped.plan.effects[cases[k].effect].bound;
         for (size_t i = 0; i < skipped.n_warnings; i++)
             told = told ||
@@ -187,10 +188,11 @@ static void test_gloss_keeps_energy(void **state)
     double mean[2] = {0, 0};
     (void)state;
     for (int i = 0; i < 2; i++) {
-        struct orl_result result = run(&(struct run){.text = glossy,
-                                                     .technique = ORL_TECHNIQUE_BACKWARD,
-                                                     .effect = ORL_EFFECT_GLOSSY,
-                                                     .wish = i ? ORL_WISH_FORCE : ORL_WISH_SKIP});
+        struct orl_result result =
+            run_job(&(struct run){.text = glossy,
+                                  .technique = ORL_TECHNIQUE_BACKWARD,
+                                  .effect = ORL_EFFECT_GLOSSY,
+                                  .wish = i ? ORL_WISH_FORCE : ORL_WISH_SKIP});
         for (int k = 0; k < ROOM_SENSORS; k++)
             mean[i] += result.illuminance_lx[k] / ROOM_SENSORS;
         orl_result_done(&result);
@@ -208,10 +210,10 @@ static void test_bleached(void **state)
     struct orl_result result[2];
     (void)state;
     for (int i = 0; i < 2; i++)
-        result[i] = run(&(struct run){.text = red,
-                                      .technique = ORL_TECHNIQUE_BACKWARD,
-                                      .effect = ORL_EFFECT_COLOR,
-                                      .wish = i ? ORL_WISH_FORCE : ORL_WISH_SKIP});
+        result[i] = run_job(&(struct run){.text = red,
+                                          .technique = ORL_TECHNIQUE_BACKWARD,
+                                          .effect = ORL_EFFECT_COLOR,
+                                          .wish = i ? ORL_WISH_FORCE : ORL_WISH_SKIP});
     for (int k = 0; k < ROOM_SENSORS; k++) {
         const double off = fabs(result[0].illuminance_lx[k] - result[1].illuminance_lx[k]);
         assert_true(off <=
@@ -233,12 +235,12 @@ static void test_keys(void **state)
                     .technique = ORL_TECHNIQUE_GATHER,
                     .effect = ORL_EFFECT_GLOSSY,
                     .folder = folder};
-    struct orl_result first = run(&r);
+    struct orl_result first = run_job(&r);
     r.wish = ORL_WISH_FORCE; /* an effect that the scene lacks */
-    struct orl_result second = run(&r);
+    struct orl_result second = run_job(&r);
     r.effect = ORL_EFFECT_SUN;
     r.wish = ORL_WISH_SKIP;
-    struct orl_result third = run(&r);
+    struct orl_result third = run_job(&r);
     assert_true(!first.maps[0].cached && second.maps[0].cached && !third.maps[0].cached);
     assert_string_equal(first.maps[0].key, second.maps[0].key);
     assert_string_not_equal(first.maps[0].key, third.maps[0].key);

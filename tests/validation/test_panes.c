@@ -75,7 +75,7 @@ struct outcome {
     double lx[SENSORS + IN_AIR], global_w, global_sigma, caustic_w, caustic_sigma;
 };
 
-static struct outcome run(const char *scene, uint64_t caustic)
+static struct outcome run_pane(const char *scene, uint64_t caustic)
 {
     char xml[2048], folder[64];
     struct outcome o;
@@ -112,7 +112,7 @@ static struct outcome run(const char *scene, uint64_t caustic)
 static void test_even_sky(void **state)
 {
     const double tau = ORL_PI * f_per_sr;
-    const struct outcome o = run(SKY ROOM, 0);
+    const struct outcome o = run_pane(SKY ROOM, 0);
     (void)state;
     for (int i = 0; i < SENSORS + IN_AIR; i++)
         assert_within(o.lx[i], ORL_EFFICACY_LM_PER_W * tau * form(&sensors[i]), 0.01);
@@ -129,7 +129,7 @@ static void test_even_sky(void **state)
 static void test_sun(void **state)
 {
     const double tau = ORL_PI * f_per_sr, arrives = sun_normal_w() * sqrt(0.5);
-    const struct outcome o = run(SUN ROOM, 300000);
+    const struct outcome o = run_pane(SUN ROOM, 300000);
     double is = 0, should = 0;
     (void)state;
     for (int i = 0; i < SENSORS; i++) {

@@ -38,8 +38,8 @@ static const struct orl_sensor watcher = {{2, 0.05, 2.7}, {0, 1, 0}};
 
 /* Computes the illuminance at the middles of the floor's squares, and at the watcher, by each
  * technique. */
-static double run(const char *scene, uint64_t photons, enum orl_technique technique,
-                  double ret_floor[PLACES], double *ret_error)
+static double run_scene(const char *scene, uint64_t photons, enum orl_technique technique,
+                        double ret_floor[PLACES], double *ret_error)
 {
     static struct orl_sensor sensors[PLACES + 1];
     for (int i = 0; i < PLACES; i++)
@@ -84,13 +84,13 @@ static double seen_of_floor(const double floor[PLACES])
  * squares' middles represent light that is not uniform over them, an error of a per cent under the
  * sky and two at the sun's edges, as finer grids show.
  */
-static void check(const char *scene, uint64_t photons)
+static void check_floor(const char *scene, uint64_t photons)
 {
     static const enum orl_technique techniques[3] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER,
                                                      ORL_TECHNIQUE_PRECOMPUTED};
     double floor[PLACES], error;
     for (int t = 0; t < 3; t++) {
-        const double seen = run(scene, photons, techniques[t], floor, &error);
+        const double seen = run_scene(scene, photons, techniques[t], floor, &error);
         const double expected = seen_of_floor(floor);
         print_message("technique %d: %g +- %g lx, by the floor %g\n", (int)techniques[t], seen,
                       error, expected);
@@ -103,13 +103,13 @@ static void check(const char *scene, uint64_t photons)
 static void under_the_sky(void **state)
 {
     (void)state;
-    check(SKY ROOM, 100000);
+    check_floor(SKY ROOM, 100000);
 }
 
 static void in_the_sun(void **state)
 {
     (void)state;
-    check(SKY SUN ROOM, extent(50000, 100000));
+    check_floor(SKY SUN ROOM, extent(50000, 100000));
 }
 
 int main(void)

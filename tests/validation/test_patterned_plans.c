@@ -42,8 +42,8 @@ static const struct orl_sensor sensors[SENSORS] = {{{2, 1, .8}, {0, 0, 1}},
                                                    {{1, 2, 2.9}, {0, 0, -1}},
                                                    {{3.9, 2, 1.5}, {-1, 0, 0}}};
 
-static struct orl_result run(enum orl_technique technique, enum orl_effect effect,
-                             enum orl_wish wish, uint32_t threads, const char *folder)
+static struct orl_result run_room(enum orl_technique technique, enum orl_effect effect,
+                                  enum orl_wish wish, uint32_t threads, const char *folder)
 {
     enum orl_wish wishes[ORL_EFFECT_COUNT] = {ORL_WISH_AUTO};
     wishes[effect] = wish;
@@ -70,9 +70,11 @@ static void test_bounds(void **state)
     static const enum orl_effect effects[] = {ORL_EFFECT_SUN, ORL_EFFECT_SKY,
                                               ORL_EFFECT_INTERREFLECTION};
     (void)state;
-    struct orl_result whole = run(ORL_TECHNIQUE_BACKWARD, ORL_EFFECT_SUN, ORL_WISH_AUTO, 2, NULL);
+    struct orl_result whole =
+        run_room(ORL_TECHNIQUE_BACKWARD, ORL_EFFECT_SUN, ORL_WISH_AUTO, 2, NULL);
     for (size_t e = 0; e < sizeof effects / sizeof *effects; e++) {
-        struct orl_result without = run(ORL_TECHNIQUE_BACKWARD, effects[e], ORL_WISH_SKIP, 2, NULL);
+        struct orl_result without =
+            run_room(ORL_TECHNIQUE_BACKWARD, effects[e], ORL_WISH_SKIP, 2, NULL);
         const double bound = whole.plan.effects[effects[e]].bound;
         double most = 0;
         for (int i = 0; i < SENSORS; i++)
@@ -101,7 +103,7 @@ static void test_threads(void **state)
             size_t size = 0;
             cli_make_folder(folder);
             struct orl_result r =
-                run(techniques[t], ORL_EFFECT_SUN, ORL_WISH_AUTO, threads[i], folder);
+                run_room(techniques[t], ORL_EFFECT_SUN, ORL_WISH_AUTO, threads[i], folder);
             snprintf(path, sizeof path, "%s/view.hdr", folder);
             unsigned char *const picture = scene_read_bytes(path, &size);
             if (first) {

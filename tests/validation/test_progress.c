@@ -32,8 +32,8 @@ static double now_s(void *ctx)
     return log->now += 0.01;
 }
 
-static void take(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
-                 double left_s)
+static void record_progress(void *ctx, enum orl_stage stage, double stage_fraction,
+                            double job_fraction, double left_s)
 {
     struct log *log = ctx;
     assert_true(left_s >= 0 && isfinite(left_s));
@@ -46,7 +46,7 @@ static void take(void *ctx, enum orl_stage stage, double stage_fraction, double 
     log->told[stage] = stage_fraction;
 }
 
-static struct log follow(uint64_t caustic, struct orl_goal goal)
+static struct log run_logged(uint64_t caustic, struct orl_goal goal)
 {
     struct log log = {.now = 0};
     struct orl_result r = scene_run(&(struct scene_run){.scene = scene,
@@ -56,7 +56,7 @@ static struct log follow(uint64_t caustic, struct orl_goal goal)
                                                         .caustic = caustic,
                                                         .goal = goal,
                                                         .now_s = now_s,
-                                                        .progress = take,
+                                                        .progress = record_progress,
                                                         .ctx = &log});
     orl_result_done(&r);
     print_message("%u reports, %u of photons; from %.3f to %.3f, falls: %u\n", log.calls,
@@ -71,7 +71,7 @@ static struct log follow(uint64_t caustic, struct orl_goal goal)
 static void test_photons_move(void **state)
 {
     (void)state;
-    const struct log log = follow(40000, (struct orl_goal){0});
+    const struct log log = run_logged(40000, (struct orl_goal){0});
     assert_true(log.of[ORL_STAGE_PHOTONS] > 8);
     assert_true(log.told[ORL_STAGE_PHOTONS] > 0.99 && log.rise[ORL_STAGE_PHOTONS] < 0.5);
 }
@@ -94,7 +94,7 @@ static void test_rendering_moves(void **state)
                                 .technique = techniques[i / 2],
                                 .pixel_samples = 4,
                                 .now_s = now_s,
-                                .progress = take,
+                                .progress = record_progress,
                                 .ctx = &log};
         if (i % 2 == 0) {
             run.sensors = sensors;
@@ -127,7 +127,7 @@ static double share_of_tile(const char *pane)
                                       .width = 64,
                                       .height = 32,
                                       .now_s = now_s,
-                                      .progress = take,
+                                      .progress = record_progress,
                                       .ctx = &log});
     orl_result_done(&r);
     return log.rise[ORL_STAGE_RENDER];
@@ -146,7 +146,7 @@ static void test_panes_take_time(void **state)
 static void test_a_goal_moves(void **state)
 {
     (void)state;
-    follow(0, (struct orl_goal){.relative_error = 0.3, .at = 0.95});
+    run_logged(0, (struct orl_goal){.relative_error = 0.3, .at = 0.95});
 }
 
 int main(void)

@@ -157,7 +157,7 @@ static void open_scenes_are_no_different(void **state)
 enum { SIDE = 64 };
 
 /* Renders from inside, perpendicular, 1 m in front of the window: rows go from top to bottom. */
-static void look(const char *scene, double (*ret_rgb)[3])
+static void render_view(const char *scene, double (*ret_rgb)[3])
 {
     char xml[2048], folder[64], path[128];
     scene_uniform_bsdf(0.2, xml);
@@ -193,15 +193,15 @@ static void views_see_what_is_there(void **state)
 {
     static double rgb[SIDE * SIDE][3];
     (void)state;
-    look(ROOM_SKY ROOM_GREY ROOM_SHELL THICK GLASS
-         "void glow s 0 0 4 5 1 .5 0\n"
-         "s polygon upright 0 0 12 1 -.1 1.4 1 -.1 1.6 3 -.1 1.6 3 -.1 1.4\n",
-         rgb);
+    render_view(ROOM_SKY ROOM_GREY ROOM_SHELL THICK GLASS
+                "void glow s 0 0 4 5 1 .5 0\n"
+                "s polygon upright 0 0 12 1 -.1 1.4 1 -.1 1.6 3 -.1 1.6 3 -.1 1.4\n",
+                rgb);
     const double *slat = pixel_at(rgb, -0.1, 1.5), *gap = pixel_at(rgb, -0.1, 2.1);
     assert_true(fabs(slat[0] / 5 - 1) < 0.02 && fabs(slat[1] - 1) < 0.02);
     /* Glass of transmissivity 0.7, index 1.52, at 11 degrees: 0.64 (two passes of Fresnel). */
     assert_true(fabs(gap[1] - 0.643) < 0.01 && fabs(gap[0] - gap[2]) < 0.01);
-    look(ROOM_SKY ROOM_GREY ROOM_SHELL THIN, rgb);
+    render_view(ROOM_SKY ROOM_GREY ROOM_SHELL THIN, rgb);
     gap = pixel_at(rgb, 0, 2.1);
     assert_true(gap[1] > 0.3 && gap[1] < 0.62);
 }
@@ -217,10 +217,10 @@ static void hidden_surfaces_are_lit_as_they_are_seen(void **state)
     const double normal_w = 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
     const double expected = 0.5 / ORL_PI * normal_w * sqrt(0.5);
     (void)state;
-    look(ROOM_SUN ROOM_GREY ROOM_SHELL THICK
-         "void plastic s 0 0 5 .5 .5 .5 0 0\n"
-         "s polygon slat 0 0 12 1 -.19 1.5 3 -.19 1.5 3 -.02 1.5 1 -.02 1.5\n",
-         rgb);
+    render_view(ROOM_SUN ROOM_GREY ROOM_SHELL THICK
+                "void plastic s 0 0 5 .5 .5 .5 0 0\n"
+                "s polygon slat 0 0 12 1 -.19 1.5 3 -.19 1.5 3 -.02 1.5 1 -.02 1.5\n",
+                rgb);
     const double *top = pixel_at(rgb, -0.1, 1.5);
     assert_true(fabs(top[1] / expected - 1) < 0.05);
 }

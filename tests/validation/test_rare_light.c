@@ -45,7 +45,7 @@ static double truth(const struct orl_sensor *sensor)
  * intervals 6 % narrower in the mean. A ray that hits the disc adds 0.45 of the truth, and a sensor
  * has one or none: with four groups the error is then as large, and Student's t 3.2 of it.
  */
-static void check(enum orl_technique technique)
+static void check_coverage(enum orl_technique technique)
 {
     struct orl_sensor sensors[SENSORS];
     size_t held = 0;
@@ -76,13 +76,13 @@ static void check(enum orl_technique technique)
 static void test_gather(void **state)
 {
     (void)state;
-    check(ORL_TECHNIQUE_GATHER);
+    check_coverage(ORL_TECHNIQUE_GATHER);
 }
 
 static void test_backward(void **state)
 {
     (void)state;
-    check(ORL_TECHNIQUE_BACKWARD);
+    check_coverage(ORL_TECHNIQUE_BACKWARD);
 }
 
 int main(void)

@@ -176,7 +176,7 @@ static void count_close(void *ctx, struct orl_file *file)
 }
 
 /* Runs all skies, or, with ret_result, the job's only one. */
-static int run(struct fixture *f, struct orl_result *ret_result, struct orl_error *err)
+static int run_skies(struct fixture *f, struct orl_result *ret_result, struct orl_error *err)
 {
     static const char scene[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
     static const char weather[] = "place Test\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\n"
@@ -235,7 +235,7 @@ static void test_same_as_one_by_one(void **state)
 {
     struct fixture *f = *state;
     struct orl_error err;
-    assert_int_equal(run(f, NULL, &err), 0);
+    assert_int_equal(run_skies(f, NULL, &err), 0);
     assert_true(f->fraction > 0.999);
     assert_true(f->lx[0][0] > 100 && f->lx[1][0] > f->lx[0][0]);
     f->job.skies = NULL;
@@ -243,7 +243,7 @@ static void test_same_as_one_by_one(void **state)
     for (int i = 0; i < SKIES; i++) {
         struct orl_result result;
         f->job.sky = f->skies[i].request;
-        assert_int_equal(run(f, &result, &err), 0);
+        assert_int_equal(run_skies(f, &result, &err), 0);
         assert_memory_equal(result.illuminance_lx, f->lx[i], sizeof f->lx[i]);
         assert_int_equal(result.n_maps, i == DARK ? 0 : 1);
         assert_true(i == DARK || result.maps[0].cached);
@@ -261,20 +261,20 @@ static void test_one_scene_for_all(void **state)
     struct fixture *f = *state;
     double first[SKIES][SENSORS];
     f->job.n_views = 0;
-    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(run_skies(f, NULL, NULL), 0);
     assert_int_equal(f->scene_reads, 1);
     memcpy(first, f->lx, sizeof first);
     f->shelf = orl_shelf_new(1 << 20);
     for (int i = 0; i < 3; i++) {
         memset(f->lx, 0, sizeof f->lx);
         f->files_id = i < 2 ? "these" : "others";
-        assert_int_equal(run(f, NULL, NULL), 0);
+        assert_int_equal(run_skies(f, NULL, NULL), 0);
         assert_int_equal(f->scene_reads, i < 2 ? 2 : 3);
         assert_memory_equal(f->lx, first, sizeof first);
         assert_int_equal(orl_shelf_totals(f->shelf).shared, i < 2 ? 1 : 2);
     }
     f->files_id = NULL;
-    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(run_skies(f, NULL, NULL), 0);
     assert_int_equal(f->scene_reads, 4);
     orl_shelf_free(f->shelf);
 }
@@ -283,7 +283,7 @@ static void test_kept_skies_are_not_run(void **state)
 {
     struct fixture *f = *state;
     f->keep[1] = true;
-    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(run_skies(f, NULL, NULL), 0);
     assert_true(f->done[0] && !f->done[1] && f->done[2]);
     assert_true(f->fraction > 0.999);
     assert_int_equal(f->n_sensors_done, 2);
@@ -297,12 +297,12 @@ static void test_kept_sensors(void **state)
     f->job.skies = NULL;
     f->job.n_skies = 0;
     f->job.sky = f->skies[0].request;
-    assert_int_equal(run(f, &first, NULL), 0);
+    assert_int_equal(run_skies(f, &first, NULL), 0);
     assert_int_equal(f->n_sensors_done, 1);
     size_t a, b;
     unsigned char *image = read_image(f, "v.hdr", &a);
     f->sensors_of = &first;
-    assert_int_equal(run(f, &second, NULL), 0);
+    assert_int_equal(run_skies(f, &second, NULL), 0);
     assert_int_equal(f->n_sensors_done, 1);
     unsigned char *again = read_image(f, "v.hdr", &b);
     assert_int_equal(a, b);
@@ -317,7 +317,7 @@ static void test_kept_sensors(void **state)
 static void expect_error(struct fixture *f, int code, const char *primitive)
 {
     struct orl_error err = {0};
-    assert_int_equal(run(f, NULL, &err), code);
+    assert_int_equal(run_skies(f, NULL, &err), code);
     assert_string_equal(err.primitive, primitive);
     assert_false(f->done[0]);
 }
@@ -334,11 +334,11 @@ static void test_file_of_sensors(void **state)
 {
     struct fixture *f = *state;
     double lx[SKIES][SENSORS];
-    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(run_skies(f, NULL, NULL), 0);
     memcpy(lx, f->lx, sizeof lx);
     use_sensor_file(f, "2 1 0.8 0 0 1\n2 4 0.8 0 0 1\n");
     memset(f->lx, 0, sizeof f->lx);
-    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(run_skies(f, NULL, NULL), 0);
     assert_memory_equal(lx, f->lx, sizeof lx);
     assert_ptr_equal(f->job.sensors_file, sensor_file);
 }
@@ -355,7 +355,7 @@ static void test_too_many_sensors(void **state)
     for (size_t i = 0; i < COUNT; i++)
         memcpy(text + i * (sizeof line - 1), line, sizeof line);
     use_sensor_file(f, text);
-    assert_int_equal(run(f, NULL, &err), ORL_ERR_LIMIT);
+    assert_int_equal(run_skies(f, NULL, &err), ORL_ERR_LIMIT);
     assert_string_equal(err.primitive, "skies");
     assert_false(f->done[0]);
     free(text);
@@ -367,7 +367,7 @@ static void test_mistakes(void **state)
     struct fixture *f = *state;
     struct orl_sky_request *last = &f->skies[2].request;
     struct orl_result result;
-    assert_int_equal(run(f, &result, NULL), ORL_ERR_INVALID);
+    assert_int_equal(run_skies(f, &result, NULL), ORL_ERR_INVALID);
     last->model = ORL_SKY_BY_WEATHER;
     last->weather_file = weather_file;
     last->sun_given = false;

@@ -87,8 +87,8 @@ static struct orl_sky sky_of_command(const char *command)
 }
 
 /* Adds a row for the direction with the largest error. */
-static void compare(struct references *set, const struct orl_sky *sky, const double *radiances,
-                    const char *place, double tolerance)
+static void compare_sky(struct references *set, const struct orl_sky *sky, const double *radiances,
+                        const char *place, double tolerance)
 {
     int worst = 0;
     double most = -1;
@@ -149,11 +149,11 @@ static void test_skies(void **state)
         }
         read_radiances(file, line, radiances);
         const struct orl_sky sky = sky_of_command(command);
-        compare(&set, &sky, radiances, command, 1e-4);
+        compare_sky(&set, &sky, radiances, command, 1e-4);
         skies++;
         if (job[0]) {
             const struct orl_sky same = sky_of_job(job);
-            compare(&set, &same, radiances, job, 6e-4);
+            compare_sky(&set, &same, radiances, job, 6e-4);
             jobs++;
         }
     }

@@ -21,8 +21,8 @@ struct picture {
 };
 
 /* Renders its radiances by gather with default settings. */
-static void look(const struct picture *picture, uint64_t seed, uint64_t global, uint64_t caustic,
-                 double (*ret_rgb)[3])
+static void render_picture(const struct picture *picture, uint64_t seed, uint64_t global,
+                           uint64_t caustic, double (*ret_rgb)[3])
 {
     char folder[64], path[128];
     cli_make_folder(folder);
@@ -77,7 +77,7 @@ static void test_walls_meet(void **state)
     double along = 0, elsewhere = 0;
     (void)state;
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-        look(&picture, seed, 200000, 0, rgb);
+        render_picture(&picture, seed, 200000, 0, rgb);
         for (int i = 1; i <= 3; i++) {
             along += off_smooth(rgb, WIDTH / 2 - i) / (6 * SEEDS);
             along += off_smooth(rgb, WIDTH / 2 + i) / (6 * SEEDS);
@@ -115,7 +115,7 @@ static void test_shadow_ends(void **state)
     const struct picture picture = {plate, down, WIDTH, HEIGHT};
     double squares = 0, by_chance = 0, lit = 0;
     (void)state;
-    look(&picture, 1, 1000, 0, rgb);
+    render_picture(&picture, 1, 1000, 0, rgb);
     for (int y = 0; y < HEIGHT; y++)
         lit += rgb[y * WIDTH + WIDTH - 1][1] / HEIGHT;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -153,8 +153,8 @@ static void test_steep_spot(void **state)
     double squares = 0, mean = 0;
     (void)state;
     const struct picture whole = {lens, spot, WIDTH, HEIGHT}, small = {lens, spot, W, H};
-    look(&whole, 1, 1000, 200000, fine);
-    look(&small, 1, 1000, 200000, coarse);
+    render_picture(&whole, 1, 1000, 200000, fine);
+    render_picture(&small, 1, 1000, 200000, coarse);
     for (int y = 0; y < H; y++)
         for (int x = 0; x < W; x++) {
             double sum = 0;

@@ -37,7 +37,7 @@ struct errors {
     double values[SEEDS][PIXELS], stated[SEEDS][PIXELS]; /* W/sr/m2 */
 };
 
-static void take(const char *folder, const char *file, double ret_values[PIXELS])
+static void read_values(const char *folder, const char *file, double ret_values[PIXELS])
 {
     char path[128];
     double rgb[PIXELS][3];
@@ -58,8 +58,8 @@ static void render(struct scene_run run, struct errors *ret)
         struct orl_result result = scene_run(&run);
         assert_string_equal(result.views[0].files[ORL_PICTURE_ERROR_HDR], "view.error.hdr");
         assert_string_equal(result.views[0].files[ORL_PICTURE_ERROR_PNG], "view.error.png");
-        take(folder, "view.hdr", ret->values[seed]);
-        take(folder, "view.error.hdr", ret->stated[seed]);
+        read_values(folder, "view.hdr", ret->values[seed]);
+        read_values(folder, "view.error.hdr", ret->stated[seed]);
         orl_result_done(&result);
         cli_remove_folder(folder);
     }
@@ -102,7 +102,7 @@ static double tolerance(const double a[SEEDS], const double b[SEEDS], double sha
     return 4 * sqrt(squares / (SEEDS - 1.0) / SEEDS);
 }
 
-static void check(const char *name, struct scene_run run)
+static void check_errors(const char *name, struct scene_run run)
 {
     static struct errors e;
     double done[SEEDS], stated[SEEDS];
@@ -121,19 +121,20 @@ static void check(const char *name, struct scene_run run)
 static void test_sphere(void **state)
 {
     (void)state;
-    check("sphere, backward", (struct scene_run){.scene = sphere,
-                                                 .view = at_wall,
-                                                 .technique = ORL_TECHNIQUE_BACKWARD,
-                                                 .pixel_samples = 16});
-    check("sphere, gather", (struct scene_run){.scene = sphere, .view = at_wall, .global = 10000});
-    check("sphere, direct", (struct scene_run){.scene = sphere,
-                                               .view = at_wall,
-                                               .technique = ORL_TECHNIQUE_DIRECT,
-                                               .global = 10000});
-    check("sphere, precomputed", (struct scene_run){.scene = sphere,
-                                                    .view = at_wall,
-                                                    .technique = ORL_TECHNIQUE_PRECOMPUTED,
-                                                    .global = 10000});
+    check_errors("sphere, backward", (struct scene_run){.scene = sphere,
+                                                        .view = at_wall,
+                                                        .technique = ORL_TECHNIQUE_BACKWARD,
+                                                        .pixel_samples = 16});
+    check_errors("sphere, gather",
+                 (struct scene_run){.scene = sphere, .view = at_wall, .global = 10000});
+    check_errors("sphere, direct", (struct scene_run){.scene = sphere,
+                                                      .view = at_wall,
+                                                      .technique = ORL_TECHNIQUE_DIRECT,
+                                                      .global = 10000});
+    check_errors("sphere, precomputed", (struct scene_run){.scene = sphere,
+                                                           .view = at_wall,
+                                                           .technique = ORL_TECHNIQUE_PRECOMPUTED,
+                                                           .global = 10000});
 }
 
 static void test_caustics(void **state)
@@ -141,18 +142,19 @@ static void test_caustics(void **state)
     char pane[2048];
     (void)state;
     scene_uniform_bsdf(0.2, pane);
-    check("scattering pane, gather", (struct scene_run){.scene = room,
-                                                        .resource_name = "pane.xml",
-                                                        .resource_text = pane,
-                                                        .view = at_floor,
-                                                        .global = 10000,
-                                                        .caustic = 10000});
-    check("scattering pane, backward", (struct scene_run){.scene = room,
-                                                          .resource_name = "pane.xml",
-                                                          .resource_text = pane,
-                                                          .view = at_floor,
-                                                          .technique = ORL_TECHNIQUE_BACKWARD,
-                                                          .pixel_samples = 16});
+    check_errors("scattering pane, gather", (struct scene_run){.scene = room,
+                                                               .resource_name = "pane.xml",
+                                                               .resource_text = pane,
+                                                               .view = at_floor,
+                                                               .global = 10000,
+                                                               .caustic = 10000});
+    check_errors("scattering pane, backward",
+                 (struct scene_run){.scene = room,
+                                    .resource_name = "pane.xml",
+                                    .resource_text = pane,
+                                    .view = at_floor,
+                                    .technique = ORL_TECHNIQUE_BACKWARD,
+                                    .pixel_samples = 16});
 }
 
 int main(void)
