@@ -186,7 +186,8 @@ static void test_filters(void **state)
     close(one.fd);
 }
 
-/* A resumed stream continues after the last event seen, with each job's latest event, none twice.
+/*
+ * A resumed stream continues after the last event seen, with each job's latest event, none twice.
  */
 static void test_goes_on(void **state)
 {
@@ -248,7 +249,8 @@ static void test_ends_with_the_daemon(void **state)
     daemon_restart(&room->daemon, NULL);
 }
 
-/* More jobs start and end than the daemon keeps events of, while one reader does not read. It is
+/*
+ * More jobs start and end than the daemon keeps events of, while one reader does not read. It is
  * cut off or catches up, others receive all events meanwhile, and its last id is no longer known.
  */
 static void test_slow_reader(void **state)

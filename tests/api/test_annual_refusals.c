@@ -1,4 +1,5 @@
-/* Annual jobs that a daemon refuses: mistakes by file and line, bounds, memory, unsupported scenes.
+/*
+ * Annual jobs that a daemon refuses: mistakes by file and line, bounds, memory, unsupported scenes.
  */
 #include <setjmp.h>
 #include <stdarg.h>

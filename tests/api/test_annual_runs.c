@@ -1,4 +1,5 @@
-/* Annual jobs in progress: progress, cancelling, restarts that continue, and data shared by jobs.
+/*
+ * Annual jobs in progress: progress, cancelling, restarts that continue, and data shared by jobs.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -91,7 +92,8 @@ static json_t *digests(struct year_room *f, const char *job)
     return list;
 }
 
-/* Returns the first progress of the rows that a poll reports: stored rows are not computed again.
+/*
+ * Returns the first progress of the rows that a poll reports: stored rows are not computed again.
  */
 static double first_percent(struct year_room *f, const char *job)
 {
@@ -128,7 +130,7 @@ static void test_goes_on_after_a_kill(void **state)
     year_room_expect(f, job, "succeeded", 2, &reply);
     reply_done(&reply);
     assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
-    /* The same job without interruption. */
+    /* Runs the job again without interruption. */
     year_room_submit(f, text, again);
     year_room_expect(f, again, "succeeded", 1, &reply);
     reply_done(&reply);

@@ -1,4 +1,5 @@
-/* Lifetime of blobs: those that a row names or a request claims stay, whatever the order of events.
+/*
+ * Lifetime of blobs: those that a row names or a request claims stay, whatever the order of events.
  */
 #include <setjmp.h>
 #include <stdarg.h>

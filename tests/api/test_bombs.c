@@ -1,4 +1,5 @@
-/* Small uploads that would take much memory or time: refused within limits, and nothing is stored.
+/*
+ * Small uploads that would take much memory or time: refused within limits, and nothing is stored.
  */
 #include <setjmp.h>
 #include <stdarg.h>

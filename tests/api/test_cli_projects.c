@@ -285,7 +285,8 @@ static void test_a_model_without_grids_asks_for_nothing(void **state)
 
 /* ---- Annual runs ----------------------------------------------------------------------------- */
 
-/* Runs the model's year, two days of weather, with those shades and options; returns result.json.
+/*
+ * Runs the model's year, two days of weather, with those shades and options; returns result.json.
  */
 static json_t *run_year(struct cli_desk *f, const char *more, const char *chosen)
 {

@@ -1,4 +1,5 @@
-/* Properties of the Dockerfile and the systemd unit that can be tested without Docker or systemd.
+/*
+ * Properties of the Dockerfile and the systemd unit that can be tested without Docker or systemd.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -165,7 +165,8 @@ static void test_phases(void **state)
     compare_estimate(*state, 600, "phases");
 }
 
-/* Photons traced until they are absorbed deposit more values than the map of sunlight stores. */
+/* Photons traced until they are absorbed deposit more values than the map of sunlight stores; the
+ * estimate of memory covers them. */
 static void test_photons(void **state)
 {
     static const char members[] =

@@ -1,4 +1,5 @@
-/* BSDFs fitted to measurements through a real daemon: uploaded as files, fitted, named by a scene.
+/*
+ * BSDFs fitted to measurements through a real daemon: uploaded as files, fitted, named by a scene.
  */
 #include <setjmp.h>
 #include <stdarg.h>

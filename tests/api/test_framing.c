@@ -244,7 +244,8 @@ static void test_good(void **state)
                          cases[i].status);
 }
 
-/* Targets in absolute form are reduced to their paths, only for the daemon's own scheme and names.
+/*
+ * Targets in absolute form are reduced to their paths, only for the daemon's own scheme and names.
  */
 static void test_absolute_form(void **state)
 {

@@ -1,4 +1,5 @@
-/* Stored files: removed on request, fetched in ranges, left by crashes, changed while being read.
+/*
+ * Stored files: removed on request, fetched in ranges, left by crashes, changed while being read.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -262,7 +263,8 @@ static void test_uploads_that_fail_late(void **state)
 
 /* ---- Files that change while they are read --------------------------------------------------- */
 
-/* A reader that has the file open still reads the old content; a failed write keeps that in place.
+/*
+ * A reader that has the file open still reads the old content; a failed write keeps that in place.
  */
 static void test_files_are_whole_while_they_are_written(void **state)
 {

@@ -1,4 +1,5 @@
-/* The map cache alone, without HTTP: one build for many jobs, taking over, cancelling, restarting.
+/*
+ * The map cache alone, without HTTP: one build for many jobs, taking over, cancelling, restarting.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -380,7 +381,8 @@ static uint64_t smaller_than(struct fixture *f, const char *kind, const char *fa
     return info.target;
 }
 
-/* Finds the family's largest complete map below the target whose file exists; also after a restart.
+/*
+ * Finds the family's largest complete map below the target whose file exists; also after a restart.
  */
 static void test_finds_the_largest_smaller(void **state)
 {

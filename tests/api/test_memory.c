@@ -35,7 +35,8 @@ static void write_limit(const char *root, const char *path, const char *text)
     fclose(file);
 }
 
-/* The limit is the least of the group's and those above it, for both versions of cgroups, or none.
+/*
+ * The limit is the least of the group's and those above it, for both versions of cgroups, or none.
  */
 static void test_groups(void **state)
 {

@@ -22,7 +22,8 @@ static void document(const struct daemon_room *room, const char *members, char r
              room->scene, members);
 }
 
-/* The plan has the technique and every decision of the later job; and the request creates no job.
+/*
+ * The plan has the technique and every decision of the later job; and the request creates no job.
  */
 static void test_as_the_job_has_it(void **state)
 {

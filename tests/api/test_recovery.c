@@ -280,7 +280,8 @@ static void test_leftovers_go_at_start(void **state)
     }
 }
 
-/* The maps' bytes are damaged on the disk: the daemon detects this, builds them again, and warns.
+/*
+ * The maps' bytes are damaged on the disk: the daemon detects this, builds them again, and warns.
  */
 static void test_damaged_map_is_built_again(void **state)
 {

@@ -1,4 +1,5 @@
-/* Jobs of several skies: each result is available as soon as it is done, and is not computed again.
+/*
+ * Jobs of several skies: each result is available as soon as it is done, and is not computed again.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -248,7 +249,8 @@ static void test_other_programs_leave_nothing(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
 }
 
-/* Finished skies of a cancelled job stay, as those of one that has succeeded; also over a restart.
+/*
+ * Finished skies of a cancelled job stay, as those of one that has succeeded; also over a restart.
  */
 static void test_cancelled_between_skies(void **state)
 {
@@ -342,7 +344,7 @@ static void test_timed_out_between_skies(void **state)
     daemon_restart(&f->daemon, NULL);
 }
 
-/* Of two sharing jobs, the finished skies belong to the one cancelled last, in either order. */
+/* The finished skies of two sharing jobs belong to the one cancelled last, in either order. */
 static void test_last_of_two_is_cancelled(void **state)
 {
     static const char skies[] =

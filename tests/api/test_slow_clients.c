@@ -78,7 +78,8 @@ static void print_polls(struct daemon *daemon, const char *what)
                   ms[POLLS * 99 / 100 - 1]);
 }
 
-/* Slow clients outlast the idle timeout with a byte now and then, but not the daemon's total limit.
+/*
+ * Slow clients outlast the idle timeout with a byte now and then, but not the daemon's total limit.
  */
 static void test_slow_clients(void **state)
 {
@@ -274,7 +275,8 @@ static void test_headers_are_bounded(void **state)
     daemon_remove(&daemon);
 }
 
-/* Returns true if a new connection's request is answered; a connection above the limit is closed.
+/*
+ * Returns true if a new connection's request is answered; a connection above the limit is closed.
  */
 static bool is_served(const struct daemon *daemon)
 {

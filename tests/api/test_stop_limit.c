@@ -26,7 +26,8 @@ static const char *note_of(const struct daemon *daemon, char path[96])
     return path;
 }
 
-/* Restarts the daemon with a thread that hangs when it moves a job's results to their final place.
+/*
+ * Restarts the daemon with a thread that hangs when it moves a job's results to their final place.
  */
 static void restart_hanging(struct daemon *daemon, const char *const *extra)
 {

@@ -23,7 +23,7 @@ static void restart_with_budget(struct daemon *daemon, double budget)
     daemon_restart(daemon, extra);
 }
 
-/* Of three fetched jobs the budget keeps the last used one and its map. */
+/* The budget keeps only the last used one of three fetched jobs, and its map. */
 static void test_longest_unused_goes_first(void **state)
 {
     struct daemon_room *f = *state;

@@ -94,7 +94,8 @@ static int run_orield(const char *arguments, const char *folder, char *ret_said,
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/* One byte of each kind of file is changed: each file is named, and repairable ones are repaired.
+/*
+ * One byte of each kind of file is changed: each file is named, and repairable ones are repaired.
  */
 static void damage(const struct fixture *f, const char *pattern)
 {

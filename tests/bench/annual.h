@@ -36,7 +36,8 @@ struct annual_bench {
 void annual_open(struct annual_bench *bench);
 void annual_close(struct annual_bench *bench);
 
-/* Fills the year's request for the given sensors; it borrows from the bench and from the sensors.
+/*
+ * Fills the year's request for the given sensors; it borrows from the bench and from the sensors.
  */
 struct orl_annual_request annual_request(const struct annual_bench *bench, uint32_t samples,
                                          struct orl_sensor *sensors, size_t n_sensors);

@@ -1,4 +1,5 @@
-/* Writes backward's results of some hours for annual_radiance.py: the office's files, hours, light.
+/*
+ * Writes backward's results of some hours for annual_radiance.py: the office's files, hours, light.
  */
 #include <stdio.h>
 #include <stdlib.h>

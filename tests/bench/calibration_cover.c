@@ -1,4 +1,5 @@
-/* Coverage: how often intervals hold the reference, and pixel errors against a converged picture.
+/*
+ * Coverage: how often intervals hold the reference, and pixel errors against a converged picture.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +23,8 @@ struct coverage {
     bool known;
 };
 
-/* Returns the share of a run's intervals that hold the reference, widened by the reference's error.
+/*
+ * Returns the share of a run's intervals that hold the reference, widened by the reference's error.
  */
 static double share_covered(const struct calibration_scene *scene, const struct orl_result *r)
 {

@@ -148,7 +148,8 @@ static void draw_column(struct bench_canvas *sheet, const struct scene *s, int c
     }
 }
 
-/* Differences relative to the reference, or to a thousandth of its mean where it is nearly black.
+/*
+ * Differences relative to the reference, or to a thousandth of its mean where it is nearly black.
  */
 static void find_differences(const struct bench_reference *r, const double *values,
                              double *ret_differences)

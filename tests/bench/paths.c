@@ -47,7 +47,7 @@ struct cell {
 struct tally {
     size_t values, held,
         off; /* sensors; sensors whose interval holds the truth; cells with |z| above the limit */
-    double squares, worst; /* of z */
+    double squares, worst; /* sum of squares and largest size of z */
 };
 
 /* Result of a technique in one cell. */

@@ -1,4 +1,4 @@
-/* The same work by Radiance, measured in the same way (tests/README.md). */
+/* Radiance does the work of these rows, measured as Oriel is (tests/README.md). */
 #include <stdio.h>
 #include <stdlib.h>
 

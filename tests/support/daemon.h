@@ -80,7 +80,8 @@ const char *reply_header(const struct reply *reply, const char *name);
 
 /* Uploads a glazed room under a sunny sky and returns its id. */
 void daemon_upload_room(struct daemon *daemon, char ret_id[65]);
-/* Submits a job of that scene: two sensors and, if a name is given, a 32x24 view. Returns its path.
+/*
+ * Submits a job of that scene: two sensors and, if a name is given, a 32x24 view. Returns its path.
  */
 void daemon_submit(struct daemon *daemon, const char *scene, long photons, int seed,
                    const char *view, char ret_path[80]);

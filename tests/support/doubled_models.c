@@ -30,7 +30,8 @@ static void write_model_rooms(FILE *f, size_t n)
             i ? "," : "", i, i ^ 1);
     fputs("]}", f);
 }
-/* Writes faces with their own modifiers, each of which depends on the one before, up to eight deep.
+/*
+ * Writes faces with their own modifiers, each of which depends on the one before, up to eight deep.
  */
 static void write_model_modifiers(FILE *f, size_t n)
 {

@@ -15,7 +15,8 @@ enum { HAND_YEAR_SENSORS = 6, HAND_YEAR_FIRST_LIT = 6, HAND_YEAR_LIT = 12 };
 void hand_year_make(struct orl_annual_result *result, bool leap);
 void hand_year_free(struct orl_annual_result *result);
 
-/* Returns a request of two grids, two sensors in the north and four in the south; it borrows grids.
+/*
+ * Returns a request of two grids, two sensors in the north and four in the south; it borrows grids.
  */
 struct orl_annual_request hand_year_request(struct orl_annual_grid grids[2]);
 

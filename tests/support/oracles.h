@@ -20,7 +20,8 @@
 double oracle_polygon(struct orl_vec3 point, struct orl_vec3 normal, const struct orl_vec3 *corners,
                       int n);
 
-/* Returns the configuration factor of the rectangle corner, corner + a, corner + a + b, corner + b.
+/*
+ * Returns the configuration factor of the rectangle corner, corner + a, corner + a + b, corner + b.
  */
 double oracle_rectangle(struct orl_vec3 point, struct orl_vec3 normal, struct orl_vec3 corner,
                         struct orl_vec3 a, struct orl_vec3 b);
@@ -32,7 +33,8 @@ double oracle_rectangle(struct orl_vec3 point, struct orl_vec3 normal, struct or
  */
 double oracle_pane(double cosine, double index, double pass);
 
-/* The 15 skies of ISO 15469, and as number 16 the overcast sky of 1955, (1 + 2 sin altitude) / 3.
+/*
+ * The 15 skies of ISO 15469, and as number 16 the overcast sky of 1955, (1 + 2 sin altitude) / 3.
  */
 enum { ORACLE_SKIES = 16 };
 

@@ -17,7 +17,8 @@ struct random_scene {
     bool sun, sky, bsdf, mirror, red, opposite, lamp, block, glossy, black; /* contents */
 };
 
-/* Writes room number `index`, a function of the index only. It may mention the BSDF file pane.xml.
+/*
+ * Writes room number `index`, a function of the index only. It may mention the BSDF file pane.xml.
  */
 void random_scene(uint32_t index, struct random_scene *ret_scene);
 

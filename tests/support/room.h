@@ -29,7 +29,7 @@
 enum { ROOM_SENSORS = 5 };
 extern const struct orl_sensor room_sensors[ROOM_SENSORS];
 
-/* The same room with all walls facing the other way. */
+/* Scene text of the room with all walls facing the other way. */
 extern const char room_flipped[];
 
 /* A transform of every vertex, the sensors and the sun. The sky is uniform in all directions. */

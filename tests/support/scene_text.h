@@ -92,7 +92,8 @@ double scene_map_flux(const struct orl_result *result, const char *folder, const
 /* Reads a whole file and appends a zero byte; free() it. */
 unsigned char *scene_read_bytes(const char *path, size_t *ret_size);
 
-/* Writes a tensor tree that transmits `value` per steradian in every direction, both ways, as XML.
+/*
+ * Writes a tensor tree that transmits `value` per steradian in every direction, both ways, as XML.
  */
 void scene_uniform_bsdf(double value, char ret_xml[2048]);
 

@@ -1,4 +1,5 @@
-/* Hours of an annual run compared with separate render jobs of these hours, and with closed forms.
+/*
+ * Hours of an annual run compared with separate render jobs of these hours, and with closed forms.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,7 +28,7 @@ static uint32_t year_samples(void)
 static const char glass_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND;
 static const char pool_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND
     "void mirror m 0 0 3 .8 .8 .8\nm polygon pool 0 0 12 0 -4 -.2 4 -4 -.2 4 -.5 -.2 0 -.5 -.2\n";
-/* The same room with a panel that deflects light. */
+/* That room with a panel that deflects light. */
 static const char panel_room[] = ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE ROOM_GROUND;
 /* Four walls of 6 m around a yard of 8 x 8 m, without glazing. */
 static const char courtyard[] =
@@ -331,7 +332,8 @@ static void assert_same_years(const struct orl_annual_result *a, const struct or
     assert_memory_equal(a->se, b->se, bytes);
 }
 
-/* Several rounds for a verdict, with all blocks stored, half of them, or none, give the same bytes.
+/*
+ * Several rounds for a verdict, with all blocks stored, half of them, or none, give the same bytes.
  */
 static void test_kept_rows(void **state)
 {

@@ -130,7 +130,7 @@ static void test_overcast(void **state)
     orl_annual_done(&year);
 }
 
-/* Coefficients are those of a single state of the shades. */
+/* Coefficients hold for one state only, so a request with window groups is refused. */
 static void test_shades(void **state)
 {
     static char name[] = "g", open_name[] = "open", pane_name[] = "pane";

@@ -193,7 +193,8 @@ static void test_half_a_pane(void **state)
         }
 }
 
-/* Sensors at heights between the pane's edges get the flux through the part above them, also for
+/*
+ * Sensors at heights between the pane's edges get the flux through the part above them, also for
  * half a pane. The patch is shallower than that of the whole pane, so that half a row weighs more.
  */
 static void test_cut_panes(void **state)

@@ -23,7 +23,8 @@
 static const char stone[] = "void plastic w 0 0 5 0 0 0 0 0\nw sphere stone 0 0 4 0 0 -50 .1\n";
 static const struct orl_sensor up = {{0, 0, 0}, {0, 0, 1}};
 
-/* Returns the share of a disc of radius 1 on one side of a line at that distance from its middle.
+/*
+ * Returns the share of a disc of radius 1 on one side of a line at that distance from its middle.
  */
 static double left_of_disc(double at)
 {
@@ -138,7 +139,8 @@ static void test_slit(void **state)
 
 enum { CELLS = 145, WITHIN_35_DEG = 1 + 8 + 16 + 20 };
 
-/* A pane that scatters light incident at less than 35 degrees from its normal, and blocks the rest.
+/*
+ * A pane that scatters light incident at less than 35 degrees from its normal, and blocks the rest.
  */
 static struct text make_shy_pane(void)
 {
@@ -274,7 +276,8 @@ static void test_leap_day(void **state)
     orl_annual_done(&year);
 }
 
-/* With true north along -x, south is +x: a sensor that faces there gets the southern sensor's sun.
+/*
+ * With true north along -x, south is +x: a sensor that faces there gets the southern sensor's sun.
  */
 static void test_north(void **state)
 {

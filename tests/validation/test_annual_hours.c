@@ -53,7 +53,8 @@ static void make_weather(struct orl_random *random, char text[TEXT])
         year_day(&izmir, month, 1 + (int)(28 * orl_random_uniform(random)), text, TEXT);
 }
 
-/* Returns a sensor on a work plane, on walls or under the ceiling, half a foot from each surface.
+/*
+ * Returns a sensor on a work plane, on walls or under the ceiling, half a foot from each surface.
  */
 static struct orl_sensor random_sensor(struct orl_random *random)
 {

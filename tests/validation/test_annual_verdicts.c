@@ -144,7 +144,8 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Returns the median of several runs: a sensor almost at the threshold falls on either side of it.
+/*
+ * Returns the median of several runs: a sensor almost at the threshold falls on either side of it.
  */
 static struct orl_annual_value find_truth(size_t room, uint32_t samples, int runs)
 {

@@ -36,7 +36,8 @@ static void assert_agrees(const struct orl_result *r, size_t i, double expected,
         fail_msg("sensor %zu: %g +- %g is not %g", i, r->illuminance_lx[i], se, expected);
 }
 
-/* A lamp of radius a in a sphere: direct pi L a^2, and the rest as the sum of a geometric series.
+/*
+ * A lamp of radius a in a sphere: direct pi L a^2, and the rest as the sum of a geometric series.
  */
 static void test_integrating_sphere(void **state)
 {

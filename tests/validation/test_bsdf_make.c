@@ -123,7 +123,8 @@ static void a_clear_slab_is_fresnels_with_all_passes(void **state)
             assert_share(made.directions[i].shares[front][1], transmitted, 3e-5);
         }
     }
-    /* All of the transmitted light is straight, in the glass's colours: 16-bit shares of luminance.
+    /*
+     * All of the transmitted light is straight, in the glass's colours: 16-bit shares of luminance.
      */
     const struct orl_rgb f = orl_bsdf_eval(bsdf, direction(0, 0, -1), direction(0, 0, 1));
     for (int c = 0; c < 3; c++) {
@@ -212,7 +213,8 @@ static void a_laser_cut_panel_follows_snell(void **state)
     struct orl_bsdf_made made = panel_make(&panel);
     struct orl_bsdf *bsdf = panel_read(&made);
     (void)state;
-    /* Light from outside and above, at 40 degrees: a cell from 35 to 45, 15 degrees to either side.
+    /*
+     * Light from outside and above, at 40 degrees: a cell from 35 to 45, 15 degrees to either side.
      * Computes its mean by the first pass only; later passes (odd numbers) change its share by r^2.
      */
     double up = 0, down = 0;

@@ -53,7 +53,7 @@ static const char blind[] = "void plastic w 0 0 5 .7 .7 .7 0 0\n"
 
 struct tally {
     size_t count, within[3];
-    double squares; /* of differences in units of errors */
+    double squares; /* sum of squared differences in units of errors */
 };
 
 static void count_error(struct tally *tally, double off, double error)

@@ -58,7 +58,8 @@ static void an_even_sheet_is_four_numbers(void **state)
     }
 }
 
-/* Slabs of index 1.5, in rings of equal projected solid angle: all transmitted light is straight.
+/*
+ * Slabs of index 1.5, in rings of equal projected solid angle: all transmitted light is straight.
  */
 static void a_slab_is_fresnels_in_every_ring(void **state)
 {

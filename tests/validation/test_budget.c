@@ -21,7 +21,8 @@ enum { GLOBAL = 200000 };
 /* The gleam with photons by the plan and with many, on three threads; several cases use them. */
 static struct orl_result gleam_by_plan, gleam_of_many;
 
-/* A board of 2 % gloss on the floor in the sun; and a ball of glass, 10 cm wide, above the floor.
+/*
+ * A board of 2 % gloss on the floor in the sun; and a ball of glass, 10 cm wide, above the floor.
  */
 #define GLOSS                                                                                      \
     "void plastic f 0 0 5 .3 .3 .3 .02 .1\nf polygon gloss 0 0 12 .2 .2 .01 3.8 .2 .01 "           \
@@ -63,7 +64,8 @@ static const struct orl_map_info *map_of(const struct orl_result *r, const char 
     return NULL;
 }
 
-/* Expects equal light at each sensor within 4 joint standard errors, since 16 batches have tails.
+/*
+ * Expects equal light at each sensor within 4 joint standard errors, since 16 batches have tails.
  */
 static void expect_same_light(const struct orl_result *a, const struct orl_result *b, size_t first)
 {

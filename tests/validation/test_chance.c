@@ -100,7 +100,8 @@ static void check_not_met(const char *scene)
     orl_result_done(&r);
 }
 
-/* A ball of radius r spreads the sun's light: straight back, at a distance s, by (r / (r + 2 s))^2.
+/*
+ * A ball of radius r spreads the sun's light: straight back, at a distance s, by (r / (r + 2 s))^2.
  */
 static void a_mirror_ball(void **state)
 {

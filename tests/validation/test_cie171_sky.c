@@ -54,7 +54,8 @@ struct sky {
     char text[768]; /* sky and ground as scene text */
 };
 
-/* Makes a sky for a view north (1) or south (-1), with its low value at that sine of the altitude.
+/*
+ * Makes a sky for a view north (1) or south (-1), with its low value at that sine of the altitude.
  */
 static struct sky make_sky(int number, double towards, double sine)
 {

@@ -55,7 +55,8 @@ static void assert_within(double value, double expected, double relative)
         fail_msg("%.6g is not within %.2g of %.6g", value, relative, expected);
 }
 
-/* ---- Skies ------------------------------------------------------------------------------------
+/*
+ * ---- Skies ------------------------------------------------------------------------------------
  */
 
 /* A stratified hemisphere of 4096 rays: a smooth integrand has an error of 1e-3, an edge of the sky
@@ -111,7 +112,8 @@ static void test_sky_component(void **state)
     assert_within(lx, 0.029330 * efficacy * 7 * ORL_PI / 9, 0.01);
 }
 
-/* ---- The sun ----------------------------------------------------------------------------------
+/*
+ * ---- The sun ----------------------------------------------------------------------------------
  */
 
 /* E = DNI tau cos in the patch, tau of a lossless pane at 45 degrees; zero beside it. */
@@ -223,7 +225,8 @@ static void test_room_without_window(void **state)
     orl_result_done(&result);
 }
 
-/* ---- Interreflection --------------------------------------------------------------------------
+/*
+ * ---- Interreflection --------------------------------------------------------------------------
  */
 
 /* Exporters round: a wall whose corners differ by 0.03 mm, and so are not coplanar, is as tight. */

@@ -16,7 +16,8 @@
 
 static const struct year_site izmir = {38.42, 27.14, 2};
 
-/* Asserts within 4.5 standard errors, plus the error of bins of 3 degrees for the sky's gradient.
+/*
+ * Asserts within 4.5 standard errors, plus the error of bins of 3 degrees for the sky's gradient.
  */
 static void assert_factor(const struct orl_annual_result *year, size_t sensor, double wanted)
 {

@@ -43,7 +43,7 @@ static uint64_t count_seeds(void)
     return extent(15, 30);
 }
 
-/* Over the seeds: sums over all sensors, since they have one true value. */
+/* Sums over seeds and over all sensors, which have one true value. */
 struct told {
     double seen, told; /* relative variances about the truth */
     int covered;

@@ -44,7 +44,8 @@ static struct orl_result view_by(enum orl_technique technique, const char *scene
 static const double radiance = 20000, bulb_radius = 0.02, rounding = 1e-4;
 static const struct orl_vec3 bulbs[2] = {{1, 3.5, 2.6}, {3.3, 4.1, 2.1}}, eye = {2, 1, 1.2};
 
-/* Returns the light of the sources within a pixel and a half of a direction, times the cosine: lx.
+/*
+ * Returns the light of the sources within a pixel and a half of a direction, times the cosine: lx.
  */
 static double light_from(const struct orl_glare *glare, struct orl_vec3 direction)
 {

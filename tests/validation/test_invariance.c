@@ -21,7 +21,8 @@ static void assert_within(double value, double expected, double relative)
         fail_msg("%.6g is not within %.2g of %.6g", value, relative, expected);
 }
 
-/* ---- The same bytes ---------------------------------------------------------------------------
+/*
+ * ---- The same bytes ---------------------------------------------------------------------------
  */
 
 static void test_threads(void **state)
@@ -52,7 +53,8 @@ static void test_seeds(void **state)
     room_free_bytes(&b);
 }
 
-/* ---- The same numbers -------------------------------------------------------------------------
+/*
+ * ---- The same numbers -------------------------------------------------------------------------
  */
 
 /*
@@ -116,7 +118,8 @@ static void test_symmetry(void **state)
         assert_within(lx[i], lx[i + 1], 0.035);
 }
 
-/* ---- Windows ----------------------------------------------------------------------------------
+/*
+ * ---- Windows ----------------------------------------------------------------------------------
  */
 
 /*
@@ -191,7 +194,8 @@ static void test_light_well(void **state)
     }
 }
 
-/* ---- Keys -------------------------------------------------------------------------------------
+/*
+ * ---- Keys -------------------------------------------------------------------------------------
  */
 
 static void expect_cached(const struct scene_run *run, bool global, bool caustic)

@@ -23,7 +23,8 @@
 
 enum { LARGE = 1 << 20 };
 
-/* Returns the XML of a tree, padded with white space to the minimum size of stored BSDFs if large.
+/*
+ * Returns the XML of a tree, padded with white space to the minimum size of stored BSDFs if large.
  */
 static char *make_xml(bool large)
 {

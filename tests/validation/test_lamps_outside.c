@@ -63,7 +63,8 @@ static void run_scene(void **state, const char *scene, double ret_lx[SENSORS],
     orl_result_done(&r);
 }
 
-/* Walls of .01 add less than 1 %; twice the light, by photons and shadow rays together, is far off.
+/*
+ * Walls of .01 add less than 1 %; twice the light, by photons and shadow rays together, is far off.
  */
 static void check_glass(void **state, const char *scene)
 {

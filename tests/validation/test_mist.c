@@ -49,7 +49,8 @@ static struct orl_estimate_lx {
     return e;
 }
 
-/* ---- Furnaces ---------------------------------------------------------------------------------
+/*
+ * ---- Furnaces ---------------------------------------------------------------------------------
  */
 
 /* Two overlapping volumes with different parameters; a white plate in them. */
@@ -96,7 +97,8 @@ static void test_view(void **state)
     orl_result_done(&result);
 }
 
-/* ---- Closed forms ----------------------------------------------------------------------------
+/*
+ * ---- Closed forms ----------------------------------------------------------------------------
  */
 
 /* Half a metre above the ground, under 1.5 m of fog with separate coefficients for each channel. */
@@ -168,7 +170,8 @@ static void test_phase(void **state)
     }
 }
 
-/* ---- The rest --------------------------------------------------------------------------------
+/*
+ * ---- The rest --------------------------------------------------------------------------------
  */
 
 static void test_same_bytes(void **state)

@@ -45,7 +45,8 @@ static struct orl_result run_job(const struct run *r)
                                          .folder = r->folder});
 }
 
-/* With nothing outside, a ray that leaves needs no test: equal light to the bit, with fewer rays.
+/*
+ * With nothing outside, a ray that leaves needs no test: equal light to the bit, with fewer rays.
  */
 static void test_clear_windows(void **state)
 {
@@ -76,7 +77,8 @@ static double sun_w(void)
     return 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
 }
 
-/* All light that the coin mirrors lands: 45 degrees through a pane of 0.9 per pass, 0.9 mirrored.
+/*
+ * All light that the coin mirrors lands: 45 degrees through a pane of 0.9 per pass, 0.9 mirrored.
  */
 static void test_small_mirror(void **state)
 {
@@ -134,7 +136,8 @@ static void test_kinds_of_caustics(void **state)
     assert_true(fabs(flux[0] + flux[1] - flux[2]) < 0.03 * flux[2]);
 }
 
-/* A skip against the plan's advice: less light, but no less than the plan's bound; and a warning.
+/*
+ * A skip against the plan's advice: less light, but no less than the plan's bound; and a warning.
  */
 static void test_skips(void **state)
 {
@@ -197,7 +200,8 @@ static void test_gloss_keeps_energy(void **state)
             mean[i] += result.illuminance_lx[k] / ROOM_SENSORS;
         orl_result_done(&result);
     }
-    /* A tenth of the reflected tenth goes elsewhere: some per cent at a sensor, less in the mean.
+    /*
+     * A tenth of the reflected tenth goes elsewhere: some per cent at a sensor, less in the mean.
      */
     assert_true(fabs(mean[0] - mean[1]) < 0.05 * mean[1]);
 }

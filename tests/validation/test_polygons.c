@@ -59,7 +59,8 @@ static void test_either_winding(void **state)
     }
 }
 
-/* The triangles differ, and with them the samples: results are equal within the noise of 256 rays.
+/*
+ * The triangles differ, and with them the samples: results are equal within the noise of 256 rays.
  */
 static void test_other_seams(void **state)
 {

@@ -84,7 +84,8 @@ static unsigned char *picture_of(struct scene_run run, const char *folder,
     return scene_read_bytes(scratch_path(picture), ret_size);
 }
 
-/* Sensors have the same bytes as in a job without views, and the picture as in one without sensors.
+/*
+ * Sensors have the same bytes as in a job without views, and the picture as in one without sensors.
  */
 static void test_results_are_those_of_separate_jobs(void **state)
 {

@@ -241,7 +241,8 @@ static double skybright(const struct orl_sky *sky, struct orl_vec3 d)
                    a[2]);
 }
 
-/* Returns the irradiance from the sky above the horizon, on a plane of that normal; by midpoints.
+/*
+ * Returns the irradiance from the sky above the horizon, on a plane of that normal; by midpoints.
  */
 static double irradiance(const struct orl_sky *sky, struct orl_vec3 normal)
 {

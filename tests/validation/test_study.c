@@ -37,7 +37,7 @@ static double now_s(void *ctx)
 struct witness {
     atomic_bool cancel;
     size_t calls, points, cancel_after, runs;
-    struct orl_health health; /* of all runs */
+    struct orl_health health; /* counters summed over all runs */
     double last;
     bool fell;
 };

@@ -22,7 +22,8 @@
 /* In front of the point: an endless wall in the west; and the equivalent wall for rotated north. */
 #define WALL_WEST "w polygon wall 0 0 12 -.1 -1e5 -1e5 -.1 1e5 -1e5 -.1 1e5 1e5 -.1 -1e5 1e5\n"
 #define WALL_SOUTH "w polygon wall 0 0 12 -1e5 -.1 -1e5 1e5 -.1 -1e5 1e5 -.1 1e5 -1e5 -.1 1e5\n"
-/* A roof above the point, that covers profile angles up to 36 degrees from the south. */
+/* A roof above the point that ends in the south at a profile angle of 36 degrees, and covers higher
+ * angles. */
 #define ROOF "w polygon roof 0 0 12 -1e5 1e5 1 1e5 1e5 1 1e5 -1.37638 1 -1e5 -1.37638 1\n"
 
 struct site {
@@ -136,7 +137,8 @@ static void test_south(void **state)
     assert_true(fabs(e.hours - day_hours(-LATITUDE, 264, 0)) < minute);
 }
 
-/* The wall hides half of the day, since the sun is in the east until noon; also with rotated north.
+/*
+ * The wall hides half of the day, since the sun is in the east until noon; also with rotated north.
  */
 static void test_wall(void **state)
 {

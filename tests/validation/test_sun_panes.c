@@ -102,7 +102,7 @@ static void an_absdfs_patch_is_sharp(void **state)
     }
 }
 
-/* The same data as BSDF: a cell 5 degrees wide blurs the patch's border by 15 cm and more. */
+/* As BSDF instead of aBSDF: a cell 5 degrees wide blurs the patch's border by 15 cm and more. */
 static void a_bsdfs_patch_is_blurred(void **state)
 {
     double lx[SENSORS];
@@ -168,9 +168,9 @@ static void a_narrow_lobe_is_found_in_mid_air(void **state)
 }
 
 /*
- * The same pane alone, and sensors that face the sun at a slant: it is no window of a room, but its
- * lobe is sampled all the same. Of uniform rays alone one in a thousand hit it: a seed was off by
- * eight times the truth.
+ * A pane alone with those data, and sensors that face the sun at a slant: it is no window of a
+ * room, but its lobe is sampled all the same. Of uniform rays alone one in a thousand hit it: a
+ * seed was off by eight times the truth.
  */
 static void a_pane_that_stands_free_is_aimed_at(void **state)
 {
