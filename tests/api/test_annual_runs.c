@@ -123,8 +123,7 @@ static void test_goes_on_after_a_kill(void **state)
     daemon_restart(&f->daemon, NULL);
     assert_true(first_percent(f, job) >= 100.0 * 3 * BLOCK / MANY);
     wait_for_blocks(f, 5);
-    assert_int_equal(daemon_end(&f->daemon, SIGTERM),
-                     0); /* an orderly stop, which does not count as an attempt */
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0); /* orderly: no attempt */
     daemon_restart(&f->daemon, NULL);
     assert_true(first_percent(f, job) >= 100.0 * 5 * BLOCK / MANY);
     year_room_expect(f, job, "succeeded", 2, &reply);

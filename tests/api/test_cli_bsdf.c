@@ -212,8 +212,8 @@ static void measurements_become_a_file(void **state)
     assert_int_equal(json_unpack(json, "{s:{s:{s:{s:f}}}}", "components", "reflection_front",
                                  "diffuse", "value", &total),
                      0);
-    assert_true(fabs(total - 0.6) <
-                0.003); /* values have five digits; sums are accurate to 0.5 % */
+    /* Values have five digits; sums are accurate to 0.5 %. */
+    assert_true(fabs(total - 0.6) < 0.003);
     json_decref(json);
     check_bsdf(xml, NULL);
     assert_int_equal(result.exit_code, 0);

@@ -219,8 +219,7 @@ static void test_removal_of_orphans(void **state)
     storage_run_sql(&f->daemon, "DELETE FROM jobs");
     assert_true(orphans_after_start(&f->daemon, "0") > 0); /* moved aside by this start */
     storage_run_sql(&f->daemon, "UPDATE data_folder SET wall_ms = wall_ms - 90 * 86400000");
-    assert_true(orphans_after_start(&f->daemon, "30") >
-                0); /* the wall clock has jumped by 90 days */
+    assert_true(orphans_after_start(&f->daemon, "30") > 0); /* wall clock: +90 days */
     storage_run_sql(&f->daemon, "UPDATE data_folder SET retained_ms = retained_ms + 31 * 86400000");
     assert_int_equal(orphans_after_start(&f->daemon, "30"), 0);
 }

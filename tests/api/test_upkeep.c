@@ -195,8 +195,7 @@ static void test_backup(void **state)
     snprintf(arguments, sizeof arguments, "backup %s", copy.root);
     if (run_orield(arguments, f->daemon.root, said, sizeof said) != 0)
         fail_msg("%s", said);
-    assert_int_equal(run_orield(arguments, f->daemon.root, said, sizeof said),
-                     1); /* the target exists */
+    assert_int_equal(run_orield(arguments, f->daemon.root, said, sizeof said), 1); /* it exists */
     assert_int_equal(run_orield("scrub", copy.root, said, sizeof said), 0);
     daemon_cancel(&f->daemon, running, &reply);
     reply_done(&reply);

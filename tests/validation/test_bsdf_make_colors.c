@@ -362,8 +362,8 @@ static void conversions_keep_colour_or_say_so(void **state)
     const struct orl_bsdf_comparison c = compared(tree, gray);
     assert_true(c.colored[0] && !c.colored[1]);
     const double luma = orl_luma((struct orl_rgb){0.54, 0.36, 0.18});
-    assert_close(c.of[0][1].color.albedo_worst, luma - 0.18,
-                 0.005); /* blue differs most of the three */
+    /* Blue has the largest difference of the three. */
+    assert_close(c.of[0][1].color.albedo_worst, luma - 0.18, 0.005);
     assert_true(fabs(c.of[0][1].albedo_worst) < 1e-5);
     orl_bsdf_unref(gray);
     orl_bsdf_unref(tree);

@@ -274,8 +274,8 @@ static double largest_jump(double stride_m)
 
 /*
  * For a continuous function, differences vanish with the distance; a step of 1 % would remain. Over
- * 2 mm, a fiftieth of the distance between records (32 photons each), the light may change by 1 %,
- * and by a tenth of it over 0.2 mm.
+ * 2 mm, a fiftieth of the distance between records (32 photons each), the light may change by a
+ * fiftieth, and by a tenth of that over 0.2 mm.
  */
 static void test_no_steps(void **state)
 {
