@@ -1,4 +1,4 @@
-/* Who gets in: tokens and their scopes, TLS, and what is refused at start. */
+/* Access control: tokens and their scopes, TLS, and configurations that are refused at start. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,8 +24,8 @@ struct fixture {
     char scene[65];
 };
 
-/* Runs `orield ARGUMENTS`; its exit status, and what it says, on either stream. */
-static int run(const char *arguments, char *ret_said, size_t size)
+/* Runs `orield ARGUMENTS`; returns its exit status, and its output on either stream. */
+static int run_orield(const char *arguments, char *ret_said, size_t size)
 {
     char command[600];
     const char *build = getenv("ORIEL_BUILD");
@@ -43,7 +43,7 @@ static void token(const struct daemon *daemon, const char *arguments, char *ret_
 {
     char line[300];
     snprintf(line, sizeof line, "token %s --data %s", arguments, daemon->root);
-    if (run(line, ret_said, size) != 0)
+    if (run_orield(line, ret_said, size) != 0)
         fail_msg("orield %s: %s", line, ret_said);
     ret_said[strcspn(ret_said, "\n")] = '\0';
 }
@@ -58,13 +58,13 @@ static void make_token(const struct daemon *daemon, const char *name, const char
     snprintf(ret_header, 128, "Authorization: Bearer %.90s", said);
 }
 
-/* The room uploaded while no token was asked for; then the same folder with tokens, on HTTPS. */
+/* Uploads the room without tokens; then restarts on the same folder with tokens and HTTPS. */
 static int setup(void **state)
 {
     static struct fixture f;
     daemon_start(&f.daemon, NULL);
     daemon_upload_room(&f.daemon, f.scene);
-    make_token(&f.daemon, "dashboard", "read", f.read); /* beside the daemon that runs */
+    make_token(&f.daemon, "dashboard", "read", f.read); /* while the daemon runs */
     assert_int_equal(daemon_end(&f.daemon, SIGTERM), 0);
     make_token(&f.daemon, "design.tool", "submit", f.submit);
     snprintf(f.cert, sizeof f.cert, "%s/cert.pem", f.daemon.root);
@@ -84,7 +84,7 @@ static int teardown(void **state)
     return 0;
 }
 
-/* Expects a problem of that type, with a challenge that has part in it. */
+/* Expects a problem of that type, and a challenge that contains `part`. */
 static void expect(struct fixture *f, const char *method, const char *path, const char *body,
                    const char *header, long status, const char *type, const char *part)
 {
@@ -132,7 +132,7 @@ static void test_wrong_tokens(void **state)
     };
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         expect(f, "GET", "/v1/jobs", NULL, others[i], 401, "unauthorized", "realm");
-    /* One character of the secret, the first or the last, or one too many. */
+    /* Changes the first or the last character of the secret, or adds one. */
     snprintf(wrong, sizeof wrong, "%s", f->read);
     char *last = wrong + strlen(wrong) - 1;
     *last = *last == 'A' ? 'B' : 'A';
@@ -171,8 +171,8 @@ static size_t count_jobs(struct fixture *f)
     return count;
 }
 
-/* Without a token, with one that may only read, and with a good one over plain HTTP there is no
- * job; with that over TLS there is. */
+/* Without a token, with a read-only token, and with a good one over plain HTTP no job is created;
+ * with a good one over TLS a job is. */
 static void test_jobs_that_are_refused(void **state)
 {
     struct fixture *f = *state;
@@ -191,14 +191,14 @@ static void test_jobs_that_are_refused(void **state)
     assert_int_equal(count_jobs(f), before + 1);
 }
 
-/* One operation of the contract: open, or asking for the scope that it says. */
+/* Checks one operation of the contract: it is open, or requires the stated scope. */
 static void check_operation(struct fixture *f, const char *path, const char *verb,
                             const char *scope)
 {
     const bool open = !*scope, reads = strcmp(scope, "read") == 0;
     const bool submits = strcmp(scope, "submit") == 0;
     struct reply reply;
-    if (strcmp(path, "/v1/events") == 0) /* which has no end */
+    if (strcmp(path, "/v1/events") == 0) /* it has no end */
         verb = "HEAD";
     assert_true(open || reads || submits || strcmp(scope, "admin") == 0);
     daemon_request(&f->daemon, verb, path, NULL, NULL, 0, NULL, &reply);
@@ -216,7 +216,7 @@ static void check_operation(struct fixture *f, const char *path, const char *ver
     reply_done(&reply);
 }
 
-/* "  /v1/jobs/{id}:" as a path, with 0 for each parameter. */
+/* Converts "  /v1/jobs/{id}:" to a path with 0 for each parameter. */
 static void path_of(const char *line, char ret_path[128])
 {
     snprintf(ret_path, 128, "%.*s", (int)strlen(line) - 3, line + 2);
@@ -228,7 +228,7 @@ static void path_of(const char *line, char ret_path[128])
     }
 }
 
-/* Every operation asks for the scope that the contract states, and for none where that is open. */
+/* Every operation requires the scope that the contract states, and none if it is open. */
 static void test_contract_states_scopes(void **state)
 {
     struct fixture *f = *state;
@@ -268,10 +268,10 @@ static void test_removed_at_once(void **state)
     expect(f, "GET", "/v1/jobs", NULL, header, 401, "unauthorized", "invalid_token");
     char line[300];
     snprintf(line, sizeof line, "token list --data %s", f->daemon.root);
-    assert_int_equal(run(line, said, sizeof said), 0);
+    assert_int_equal(run_orield(line, said, sizeof said), 0);
     assert_non_null(strstr(said, "dashboard"));
     assert_null(strstr(said, "visitor"));
-    /* Nothing in the folder holds a secret. */
+    /* No file in the folder contains a secret. */
     snprintf(line, sizeof line, "! grep -rqF -e '%s' %s", strrchr(f->read, ' ') + 24,
              f->daemon.root);
     assert_int_equal(system(line), 0);
@@ -298,13 +298,13 @@ static void test_token_command_line(void **state)
         char line[200], said[4000];
         snprintf(line, sizeof line, "token %s %s %s", cases[i].arguments,
                  cases[i].status == 1 ? "--data" : "", cases[i].status == 1 ? f->daemon.root : "");
-        const int status = run(line, said, sizeof said);
+        const int status = run_orield(line, said, sizeof said);
         if (status != cases[i].status)
             fail_msg("orield %s ended with %d: %s", line, status, said);
     }
 }
 
-/* The command sends $ORIEL_TOKEN, and says what is wrong without. */
+/* The command sends $ORIEL_TOKEN, and its error message names the problem without it. */
 static void test_command_sends_its_token(void **state)
 {
     struct fixture *f = *state;
@@ -319,20 +319,20 @@ static void test_command_sends_its_token(void **state)
     assert_int_equal(system(command), 0);
 }
 
-/* Whoever speaks plain HTTP to it gets nothing. */
+/* Plain HTTP to the TLS port gets no answer. */
 static void test_plain_http_gets_nothing(void **state)
 {
     struct fixture *f = *state;
     char command[200];
     snprintf(command, sizeof command, "! curl -s -m 10 http://%s/healthz", f->daemon.url + 8);
     assert_int_equal(system(command), 0);
-    /* ... nor who speaks a TLS of the past. */
+    /* TLS 1.1 gets no answer either. */
     snprintf(command, sizeof command, "! curl -sk -m 10 --tls-max 1.1 https://%s/healthz",
              f->daemon.url + 8);
     assert_int_equal(system(command), 0);
 }
 
-/* What would be unsafe does not start, and says why. */
+/* An unsafe configuration does not start, and the message gives the reason. */
 static void test_refused_at_start(void **state)
 {
     struct fixture *f = *state;
@@ -353,26 +353,27 @@ static void test_refused_at_start(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         snprintf(line, sizeof line, "--data %s --port 0 %s", data, cases[i].arguments);
-        const int status = run(line, said, sizeof said);
+        const int status = run_orield(line, said, sizeof said);
         if (status != cases[i].status || !strstr(said, cases[i].says))
             fail_msg("orield %s ended with %d: %s", line, status, said);
     }
-    /* TLS alone does not make a public address. */
+    /* TLS alone does not permit a public address. */
     snprintf(line, sizeof line, "--data %s --listen 0.0.0.0:0 --tls-cert %s --tls-key %s", data,
              f->cert, f->key);
-    assert_int_equal(run(line, said, sizeof said), 1);
+    assert_int_equal(run_orield(line, said, sizeof said), 1);
     assert_non_null(strstr(said, "no access tokens yet"));
     chmod(f->key, 0644);
     snprintf(line, sizeof line, "--data %s --port 0 --tls-cert %s --tls-key %s", data, f->cert,
              f->key);
-    assert_int_equal(run(line, said, sizeof said), 1);
+    assert_int_equal(run_orield(line, said, sizeof said), 1);
     assert_non_null(strstr(said, "everyone on this machine can read"));
     chmod(f->key, 0600);
     snprintf(line, sizeof line, "rm -r %s", data);
     assert_int_equal(system(line), 0);
 }
 
-/* Behind a proxy: loopback, any Host, tokens all the same. And one address has its share only. */
+/* Behind a proxy: loopback, any Host, and tokens are still required. One address has only its
+ * share. */
 static void test_behind_a_proxy(void **state)
 {
     struct fixture *f = *state;

@@ -1,4 +1,4 @@
-/* One stream for all jobs: what it says, whom it is about, where it goes on, and slow readers. */
+/* The event stream of all jobs: its events, filters, resumption, and slow readers. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,12 +23,12 @@ struct stream {
     int fd;
     size_t size;
     bool ended;
-    char text[1 << 22]; /* all of it, NUL added */
+    char text[1 << 22]; /* the whole stream, NUL-terminated */
 };
 
-/* HTTP/1.0, so that the body comes as it is, until the connection closes. */
-static void begin(const struct daemon *daemon, const char *query, const char *last_id,
-                  struct stream *ret_stream)
+/* Uses HTTP/1.0, so that the body is sent unchanged until the connection closes. */
+static void open_stream(const struct daemon *daemon, const char *query, const char *last_id,
+                        struct stream *ret_stream)
 {
     char request[600];
     memset(ret_stream, 0, sizeof *ret_stream);
@@ -39,8 +39,8 @@ static void begin(const struct daemon *daemon, const char *query, const char *la
     assert_int_equal(write(ret_stream->fd, request, (size_t)size), size);
 }
 
-/* More of it; false when there was none for so long, or never will be. */
-static bool more(struct stream *stream, int patience_ms)
+/* Reads more; returns false if nothing came in that time, or the stream has ended. */
+static bool read_more(struct stream *stream, int patience_ms)
 {
     struct pollfd fd = {stream->fd, POLLIN, 0};
     assert_true(stream->size + 1 < sizeof stream->text);
@@ -57,18 +57,18 @@ static bool more(struct stream *stream, int patience_ms)
 static void until(struct stream *stream, const char *wanted)
 {
     while (!strstr(stream->text, wanted))
-        if (!more(stream, PATIENCE_MS))
+        if (!read_more(stream, PATIENCE_MS))
             fail_msg("no '%s' after '%s'", wanted, stream->text);
 }
 
 static void until_end(struct stream *stream)
 {
     while (!stream->ended)
-        if (!more(stream, PATIENCE_MS))
+        if (!read_more(stream, PATIENCE_MS))
             fail_msg("no end after %zu bytes", stream->size);
 }
 
-/* The last event's id. */
+/* Returns the last event's id. */
 static void last_id(const struct stream *stream, char ret_id[60])
 {
     const char *last = NULL;
@@ -78,7 +78,7 @@ static void last_id(const struct stream *stream, char ret_id[60])
     snprintf(ret_id, 60, "%.*s", (int)strcspn(last, "\n"), last);
 }
 
-static int count(const char *text, const char *part)
+static int count_occurrences(const char *text, const char *part)
 {
     int found = 0;
     for (; (text = strstr(text, part)); text++)
@@ -86,7 +86,7 @@ static int count(const char *text, const char *part)
     return found;
 }
 
-/* A small job with those members. */
+/* Submits a small job with those members. */
 static void submit(struct daemon_room *room, const char *members, int seed, char ret_id[40])
 {
     char text[1200];
@@ -102,7 +102,7 @@ static void submit(struct daemon_room *room, const char *members, int seed, char
     reply_done(&reply);
 }
 
-static void finish(struct daemon_room *room, const char *id)
+static void wait_for_end(struct daemon_room *room, const char *id)
 {
     char path[80];
     struct reply reply;
@@ -121,20 +121,20 @@ static void removed(struct daemon_room *room, const char *id)
     reply_done(&reply);
 }
 
-/* From the first word to the last: new, running, cancelling, cancelled, removed. */
+/* The stream has all states of a job: new, running, cancelling, cancelled, removed. */
 static void test_a_life(void **state)
 {
     static struct stream stream;
     struct daemon_room *room = *state;
     struct reply reply;
     char path[80], wanted[120], id[40];
-    begin(&room->daemon, "", NULL, &stream);
+    open_stream(&room->daemon, "", NULL, &stream);
     until(&stream, "event: reset\ndata: {}\n\n");
     assert_non_null(strstr(stream.text, "Content-Type: text/event-stream"));
     daemon_submit(&room->daemon, room->scene, MANY_PHOTONS, 1, NULL, path);
     snprintf(id, sizeof id, "%.32s", path + strlen("/v1/jobs/"));
     until(&stream, "\"state\":\"running\"");
-    until(&stream, "\"stage\":\"photons\""); /* as it goes on, without a change of state */
+    until(&stream, "\"stage\":\"photons\""); /* progress without a change of state */
     daemon_cancel(&room->daemon, path, &reply);
     reply_done(&reply);
     until(&stream, "\"state\":\"cancelling\"");
@@ -154,23 +154,23 @@ static void test_filters(void **state)
     static struct stream all, tagged, one;
     struct daemon_room *room = *state;
     char ids[3][40], query[100];
-    begin(&room->daemon, "", NULL, &all);
-    begin(&room->daemon, "?tag=x%20y&tag=z", NULL, &tagged);
+    open_stream(&room->daemon, "", NULL, &all);
+    open_stream(&room->daemon, "?tag=x%20y&tag=z", NULL, &tagged);
     until(&all, "event: reset");
     until(&tagged, "event: reset");
     submit(room, "\"name\":\"a\",\"tags\":[\"x y\",\"z\"]", 1, ids[0]);
     submit(room, "\"name\":\"b\",\"tags\":[\"x y\"]", 2, ids[1]);
     snprintf(query, sizeof query, "?job=%.8s&job=0000", ids[1]);
-    begin(&room->daemon, query, NULL, &one);
+    open_stream(&room->daemon, query, NULL, &one);
     until(&one, "event: reset");
     submit(room, "\"name\":\"c\"", 3, ids[2]);
     for (int i = 0; i < 3; i++)
-        finish(room, ids[i]);
+        wait_for_end(room, ids[i]);
     for (int i = 0; i < 3; i++)
         removed(room, ids[i]);
     until(&all, "event: removed");
-    while (count(all.text, "event: removed") < 3)
-        assert_true(more(&all, PATIENCE_MS));
+    while (count_occurrences(all.text, "event: removed") < 3)
+        assert_true(read_more(&all, PATIENCE_MS));
     until(&tagged, "event: removed");
     until(&one, "event: removed");
     assert_non_null(strstr(tagged.text, ids[0]));
@@ -186,69 +186,73 @@ static void test_filters(void **state)
     close(one.fd);
 }
 
-/* Behind what was seen last, with what has come since, each job's latest; nothing twice. */
+/*
+ * A resumed stream continues after the last event seen, with each job's latest event, none twice.
+ */
 static void test_goes_on(void **state)
 {
     static struct stream stream;
     struct daemon_room *room = *state;
     char first[40], second[40], id[60], later[60];
-    begin(&room->daemon, "", NULL, &stream);
+    open_stream(&room->daemon, "", NULL, &stream);
     until(&stream, "event: reset");
     submit(room, "", 1, first);
     until(&stream, "\"state\":\"succeeded\"");
     last_id(&stream, id);
     close(stream.fd);
     submit(room, "", 2, second);
-    finish(room, second);
-    begin(&room->daemon, "", id, &stream);
+    wait_for_end(room, second);
+    open_stream(&room->daemon, "", id, &stream);
     until(&stream, second);
     until(&stream, "\"state\":\"succeeded\"");
     assert_null(strstr(stream.text, "reset"));
     assert_null(strstr(stream.text, first));
-    assert_int_equal(count(stream.text, "event: job"), 1);
+    assert_int_equal(count_occurrences(stream.text, "event: job"), 1);
     last_id(&stream, later);
     close(stream.fd);
-    /* Nothing new: nothing comes. */
-    begin(&room->daemon, "", later, &stream);
+    /* Without news no event comes. */
+    open_stream(&room->daemon, "", later, &stream);
     while (!strstr(stream.text, "\r\n\r\n"))
-        assert_true(more(&stream, PATIENCE_MS));
-    more(&stream, 600);
+        assert_true(read_more(&stream, PATIENCE_MS));
+    read_more(&stream, 600);
     assert_null(strstr(stream.text, "event: "));
     close(stream.fd);
-    /* Ids that are none of this daemon's. */
+    /* Ids that this daemon has not issued. */
     static const char *const strange[] = {"x", "0123456789abcdef-1", "-", "0-0"};
     char changed[80];
     for (size_t i = 0; i < 4; i++) {
-        begin(&room->daemon, "", strange[i], &stream);
+        open_stream(&room->daemon, "", strange[i], &stream);
         until(&stream, "event: reset");
         close(stream.fd);
     }
-    snprintf(changed, sizeof changed, "%s999999", later); /* of the future */
-    begin(&room->daemon, "", changed, &stream);
+    snprintf(changed, sizeof changed, "%s999999", later); /* an id in the future */
+    open_stream(&room->daemon, "", changed, &stream);
     until(&stream, "event: reset");
     close(stream.fd);
-    /* Another start knows nothing of what was before. */
+    /* A restarted daemon has no events of before. */
     assert_int_equal(daemon_end(&room->daemon, SIGTERM), 0);
     daemon_restart(&room->daemon, NULL);
-    begin(&room->daemon, "", later, &stream);
+    open_stream(&room->daemon, "", later, &stream);
     until(&stream, "event: reset");
     close(stream.fd);
 }
 
-/* The end of the daemon is the end of the stream. */
+/* The stream ends when the daemon ends. */
 static void test_ends_with_the_daemon(void **state)
 {
     static struct stream stream;
     struct daemon_room *room = *state;
-    begin(&room->daemon, "", NULL, &stream);
+    open_stream(&room->daemon, "", NULL, &stream);
     until(&stream, "event: reset");
     assert_int_equal(daemon_end(&room->daemon, SIGTERM), 0);
     until_end(&stream);
     daemon_restart(&room->daemon, NULL);
 }
 
-/* More jobs come and end than the daemon keeps events of, and one reader does not read: it is cut
- * off or catches up, others hear all meanwhile, and where it left off is known no more. */
+/*
+ * More jobs start and end than the daemon keeps events of, while one reader does not read. It is
+ * cut off or catches up, others receive all events meanwhile, and its last id is no longer known.
+ */
 static void test_slow_reader(void **state)
 {
     static struct stream slow, quick;
@@ -256,15 +260,15 @@ static void test_slow_reader(void **state)
     char id[40], seen[60], name[600];
     struct reply reply;
     char blocker[80];
-    submit(room, "\"accuracy\":{\"deadline_s\":600}", 1, id); /* of no map that would grow */
+    submit(room, "\"accuracy\":{\"deadline_s\":600}", 1, id); /* a job without a growing map */
     snprintf(blocker, sizeof blocker, "/v1/jobs/%.32s", id);
     daemon_wait_running(&room->daemon, blocker, -1);
-    begin(&room->daemon, "", NULL, &quick);
+    open_stream(&room->daemon, "", NULL, &quick);
     until(&quick, "event: reset");
     last_id(&quick, seen);
-    begin(&room->daemon, "", NULL, &slow);
+    open_stream(&room->daemon, "", NULL, &slow);
     until(&slow, "event: reset");
-    /* Long names, so that few events fill the bound. */
+    /* Long names, so that few events reach the limit. */
     size_t at = (size_t)snprintf(name, sizeof name, "\"name\":\"");
     for (int i = 0; i < 100; i++)
         at += (size_t)snprintf(name + at, sizeof name - at, "\xf0\x9f\x8c\x9e");
@@ -275,8 +279,8 @@ static void test_slow_reader(void **state)
         snprintf(path, sizeof path, "/v1/jobs/%.32s", id);
         daemon_cancel(&room->daemon, path, &reply);
         reply_done(&reply);
-        quick.size = 0; /* reads on, and forgets */
-        while (more(&quick, 0) && quick.size + (1 << 16) < sizeof quick.text)
+        quick.size = 0; /* reads on, and drops the text */
+        while (read_more(&quick, 0) && quick.size + (1 << 16) < sizeof quick.text)
             continue;
     }
     assert_false(quick.ended);
@@ -284,11 +288,11 @@ static void test_slow_reader(void **state)
     quick.text[0] = '\0';
     submit(room, "\"name\":\"last\"", 1, id);
     until(&quick, id);
-    /* What lies in sockets is still to come; then its end, unless all of it has lain there. */
+    /* The sockets' buffers still arrive; then the end, unless the buffers held everything. */
     while (!slow.ended && !strstr(slow.text, id))
-        assert_true(more(&slow, PATIENCE_MS));
+        assert_true(read_more(&slow, PATIENCE_MS));
     close(slow.fd);
-    begin(&room->daemon, "", seen, &slow); /* from where it was: that is gone */
+    open_stream(&room->daemon, "", seen, &slow); /* resumes at an id that has been dropped */
     until(&slow, "event: reset");
     close(slow.fd);
     close(quick.fd);

@@ -1,4 +1,4 @@
-/* Years through a real daemon: the command's bytes, files in folders, what others use again. */
+/* Annual jobs through a real daemon: bytes equal to the command's, files in folders, and caches. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 
 #define WISHES "\"targets\":[\"sDA300/50 of the desks >= 1 %\"],\"rules\":[\"EN 17037 minimum\"],"
 
-/* ---- The command's bytes --------------------------------------------------------------------- */
+/* ---- Bytes equal to the command's ------------------------------------------------------------ */
 
 static const char document[] =
     "{\"kind\":\"annual\",\"title\":\"A "
@@ -38,8 +38,8 @@ static json_t *load(const char *folder)
     return result;
 }
 
-/* Of all files that the result names; and result.json itself but for times and threads, and what a
- * run found ready. */
+/* Asserts that all files named by the result are equal, and result.json except times, threads and
+ * cache hits. */
 static void assert_same_files(const char *a, const char *b, size_t least)
 {
     json_t *one = load(a), *other = load(b);
@@ -81,7 +81,7 @@ static void check_status(struct year_room *f, const char *id)
     assert_true(reply_number(&reply, "annual.verdicts.3.interval_95.1") >=
                 reply_number(&reply, "annual.verdicts.3.value"));
     assert_true(json_is_null(reply_at(&reply, "annual.verdicts.0.value")));
-    /* Behind both, what each target of the rule comes to. */
+    /* After both, the result of each target of the rule. */
     assert_string_equal(reply_text(&reply, "annual.verdicts.4.rule"), "EN 17037 minimum");
     assert_string_equal(reply_text(&reply, "annual.verdicts.4.unit"), "%");
     assert_true(reply_number(&reply, "annual.verdicts.4.value") >= 0);
@@ -92,7 +92,8 @@ static void check_status(struct year_room *f, const char *id)
     reply_done(&reply);
 }
 
-/* Verdicts as the command prints them, all lines but the last, which is the result's path. */
+/* Asserts the verdicts as the command prints them: all lines but the last, which is the result's
+ * path. */
 static void assert_has_lines(const char *text, const char *lines)
 {
     int count = 0;
@@ -149,8 +150,8 @@ static void test_bytes_are_the_commands(void **state)
     free(weather);
 }
 
-/* Files of a shade's state, and what these refer to, travel with the scene; the daemon's year is
- * the command's, and can be repeated. */
+/* Files of a shade's state, and files that these refer to, are sent with the scene. The daemon's
+ * year equals the command's, and is repeatable. */
 static void test_shades_travel(void **state)
 {
     static const char text[] =
@@ -193,8 +194,7 @@ static void test_shades_travel(void **state)
     free(weather);
 }
 
-/* Files in folders have slashes in their names, which the links spell out; nothing else is there.
- */
+/* Files in folders have slashes in their names, which the links escape; no other file exists. */
 static void test_files_in_folders(void **state)
 {
     struct year_room *f = *state;
@@ -222,8 +222,7 @@ static void test_files_in_folders(void **state)
     reply_done(&job);
 }
 
-/* ---- What others use again --------------------------------------------------------------------
- */
+/* ---- Caches ---------------------------------------------------------------------------------- */
 
 static void fetch_result(struct year_room *f, const char *rest, struct reply *ret_reply)
 {
@@ -237,8 +236,7 @@ static void fetch_result(struct year_room *f, const char *rest, struct reply *re
     assert_int_equal(ret_reply->status, 200);
 }
 
-/* Of what was uploaded those files are inputs that the year was made from, though the scene was
- * loaded by the job before. */
+/* The inputs are the uploaded files that the year used, though an earlier job loaded the scene. */
 static void check_inputs(const struct reply *result, const char *weather)
 {
     assert_int_equal(json_array_size(reply_at(result, "provenance.inputs")), 3);
@@ -272,7 +270,7 @@ static void test_another_weather_casts_no_ray(void **state)
                 reply_number(&other, "grids.0.figures.2.value"));
     reply_done(&first);
     reply_done(&other);
-    /* They can be looked at and removed as maps can; then they are made again. */
+    /* Cached data can be listed and removed as maps can; then it is computed again. */
     daemon_get(&f->daemon, "/v1/maps", &maps);
     assert_int_equal(json_array_size(reply_at(&maps, "maps")), 4);
     for (int i = 0; i < 4; i++) {

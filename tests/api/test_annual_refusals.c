@@ -1,4 +1,5 @@
-/* Years that a daemon refuses: mistakes by file and line, bounds, memory, what does not fit a year.
+/*
+ * Annual jobs that a daemon refuses: mistakes by file and line, bounds, memory, unsupported scenes.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -71,7 +72,7 @@ static void test_mistakes_are_named(void **state)
     }
 }
 
-/* A map is drawn of every metric of every grid: so many and no more. */
+/* The maps drawn, one for every metric of every grid, are limited in number. */
 static void test_pictures_are_bounded(void **state)
 {
     enum { GRIDS_OF_ONE = 410, METRICS = 10 };
@@ -94,8 +95,8 @@ static void test_pictures_are_bounded(void **state)
     free(text);
 }
 
-/* What is kept of every hour of every sensor is counted once sensors and hours are. */
-/* Says that a year takes too much memory, and for what. */
+/* Results kept for every hour of every sensor are counted once sensors and hours are known. */
+/* Asserts a refusal for too much memory, with its cause. */
 static void assert_too_much(struct year_room *f, const char *members, int sensors,
                             const char *wanted)
 {
@@ -152,7 +153,7 @@ static void test_a_sky_of_its_own_is_refused(void **state)
     reply_done(&reply);
 }
 
-/* What only the run finds out fails the job, and says why. */
+/* A problem that only the run finds fails the job, with the reason. */
 static void test_what_a_year_does_not_follow(void **state)
 {
     static const char lens[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE

@@ -1,4 +1,6 @@
-/* Years on their way: progress, cancelling, restarts that go on, what jobs share. */
+/*
+ * Annual jobs in progress: progress, cancelling, restarts that continue, and data shared by jobs.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,12 +16,12 @@
 #include "support/patience.h"
 #include "support/year_room.h"
 
-/* ---- Long ones ------------------------------------------------------------------------------- */
+/* ---- Long jobs ------------------------------------------------------------------------------- */
 
 #define PATHS "1024"
 enum { MANY = 640, BLOCK = 64 };
 
-/* Ten blocks of sensors. */
+/* Returns a document of ten blocks of sensors. */
 static char *make_long(const char *more)
 {
     char *text = malloc(MANY * 40 + 400);
@@ -35,10 +37,11 @@ static char *make_long(const char *more)
     return text;
 }
 
-/* Until so many blocks are kept. */
+/* Waits until that many blocks are stored. */
 static void wait_for_blocks(struct year_room *f, size_t blocks)
 {
-    /* The key; of each block its rows and a note that they are whole; rows of the next. */
+    /* The files: the key; for each block its rows and a note that they are complete; rows of the
+     * next. */
     for (double until = patience_until();
          daemon_count_files(&f->daemon, "partial") < 2 * blocks + 2;)
         if (!patience_nap(until))
@@ -71,7 +74,7 @@ static void test_progress_and_cancelling(void **state)
     free(text);
 }
 
-/* The digests of a job's files, result.json left out, in a new array. */
+/* Returns the digests of a job's files except result.json, in a new array. */
 static json_t *digests(struct year_room *f, const char *job)
 {
     struct reply reply;
@@ -89,7 +92,9 @@ static json_t *digests(struct year_room *f, const char *job)
     return list;
 }
 
-/* The first that a poll sees of the rows: what was kept is not done again. */
+/*
+ * Returns the first progress of the rows that a poll reports: stored rows are not computed again.
+ */
 static double first_percent(struct year_room *f, const char *job)
 {
     struct reply reply;
@@ -118,13 +123,13 @@ static void test_goes_on_after_a_kill(void **state)
     daemon_restart(&f->daemon, NULL);
     assert_true(first_percent(f, job) >= 100.0 * 3 * BLOCK / MANY);
     wait_for_blocks(f, 5);
-    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0); /* in good order, which is no attempt */
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0); /* orderly: no attempt */
     daemon_restart(&f->daemon, NULL);
     assert_true(first_percent(f, job) >= 100.0 * 5 * BLOCK / MANY);
     year_room_expect(f, job, "succeeded", 2, &reply);
     reply_done(&reply);
     assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
-    /* The same in one go. */
+    /* Runs the job again without interruption. */
     year_room_submit(f, text, again);
     year_room_expect(f, again, "succeeded", 1, &reply);
     reply_done(&reply);
@@ -135,7 +140,7 @@ static void test_goes_on_after_a_kill(void **state)
     free(text);
 }
 
-/* ---- What jobs share ------------------------------------------------------------------------- */
+/* ---- Data shared by jobs --------------------------------------------------------------------- */
 
 static void test_jobs_share_the_scene(void **state)
 {
@@ -152,12 +157,12 @@ static void test_jobs_share_the_scene(void **state)
         year_room_expect(f, job, "succeeded", 1, &reply);
         reply_done(&reply);
         assert_true(daemon_metric(&f->daemon, "oriel_shelf_scenes") == 1);
-        /* Once more for the plans, of each. */
+        /* One more hit per job, for its plan. */
         assert_true(daemon_metric(&f->daemon, "oriel_shelf_scene_hits_total") == 1 + 2 * i);
     }
 }
 
-/* Two that ask for the same are computed once, and each has all files, in folders too. */
+/* Two equal jobs are computed once, and both have all files, also in folders. */
 static void test_equal_jobs_are_one(void **state)
 {
     static const char same[] =

@@ -1,4 +1,4 @@
-/* Who is to blame when the daemon ends: the job whose thread it was, not those beside it. */
+/* Crash attribution: the job whose thread crashed is named, not those that ran beside it. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -40,7 +40,7 @@ static bool log_has(const struct daemon *daemon, const char *text)
     return found;
 }
 
-/* Restarts the daemon with a library that makes faults where the variable says. */
+/* Restarts the daemon with a library that causes the faults selected by the variable. */
 static void restart_faulty(struct daemon_room *f, const char *variable, const char *value,
                            const char *const *extra)
 {
@@ -53,7 +53,7 @@ static void restart_faulty(struct daemon_room *f, const char *variable, const ch
     daemon_restart(&f->daemon, extra);
 }
 
-/* Daemons started from now on are sound. */
+/* Disables faults for daemons started from now on. */
 static void end_faults(void)
 {
     unsetenv("LD_PRELOAD");
@@ -87,8 +87,8 @@ static void test_rules(void **state)
     assert_true(orl_blame_is(&named, true, false));
 }
 
-/* A fault in a job's thread: that job is named, by the log too, and it fails at the third. The job
- * that ran beside it at the first goes on. */
+/* A fault in a job's thread: reports and the log name that job, and it fails at the third. The job
+ * that ran beside it at the first fault continues. */
 static void test_faults_are_named(void **state)
 {
     static const char *const two[] = {"--jobs", "2", "--threads", "2", NULL};
@@ -120,7 +120,7 @@ static void expect_line(const struct daemon *daemon, const char *text)
         fail_msg("the log lacks '%s'", text);
 }
 
-/* Sends a request whose handler opens the named result file, and waits for the daemon's end. */
+/* Sends a request whose handler opens the named result file, and waits until the daemon ends. */
 static void crash_by_request(struct daemon_room *f, const char *job)
 {
     char request[256];
@@ -144,8 +144,8 @@ static void expect_crash_by_request(struct daemon_room *f, const char *fault, co
     expect_line(&f->daemon, line);
 }
 
-/* A call through a null pointer in a request's handler: the unwinder finds no caller from there,
- * but the report has the registers, the return address and the request. */
+/* A call through a null pointer in a request's handler: the unwinder finds no caller, but the
+ * report has the registers, the return address and the request. */
 static void test_calls_of_null_are_located(void **state)
 {
     static const char *const json[] = {"--log-format", "json", NULL};
@@ -169,7 +169,7 @@ static void test_calls_of_null_are_located(void **state)
     daemon_restart(&f->daemon, NULL);
 }
 
-/* The handler of the signal runs on a stack of its own on the loop's thread, too. */
+/* The signal handler runs on a separate stack on the loop's thread, too. */
 static void test_stack_overflows_are_reported(void **state)
 {
     struct daemon_room *f = *state;
@@ -183,8 +183,8 @@ static void test_stack_overflows_are_reported(void **state)
     daemon_restart(&f->daemon, NULL);
 }
 
-/* Uploads are being checked whenever the daemon is gone, and the only job has not grown: it is not
- * laid to that. */
+/* The daemon is killed whenever uploads are being checked, and the only job has not grown: it does
+ * not count against the job. */
 static void test_uploads_are_no_jobs_fault(void **state)
 {
     struct daemon_room *f = *state;

@@ -1,4 +1,6 @@
-/* Which blobs stay: those that a row names or a request claims, whatever the order of events. */
+/*
+ * Lifetime of blobs: those that a row names or a request claims stay, whatever the order of events.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,11 +22,11 @@ struct fixture {
     struct data_folder data;
     struct orl_settling *settling;
     struct orl_blobs *blobs;
-    char sha[ORL_SHA_HEX]; /* of "ten bytes." */
+    char sha[ORL_SHA_HEX]; /* digest of "ten bytes." */
     struct orl_error err;
 };
 
-/* In place of the C library's: counts the folders that are synced. */
+/* Replaces the C library's fsync: counts synced folders. */
 static int folders_synced;
 int fsync(int fd)
 {
@@ -52,8 +54,8 @@ static int open_blobs(struct fixture *f)
                                &f->err);
 }
 
-/* All that waits for the disk has its turn. */
-static void settle(const struct fixture *f)
+/* Runs all pending disk operations. */
+static void wait_for_syncs(const struct fixture *f)
 {
     while (!orl_settling_is_quiet(f->settling))
         uv_run(uv_default_loop(), UV_RUN_ONCE);
@@ -61,7 +63,7 @@ static void settle(const struct fixture *f)
 
 static void close_all(struct fixture *f)
 {
-    settle(f);
+    wait_for_syncs(f);
     orl_settling_stop(f->settling);
     uv_run(uv_default_loop(), UV_RUN_DEFAULT);
     orl_blobs_close(f->blobs);
@@ -94,8 +96,8 @@ static int teardown(void **state)
     return 0;
 }
 
-/* What an upload does on the pool. */
-static void keep(struct fixture *f)
+/* Stores the bytes as an upload does on the pool. */
+static void store_blob(struct fixture *f)
 {
     char path[ORL_PATH_MAX];
     orl_folders_temporary(&f->data.folders, path);
@@ -132,7 +134,7 @@ static void test_upload_and_removal(void **state)
 {
     struct fixture *f = *state;
     claim(f);
-    keep(f);
+    store_blob(f);
     name_it(f);
     orl_blobs_release(f->blobs, f->sha);
     expect(f, true, 10);
@@ -140,56 +142,56 @@ static void test_upload_and_removal(void **state)
     assert_int_equal(open_all(f), 0);
     expect(f, true, 10);
     unname(f);
-    expect(f, true, 10); /* a power cut might bring its row back */
-    settle(f);
+    expect(f, true, 10); /* a power cut might restore its row */
+    wait_for_syncs(f);
     expect(f, false, 0);
 }
 
-/* The same bytes come again before the removal of the first is safe. */
+/* The bytes are uploaded again before the removal of the first upload is durable. */
 static void test_upload_after_removal(void **state)
 {
     struct fixture *f = *state;
     claim(f);
-    keep(f);
+    store_blob(f);
     name_it(f);
     orl_blobs_release(f->blobs, f->sha);
     unname(f);
     claim(f);
-    keep(f);
-    settle(f);
+    store_blob(f);
+    wait_for_syncs(f);
     expect(f, true, 10);
     name_it(f);
     orl_blobs_release(f->blobs, f->sha);
-    settle(f);
+    wait_for_syncs(f);
     expect(f, true, 10);
     unname(f);
-    claim(f); /* and once more, in vain */
+    claim(f); /* once more, without success */
     orl_blobs_release(f->blobs, f->sha);
-    settle(f);
+    wait_for_syncs(f);
     expect(f, false, 0);
 }
 
-/* Its row could not be written. */
+/* The upload's row could not be written. */
 static void test_failed_upload(void **state)
 {
     struct fixture *f = *state;
     claim(f);
-    keep(f);
+    store_blob(f);
     orl_blobs_release(f->blobs, f->sha);
     expect(f, false, 0);
-    claim(f); /* nor could its file */
+    claim(f); /* its file could not be written either */
     orl_blobs_release(f->blobs, f->sha);
     expect(f, false, 0);
 }
 
-/* Of two uploads of the same bytes one fails. */
+/* Two uploads have the same bytes, and one fails. */
 static void test_two_uploads(void **state)
 {
     struct fixture *f = *state;
     claim(f);
     claim(f);
-    keep(f);
-    keep(f);
+    store_blob(f);
+    store_blob(f);
     orl_blobs_release(f->blobs, f->sha);
     expect(f, true, 0);
     name_it(f);
@@ -197,27 +199,27 @@ static void test_two_uploads(void **state)
     expect(f, true, 10);
 }
 
-/* An upload that finds the bytes there answers for them as well: the one that put them there may
- * not have come to its folders, that of the blob and the one above, yet. */
+/* An upload that finds existing bytes syncs their folders, too: the upload that wrote them may not
+ * yet have synced that of the blob and the one above. */
 static void test_upload_beside_another(void **state)
 {
     struct fixture *f = *state;
     claim(f);
     folders_synced = 0;
-    keep(f);
+    store_blob(f);
     assert_int_equal(folders_synced, 2);
     folders_synced = 0;
-    keep(f);
+    store_blob(f);
     assert_int_equal(folders_synced, 2);
     orl_blobs_release(f->blobs, f->sha);
 }
 
-/* An upload finds the bytes there just before the row that named them goes. */
+/* An upload finds existing bytes just before the row that named them is removed. */
 static void test_removal_during_upload(void **state)
 {
     struct fixture *f = *state;
     claim(f);
-    keep(f);
+    store_blob(f);
     name_it(f);
     orl_blobs_release(f->blobs, f->sha);
     claim(f);
@@ -228,37 +230,37 @@ static void test_removal_during_upload(void **state)
     expect(f, true, 10);
     claim(f);
     unname(f);
-    orl_blobs_release(f->blobs, f->sha); /* that failed too */
-    settle(f);
+    orl_blobs_release(f->blobs, f->sha); /* a claim that failed, too */
+    wait_for_syncs(f);
     expect(f, false, 0);
 }
 
-/* A plan reads a scene's files: they stay until it has, removed or not. */
+/* A plan reads a scene's files: they stay until it has finished, even if the scene is removed. */
 static void test_files_that_are_read(void **state)
 {
     struct fixture *f = *state;
     struct orl_blob_claims claims = {0};
     struct orl_bundle files = {0};
     claim(f);
-    keep(f);
+    store_blob(f);
     name_it(f);
     orl_blobs_release(f->blobs, f->sha);
     assert_int_equal(orl_bundle_add(&files, "b.xml", true, "b", 10, f->sha, false, &f->err), 0);
     assert_int_equal(orl_blobs_claim_files(f->blobs, &files, &claims, &f->err), 0);
     orl_bundle_done(&files);
     unname(f);
-    settle(f);
+    wait_for_syncs(f);
     expect(f, true, 10);
     orl_blobs_release_files(&claims);
-    settle(f);
+    wait_for_syncs(f);
     expect(f, false, 0);
-    orl_blobs_release_files(&claims); /* there are none */
+    orl_blobs_release_files(&claims); /* no files are claimed */
 }
 
 static void test_orphans_go_at_start(void **state)
 {
     struct fixture *f = *state;
-    keep(f);
+    store_blob(f);
     close_all(f);
     assert_int_equal(open_all(f), 0);
     expect(f, false, 0);

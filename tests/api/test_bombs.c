@@ -1,4 +1,6 @@
-/* Small uploads that would take much memory or time: refused within bounds, and nothing stays. */
+/*
+ * Small uploads that would take much memory or time: refused within limits, and nothing is stored.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +22,7 @@
 #include "support/patience.h"
 #include "support/scene_text.h"
 
-/* AddressSanitizer keeps for a while what has been given back: then figures are printed alone. */
+/* AddressSanitizer delays the release of memory: then figures are only printed. */
 static bool is_within(double mb, double most_mb)
 {
 #ifdef __SANITIZE_ADDRESS__
@@ -31,7 +33,7 @@ static bool is_within(double mb, double most_mb)
 #endif
 }
 
-/* "[{},{},...]" of so many. */
+/* Returns "[{},{},...]" with that many objects. */
 static char *many_objects(size_t count, size_t *ret_size)
 {
     char *text = malloc(3 * count + 2);
@@ -43,8 +45,8 @@ static char *many_objects(size_t count, size_t *ret_size)
     return text;
 }
 
-/* 33 MB that would take 2.5 GB are refused unread. What may be read, as 5 MB that take 0.4 GB, is
- * read in a process of its own. */
+/* 33 MB that would take 2.5 GB are refused without parsing. Smaller input, such as 5 MB that take
+ * 0.4 GB, is parsed in a separate process. */
 static void test_objects(void **state)
 {
     static const struct {
@@ -71,7 +73,7 @@ static void test_objects(void **state)
     }
 }
 
-/* 5 M surfaces by copies of 50, their names behind a prefix of 450 bytes: 2 GB of names. */
+/* 5 M surfaces from copies of 50, with a prefix of 450 bytes: 2 GB of names. */
 static void test_names(void **state)
 {
     enum { PREFIX = 450, COPIED = 50 };
@@ -99,7 +101,7 @@ static void test_names(void **state)
     assert_true(is_within(peak_mb, 150));
 }
 
-/* Longer than --check-timeout allows, whatever the machine: refused soon after that. */
+/* Takes longer than --check-timeout on any machine: refused soon after that time. */
 #define SLOW                                                                                       \
     "void plastic grey 0 0 5 .5 .5 .5 0 0\n!xform -a 50000 -t 0 0 1 part.rad\n"                    \
     "!xform -a 50000 -t 1 0 1 part.rad\n"
@@ -126,7 +128,7 @@ static void test_time(void **state)
     daemon_start(&daemon, hasty);
     daemon_upload(&daemon, files, 2, NULL, &reply);
     assert_int_equal(reply.status, 413);
-    /* Which limit, what the check took, and what to do. */
+    /* The message has the limit, the time that the check took, and the remedy. */
     const char *after = strstr(reply_text(&reply, "detail"), "stopped after ");
     assert_non_null(after);
     assert_true(atof(after + strlen("stopped after ")) >= 1);
@@ -138,7 +140,8 @@ static void test_time(void **state)
     daemon_remove(&daemon);
 }
 
-/* More slow checks than may run: jobs and other requests go on beside them; SIGTERM ends all. */
+/* More slow checks than may run at once: jobs and other requests continue beside them; SIGTERM ends
+ * all. */
 static void test_many_at_once(void **state)
 {
     enum { BOMBS = 6 };
@@ -157,7 +160,7 @@ static void test_many_at_once(void **state)
             snprintf(scene, sizeof scene, "# %d\n%s", i, SLOW);
             const struct upload_file files[] = {{"scene.rad", scene, strlen(scene), false},
                                                 {"part.rad", part, strlen(part), true}};
-            daemon.curl = curl_easy_init(); /* a connection of its own */
+            daemon.curl = curl_easy_init(); /* a separate connection */
             daemon_upload(&daemon, files, 2, NULL, &reply);
             _exit(0);
         }
@@ -172,7 +175,7 @@ static void test_many_at_once(void **state)
         reply_done(&reply);
     }
     print_message("# the longest POST of a job: %.2f s\n", longest_s);
-    for (int i = 0; i < BOMBS; i++) /* no POST has waited for the end of a check */
+    for (int i = 0; i < BOMBS; i++) /* no POST waited for a check to end */
         assert_int_equal(waitpid(pids[i], NULL, WNOHANG), 0);
     const double from_s = patience_now_s();
     assert_int_equal(daemon_end(&daemon, SIGTERM), 0);
@@ -183,9 +186,9 @@ static void test_many_at_once(void **state)
     daemon_remove(&daemon);
 }
 
-/* ---- Damage, and jobs that are the same ------------------------------------------------------ */
+/* ---- Damage, and equal jobs ------------------------------------------------------------------ */
 
-/* A byte of a stored file changes; the same upload says 200, and mends it. */
+/* A byte of a stored file changes; uploading the file again returns 200, and repairs it. */
 static void test_uploads_mend(void **state)
 {
     struct daemon_room *f = *state;
@@ -205,7 +208,7 @@ static void test_uploads_mend(void **state)
     free(kept);
 }
 
-/* So many share a computation; the next waits for one of its own. */
+/* The number of jobs that share a computation is limited; the next one starts its own. */
 static void test_sharing_is_bounded(void **state)
 {
     struct daemon_room *f = *state;

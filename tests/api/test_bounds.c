@@ -1,4 +1,4 @@
-/* What one client may have under way, and what all may: bytes on their way in, jobs, streams. */
+/* Limits per client and in total: bytes being uploaded, jobs, streams. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -38,7 +38,7 @@ static void key_of(const char *text, char ret_key[ORL_ADDRESS_KEY])
     }
 }
 
-/* Whoever has a network of addresses is one. */
+/* All addresses of an IPv6 network count as one client. */
 static void test_addresses(void **state)
 {
     static const struct {
@@ -62,7 +62,7 @@ static void test_addresses(void **state)
     }
 }
 
-/* ---- Bytes on their way in ------------------------------------------------------------------ */
+/* ---- Bytes being uploaded ------------------------------------------------------------------- */
 
 static uint64_t bytes_in_tmp(const struct daemon *daemon)
 {
@@ -80,8 +80,8 @@ static uint64_t bytes_in_tmp(const struct daemon *daemon)
     return bytes;
 }
 
-/* Headers of an upload of that length, "chunked" for 0, which the daemon has seen and wants the
- * body of; that is to come. */
+/* Sends the headers of an upload of that length ("chunked" for 0), and waits until the daemon asks
+ * for the body, which is not sent. */
 static int begin_upload(const struct daemon *daemon, size_t length, const char *header)
 {
     static const char wanted[] = "HTTP/1.1 100 Continue\r\n\r\n";
@@ -115,7 +115,7 @@ static void ask_for(struct daemon *daemon, size_t length, const char *header, lo
     reply_done(&reply);
 }
 
-/* Until a body of that length is read: what others have announced is gone. */
+/* Waits until a body of that length is accepted: reservations of others have been released. */
 static void wait_for_room(struct daemon *daemon, size_t length)
 {
     char *zeros = calloc(1, length);
@@ -130,7 +130,7 @@ static void wait_for_room(struct daemon *daemon, size_t length)
     free(zeros);
 }
 
-/* What is announced counts, before it has come; and no more once its client is gone. */
+/* Announced bytes count before they arrive, and are released when their client is gone. */
 static void test_announced(void **state)
 {
     const char *const extra[] = {"--storage-budget", "4M", NULL};
@@ -148,7 +148,7 @@ static void test_announced(void **state)
     daemon_remove(&daemon);
 }
 
-/* Bodies without a length: what comes beyond the budget is not written. */
+/* Bodies without a length: bytes beyond the budget are not written. */
 static void test_chunked(void **state)
 {
     enum { UPLOADS = 3, CHUNK = 1 << 16, CHUNKS = 100 };
@@ -186,7 +186,7 @@ static void test_chunked(void **state)
     daemon_remove(&daemon);
 }
 
-/* Files that are unpacked count as well. */
+/* Unpacked files count as well. */
 static void test_unpacked(void **state)
 {
     const char *const extra[] = {"--storage-budget", "4M", NULL};
@@ -206,7 +206,7 @@ static void test_unpacked(void **state)
     daemon_remove(&daemon);
 }
 
-/* So do the results that sensors of a file will have: the document does not say how many. */
+/* Results of sensors from a file count as well: the document does not state their number. */
 static void test_sensors_of_a_file(void **state)
 {
     enum { SENSORS = 20000, LINE = 20 };
@@ -241,14 +241,14 @@ static void test_sensors_of_a_file(void **state)
     daemon_remove(&daemon);
 }
 
-/* ---- Clients among others ------------------------------------------------------------------- */
+/* ---- Several clients ------------------------------------------------------------------------- */
 
 struct pair {
     struct daemon daemon;
     char scene[65], one[128], other[128]; /* Authorization headers of two tokens */
 };
 
-/* Runs `orield token COMMAND`; its first line. */
+/* Runs `orield token COMMAND`; returns its first line. */
 static void run_token_command(const struct daemon *daemon, const char *arguments,
                               char ret_line[128])
 {
@@ -287,14 +287,14 @@ static int pair_set_up(void **state)
     return 0;
 }
 
-/* Nobody has more than half of the room for what is on its way. */
+/* No client gets more than half of the budget for uploads. */
 static void test_share_of_bytes(void **state)
 {
     struct pair *pair = *state;
     const int fd = begin_upload(&pair->daemon, 30 * MIB, pair->one);
     ask_for(&pair->daemon, 3 * MIB, pair->one, 429, "too-many-bytes");
     ask_for(&pair->daemon, 3 * MIB, pair->other, 400, "syntax");
-    ask_for(&pair->daemon, 33 * MIB, pair->other, 507, "storage-full"); /* it would never do */
+    ask_for(&pair->daemon, 33 * MIB, pair->other, 507, "storage-full"); /* it could never succeed */
     close(fd);
 }
 
@@ -317,21 +317,21 @@ static long post_job(struct pair *pair, const char *header, unsigned seed)
     return status;
 }
 
-/* Identical jobs, which share a computation, count as others do. */
+/* Identical jobs, which share a computation, count like others. */
 static void test_share_of_queue(void **state)
 {
     struct pair *pair = *state;
     unsigned taken = 0;
     while (taken < 2 * ORL_SERVER_CLIENT_JOBS && post_job(pair, pair->one, taken / 2) == 202)
         taken++;
-    /* Those that end meanwhile make room. */
+    /* Jobs that end meanwhile free their places. */
     assert_in_range(taken, ORL_SERVER_CLIENT_JOBS, ORL_SERVER_CLIENT_JOBS + 64);
     assert_int_equal(post_job(pair, pair->other, 1), 202);
 }
 
 /*
- * A token that was made later has nothing to do with the jobs of a removed one of its name: neither
- * do they count against its bound, nor does it wait behind them.
+ * A later token of the same name is independent of the jobs of a removed one: they neither count
+ * against its limit nor delay it.
  */
 static void test_another_token_of_the_name(void **state)
 {
@@ -348,7 +348,8 @@ static void test_another_token_of_the_name(void **state)
                    pair->one, &reply);
     assert_int_equal(reply.status, 202);
     assert_string_equal(reply_text(&reply, "client"), "token:one");
-    if (strcmp(reply_text(&reply, "state"), "queued") == 0) /* a turn each of two other clients */
+    if (strcmp(reply_text(&reply, "state"), "queued") ==
+        0) /* one turn for each of two other clients */
         assert_in_range((int)reply_number(&reply, "queue_position"), 1, 3);
     reply_done(&reply);
 }

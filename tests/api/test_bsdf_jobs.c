@@ -1,4 +1,5 @@
-/* BSDFs of panels through a real daemon: the command's bytes, a BSDF that scenes name, restarts. */
+/* BSDF jobs of panels through a real daemon: bytes equal to the command's, a BSDF that scenes name,
+ * restarts. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,9 +17,9 @@
 static const char panel[] = "void plastic p 0 0 5 .5 .5 .5 0 0\n"
                             "p polygon slat 0 0 12 0 0 0 1 0 0 1 .7 -.7 0 .7 -.7\n";
 static const char small[] = "\"basis\":\"klems_quarter\",\"paths\":256,\"name\":\"Slats\"";
-/* Seconds on any machine. */
+/* Takes seconds on any machine. */
 static const char some[] = "\"basis\":\"klems_quarter\",\"paths\":32768";
-/* Hours. */
+/* Takes hours. */
 static const char endless[] = "\"basis\":\"tensor_tree_4\",\"paths\":16777216";
 
 struct bench {
@@ -81,7 +82,7 @@ static void expect_end(struct bench *b, const char *job, const char *state, int 
         fail_msg("%s: %s", job, ret_reply->body);
 }
 
-/* ---- What comes of a job --------------------------------------------------------------------- */
+/* ---- Results of a job ------------------------------------------------------------------------ */
 
 static char *make_here(const char *folder, const char *const *options)
 {
@@ -100,7 +101,7 @@ static char *make_here(const char *folder, const char *const *options)
     return cli_read_file(folder, "here.xml");
 }
 
-/* But for the folder that the command was told of. */
+/* Compares results except the folder that the command was given. */
 static void assert_same_data(const char *here, const char *there)
 {
     const char *a = strstr(here, "<DataDefinition>"), *b = strstr(there, "<DataDefinition>");
@@ -156,7 +157,7 @@ static void bytes_are_the_commands(void **state)
     free(here);
 }
 
-/* ---- A BSDF of the daemon's ------------------------------------------------------------------ */
+/* ---- A BSDF stored by the daemon ------------------------------------------------------------- */
 
 static const char wall[] = "void BSDF slats 6 0 slats.xml 0 0 1 . 0 0\n"
                            "slats polygon pane 0 0 12 0 0 0 1 0 0 1 0 1 0 0 1\n";
@@ -176,7 +177,7 @@ static void scenes_name_it_at_once(void **state)
     reply_done(&reply);
     snprintf(names, sizeof names, "{\"slats.xml\":\"%s\"}", id);
     upload(&b->daemon, wall, names, scene);
-    /* It is the daemon's, not the job's. */
+    /* The BSDF belongs to the daemon, not to the job. */
     daemon_request(&b->daemon, "DELETE", job, NULL, NULL, 0, NULL, &reply);
     assert_int_equal(reply.status, 204);
     reply_done(&reply);
@@ -187,7 +188,7 @@ static void scenes_name_it_at_once(void **state)
     reply_done(&reply);
 }
 
-/* What was made is found: by the same of the same, whatever it is called by. */
+/* An existing result is found for equal input, whatever its name. */
 static void the_same_again_is_a_hit(void **state)
 {
     struct bench *b = *state;
@@ -261,7 +262,7 @@ static void it_is_followed_and_cancelled(void **state)
     reply_done(&reply);
 }
 
-/* A daemon that is killed makes it anew: the same bytes as without. */
+/* A killed daemon computes it again: the bytes are those of an uninterrupted run. */
 static void a_kill_changes_nothing(void **state)
 {
     struct bench *b = *state;

@@ -1,5 +1,5 @@
-/* The quick form of tests/torture/cancel_kinds.py: every kind of work is stopped at random moments.
- */
+/* The quick form of tests/torture/cancel_kinds.py: every kind of work is cancelled at random
+ * moments. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,7 @@ static void test_every_kind(void **state)
     char command[256];
     (void)state;
     if (ORL_SANITIZED)
-        skip(); /* what is bounded is the computing of a release build */
+        skip(); /* the limits are those of a release build */
     snprintf(command, sizeof command,
              "PYTHONDONTWRITEBYTECODE=1 timeout 550 /usr/bin/python3 tests/torture/cancel_kinds.py "
              "%s --quick "

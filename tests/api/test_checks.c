@@ -1,4 +1,4 @@
-/* What strangers send is read in children: what these die of, and that the daemon does not. */
+/* Uploads are parsed in child processes: faults end the child, and the daemon continues. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +23,7 @@
 
 /* ---- Processes ------------------------------------------------------------------------------- */
 
-/* 0 of one that is stopped. */
+/* Returns 0 for a stopped process. */
 static pid_t parent_of(pid_t pid)
 {
     char path[64], text[512] = "";
@@ -39,8 +39,8 @@ static pid_t parent_of(pid_t pid)
                                                             : 0;
 }
 
-/* A child that checks is the child of a keeper, which is the daemon's. 0: there is none, but for
- * those that are stopped. */
+/* Returns a checking process, a child of the fork server, which is the daemon's child. 0: none
+ * exists, apart from stopped ones. */
 static pid_t find_check(const struct daemon *daemon)
 {
     DIR *processes = opendir("/proc");
@@ -56,7 +56,7 @@ static pid_t find_check(const struct daemon *daemon)
     return found;
 }
 
-/* Waits until there is one, or none any more. */
+/* Waits until a check exists, or until none does. */
 static pid_t await_check(const struct daemon *daemon, bool there)
 {
     pid_t found = find_check(daemon);
@@ -73,7 +73,7 @@ static void expect_gone(pid_t pid)
     assert_int_equal(kill(pid, 0), -1);
 }
 
-/* Waits for one, and holds it there. */
+/* Waits for a check, and stops its process. */
 static pid_t hold_check(const struct daemon *daemon)
 {
     const pid_t found = await_check(daemon, true);
@@ -85,7 +85,7 @@ static pid_t hold_check(const struct daemon *daemon)
 
 /* ---- Uploads --------------------------------------------------------------------------------- */
 
-/* So many spheres, 40 copies of each line. */
+/* Bomb: that many spheres, 40 copies of each line. */
 struct bomb {
     char scene[300], part[40 * 40];
     struct upload_file files[2];
@@ -113,7 +113,7 @@ static pid_t upload_beside(const struct daemon *daemon, const struct bomb *bomb,
         return pid;
     struct daemon own = *daemon;
     struct reply reply;
-    own.curl = curl_easy_init(); /* a connection of its own */
+    own.curl = curl_easy_init(); /* a separate connection */
     daemon_upload(&own, bomb->files, 2, NULL, &reply);
     const bool said = status != 422 || strstr(reply_text(&reply, "detail"), "fault");
     _exit(reply.status == status && said ? 0 : 1);
@@ -126,7 +126,7 @@ static void expect_uploaded(pid_t client)
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-/* 400 000 surfaces are checked, and the daemon itself has grown by little. */
+/* 400 000 surfaces are checked, and the daemon itself has grown little. */
 static void test_memory_is_a_childs(void **state)
 {
     struct daemon *daemon = *state;
@@ -142,7 +142,7 @@ static void test_memory_is_a_childs(void **state)
     assert_true(peak_mb < (ORL_SANITIZED ? 150 : 50));
 }
 
-/* The bound on memory, said with what it is; the next upload finds all as before. */
+/* The error states the memory limit; the next upload works as before. */
 static void test_memory_is_bounded(void **state)
 {
     static const char *const little[] = {"--check-memory", "96M", NULL};
@@ -164,7 +164,7 @@ static void test_memory_is_bounded(void **state)
     daemon_remove(&daemon);
 }
 
-/* A fault of ours takes the child alone; nothing of the upload stays. */
+/* A fault in our code ends only the child; nothing of the upload is stored. */
 static void test_a_child_dies(void **state)
 {
     struct daemon *daemon = *state;
@@ -179,7 +179,7 @@ static void test_a_child_dies(void **state)
     daemon_upload_room(daemon, id);
 }
 
-/* Who hangs up has no check go on for it. */
+/* A check ends when its client hangs up. */
 static void test_hanging_up_ends_the_check(void **state)
 {
     struct daemon *daemon = *state;
@@ -205,7 +205,7 @@ static void test_hanging_up_ends_the_check(void **state)
     assert_int_equal(daemon_count_files(daemon, "tmp"), 0);
 }
 
-/* A stop waits for none. */
+/* Stopping the daemon does not wait for checks. */
 static void test_children_end_with_the_daemon(void **state)
 {
     struct daemon daemon;
@@ -224,9 +224,9 @@ static void test_children_end_with_the_daemon(void **state)
     daemon_remove(&daemon);
 }
 
-/* ---- Turns ----------------------------------------------------------------------------------- */
+/* ---- Scheduling ------------------------------------------------------------------------------ */
 
-/* Whatever others have under way, a room is taken before any of that ends or is given up: all those
+/* Expects that a room is accepted before any check of the others ends or is given up: all those
  * clients still wait for their answers. */
 static void expect_room_is_taken(struct daemon *daemon, const pid_t *clients, int count)
 {
@@ -240,7 +240,7 @@ static void expect_room_is_taken(struct daemon *daemon, const pid_t *clients, in
     reply_done(&reply);
 }
 
-/* One of those that hold every lane yields, and is done again when it can be. */
+/* One of the checks that occupy every process yields, and is repeated later. */
 static void test_long_checks_yield(void **state)
 {
     static const char *const patient[] = {"--check-timeout", "600", NULL};
@@ -256,7 +256,7 @@ static void test_long_checks_yield(void **state)
         checks[i] = hold_check(&daemon);
     }
     expect_room_is_taken(&daemon, clients, BOMBS);
-    expect_gone(checks[BOMBS - 1]); /* the last begun */
+    expect_gone(checks[BOMBS - 1]); /* the last one started */
     for (int i = 0; i < BOMBS - 1; i++)
         kill(checks[i], SIGCONT);
     for (int i = 0; i < BOMBS; i++)
@@ -264,7 +264,7 @@ static void test_long_checks_yield(void **state)
     daemon_remove(&daemon);
 }
 
-/* A check that has all the memory it can get leaves some for others. */
+/* A check with the largest possible memory leaves some for others. */
 static void test_large_checks_leave_room(void **state)
 {
     static const char *const little[] = {"--memory", "600M", "--check-timeout", "600", NULL};

@@ -1,4 +1,4 @@
-/* `oriel annual` as a script sees it: usage, mistakes, and the two days of a year to their end. */
+/* `oriel annual` from a script's view: usage, mistakes, and a complete run of two days. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -96,7 +96,7 @@ static void test_mistakes_name_file_and_place(void **state)
     }
 }
 
-static json_t *run(struct cli_desk *f, const char *threads)
+static json_t *run_annual(struct cli_desk *f, const char *threads)
 {
     const char *const args[] = {"annual", f->document,  "-o",    f->output, "-j",
                                 threads,  "--honeybee", "--ill", NULL};
@@ -110,7 +110,7 @@ static json_t *run(struct cli_desk *f, const char *threads)
     return result;
 }
 
-/* With 64 paths a sensor the command and the result warn of large errors, with files of hours and
+/* With 64 paths per sensor the command and the result warn of large errors, with files of hours and
  * without. */
 static void assert_warns_of_errors(const struct cli_desk *f, const json_t *result)
 {
@@ -150,7 +150,7 @@ static void assert_files_are_there(const struct cli_desk *f, const json_t *resul
     assert_true(page && carpet && pdf);
 }
 
-/* Errors of both grids are there as matrices and in Honeybee's folder. */
+/* Errors of both grids are stored as matrices and in Honeybee's folder. */
 static void assert_errors_are_listed(const json_t *result)
 {
     const json_t *files = json_object_get(result, "files"), *name;
@@ -167,7 +167,7 @@ static void assert_errors_are_listed(const json_t *result)
 
 enum { HEADER_LINES = 8, DAY_LINES = 24 };
 
-/* Copies so many lines, with that year instead of their own; 0: as they are. Returns the rest. */
+/* Copies that many lines with another year; 0: unchanged. Returns the rest. */
 static const char *copy_lines(FILE *to, const char *from, int lines, int year)
 {
     for (int i = 0; i < lines; i++) {
@@ -182,7 +182,7 @@ static const char *copy_lines(FILE *to, const char *from, int lines, int year)
     return from;
 }
 
-/* place.epw with its days in either order, or both in two years. */
+/* Writes place.epw with its days in either order, or in two years. */
 static void write_weather(const struct cli_desk *f, bool second_first, bool two_years)
 {
     char *epw = cli_read_file("tests/fixtures", "weather.epw"), *text = NULL;
@@ -213,7 +213,7 @@ static char *hours_of_year(struct cli_desk *f, const char *member)
     return f->result.exit_code == 0 ? cli_read_file(f->output, "hours.csv") : NULL;
 }
 
-/* The hours of a table, its lines but the first, with so many of the last ones first. */
+/* Rotates the lines of a table after the header: the last n come first. */
 static char *turn_lines(char *table, int n)
 {
     char *const first = strchr(table, '\n') + 1, *at = table + strlen(table), *text = NULL;
@@ -226,8 +226,8 @@ static char *turn_lines(char *table, int n)
     return text;
 }
 
-/* A file that goes on over 31 December gives the hours of one that does not, in the order of its
- * rows; a file of two years needs to be told which, and gives the hours of that one. */
+/* A file that continues over 31 December gives the hours of one that does not, in the order of its
+ * rows. A file of two years needs a year in the request, and gives the hours of that one. */
 static void test_years_of_the_weather_file(void **state)
 {
     struct cli_desk *f = *state;
@@ -275,11 +275,11 @@ static void assert_columns_are_listed(const struct cli_desk *f, double hours)
     free(ill);
 }
 
-/* Two days of the year: the others count nowhere, and a warning says so. */
+/* Two days of the year: the other days never count, and a warning states this. */
 static void test_a_year_to_its_end(void **state)
 {
     struct cli_desk *f = *state;
-    json_t *result = run(f, "1");
+    json_t *result = run_annual(f, "1");
     const json_t *verdicts = json_object_get(result, "verdicts");
     const json_t *hours = json_object_get(result, "hours");
     const json_t *provenance = json_object_get(result, "provenance");
@@ -289,7 +289,7 @@ static void test_a_year_to_its_end(void **state)
     assert_int_equal(json_array_size(json_object_get(result, "grids")), 2);
     assert_true(json_number_value(json_object_get(hours, "year")) < 300);
     assert_true(json_number_value(json_object_get(hours, "missing")) > 8000);
-    /* One grid by name; all of them, and each, for the other target and two of the rule. */
+    /* One grid by name; all grids, and each grid, for the other target and two of the rule. */
     assert_int_equal(json_array_size(verdicts), 1 + 3 + 3 * 2);
     assert_string_equal(text_at(verdicts, 0, "grid"), "the desks");
     assert_string_equal(text_at(verdicts, 1, "grid"), "(none)");
@@ -312,7 +312,7 @@ static void test_a_year_to_its_end(void **state)
     assert_says(page, ">A room</text>");
     assert_says(page, "EN 17037 minimum: ");
     assert_says(page, ">Warnings<");
-    assert_null(strstr(page, "in the plane of a surface")); /* which is of the other grid */
+    assert_null(strstr(page, "in the plane of a surface")); /* belongs to the other grid */
     free(page);
     page = cli_read_file(f->output, "grid2.page.svg");
     assert_non_null(page);
@@ -332,10 +332,10 @@ static void test_threads_change_nothing(void **state)
     struct cli_desk *f = *state;
     char *first[NAMES];
 
-    json_decref(run(f, "1"));
+    json_decref(run_annual(f, "1"));
     for (int i = 0; i < NAMES; i++)
         assert_non_null(first[i] = cli_read_file(f->output, names[i]));
-    json_decref(run(f, "3"));
+    json_decref(run_annual(f, "3"));
     for (int i = 0; i < NAMES; i++) {
         char *again = cli_read_file(f->output, names[i]);
         assert_non_null(again);
@@ -345,8 +345,7 @@ static void test_threads_change_nothing(void **state)
     }
 }
 
-/* Returns the position of the text in the log, at the beginning of a line; NULL: it is not there.
- */
+/* Returns the position of the text in the log, at the beginning of a line; NULL if it is absent. */
 static const char *find_line(const char *log, const char *text)
 {
     for (const char *at = strstr(log, text); at; at = strstr(at + 1, text))
@@ -371,7 +370,7 @@ static void test_both_outputs_in_one_log(void **state)
     assert_true(seconds < path);
 }
 
-/* A bound in the midst of what its first paths leave open: only some sensors get more of them. */
+/* A bound in the middle of the first paths' interval: only some sensors get more paths. */
 static void test_until_a_verdict_is_sure(void **state)
 {
     struct cli_desk *f = *state;
@@ -382,7 +381,7 @@ static void test_until_a_verdict_is_sure(void **state)
              "%.*s, \"accuracy\": {\"verdict\": \"sDA1000/40 of the desks >= 20 %%\"}}",
              (int)(end - year_text), year_text);
     cli_write_file(f->folder, "year.json", text);
-    json_t *result = run(f, "2");
+    json_t *result = run_annual(f, "2");
     const json_t *accuracy = json_object_get(result, "accuracy");
     const double low =
         json_number_value(json_array_get(json_object_get(accuracy, "interval_95"), 0));
@@ -397,7 +396,7 @@ static void test_until_a_verdict_is_sure(void **state)
     json_decref(result);
 }
 
-/* The page says what was assumed of shades: that none move, or how long they were in each state. */
+/* The page states the assumption about shades: none move, or the time in each state. */
 static void test_the_page_tells_of_shades(void **state)
 {
     struct cli_desk *f = *state;
@@ -410,7 +409,7 @@ static void test_the_page_tells_of_shades(void **state)
              "[{\"from\": 12, \"state\": \"down\"}]}]}",
              (int)(end - year_text), year_text);
     for (int i = 0; i < 2; i++) {
-        json_t *result = run(f, "2");
+        json_t *result = run_annual(f, "2");
         const json_t *groups = json_object_get(json_object_get(result, "shades"), "groups");
         const json_t *states = json_object_get(json_array_get(groups, 0), "states");
         char *page = cli_read_file(f->output, "the_desks.page.svg"), wanted[96];
@@ -426,7 +425,7 @@ static void test_the_page_tells_of_shades(void **state)
     }
 }
 
-/* What a run left in its cache, another weather file of the place takes up. */
+/* The cache of a run serves another weather file of the place. */
 static void test_a_cache_is_used_again(void **state)
 {
     struct cli_desk *f = *state;
@@ -460,14 +459,15 @@ static int verify(struct cli_desk *f, const char *result)
     return f->result.exit_code;
 }
 
-/* The same, another result, another input, one that is gone, and no result of a year at all. */
+/* Verifies an equal result, another result, another input, a missing one, and a result that is not
+ * annual. */
 static void test_verify(void **state)
 {
     struct cli_desk *f = *state;
     const char *const nowhere[] = {"verify", f->output, NULL};
     char path[128], *text;
 
-    json_decref(run(f, "1"));
+    json_decref(run_annual(f, "1"));
     snprintf(path, sizeof path, "%s/result.json", f->output);
     assert_int_equal(verify(f, f->output), 0);
     assert_says(f->result.out, "the same: ");
@@ -504,7 +504,7 @@ static void test_misplaced_sensors(void **state)
     struct cli_desk *f = *state;
     cli_write_file(f->folder, "desks.pts",
                    "1 1 .8 0 0 1\n2 1 .8 0 0 1\n1 2 .8 0 0 1\n2 2 .8 0 0 1\n1 1 -.1 0 0 1\n");
-    json_t *result = run(f, "1");
+    json_t *result = run_annual(f, "1");
     char *told = json_dumps(json_object_get(result, "warnings"), 0);
     assert_non_null(told);
     assert_says(told, wanted);

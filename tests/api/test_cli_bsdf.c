@@ -1,4 +1,4 @@
-/* `oriel bsdf check`, `fit` and `make` as a script meets them. */
+/* `oriel bsdf check`, `fit` and `make` from a script's view. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +17,7 @@
 
 static struct cli_result result;
 
-static void check(const char *file, const char *option)
+static void check_bsdf(const char *file, const char *option)
 {
     const char *const args[] = {"bsdf", "check", file, option, NULL};
     cli_run(args, &result);
@@ -32,7 +32,7 @@ static void assert_says(const char *text, const char *wanted)
 static void a_sound_file_passes(void **state)
 {
     (void)state;
-    check("tests/fixtures/bsdf_lcp8.xml", NULL);
+    check_bsdf("tests/fixtures/bsdf_lcp8.xml", NULL);
     assert_int_equal(result.exit_code, 0);
     assert_says(result.out, "TensorTree4, resolution 8");
     assert_says(result.out, "goes straight through");
@@ -44,7 +44,7 @@ static void it_speaks_json(void **state)
     json_t *json;
     const char *verdict = NULL;
     (void)state;
-    check("tests/fixtures/bsdf_klems41.xml", "--json");
+    check_bsdf("tests/fixtures/bsdf_klems41.xml", "--json");
     assert_int_equal(result.exit_code, 0);
     json = json_loads(result.out, 0, NULL);
     assert_non_null(json);
@@ -53,7 +53,7 @@ static void it_speaks_json(void **state)
     json_decref(json);
 }
 
-/* The fixture with its first number replaced, beside a fault of each kind. */
+/* The fixture with its first number replaced, and a file with each kind of fault. */
 static void faults_end_with_1(void **state)
 {
     static const struct {
@@ -74,7 +74,7 @@ static void faults_end_with_1(void **state)
         memset(data, ' ', strcspn(data, ",\n"));
         memcpy(data, cases[i].value, strlen(cases[i].value));
         cli_write_file(folder, "bad.xml", text);
-        check(path, NULL);
+        check_bsdf(path, NULL);
         assert_int_equal(result.exit_code, 1);
         assert_says(result.out, cases[i].out);
         assert_says(result.err, cases[i].err);
@@ -85,7 +85,7 @@ static void faults_end_with_1(void **state)
     cli_remove_folder(folder);
 }
 
-/* A sheet by words of the line, and the same by a document: the same bytes, and a sound file. */
+/* A sheet defined by arguments and by a document gives the same bytes, and a valid file. */
 static void a_panel_becomes_a_file(void **state)
 {
     char folder[64], panel[128], xml[128], document[128], other[128], report[128], errors[128];
@@ -116,7 +116,7 @@ static void a_panel_becomes_a_file(void **state)
                      0);
     assert_true(transmitted > 0.29 && transmitted < 0.31); /* 0.3 */
     json_decref(json);
-    check(xml, NULL);
+    check_bsdf(xml, NULL);
     assert_int_equal(result.exit_code, 0);
     assert_says(result.out, "Klems Quarter, resolution 41");
     char *text = cli_read_file(folder, "errors.xml");
@@ -129,7 +129,7 @@ static void a_panel_becomes_a_file(void **state)
     cli_run(by_words, &result);
     assert_int_equal(result.exit_code, 0);
     char *first = cli_read_file(folder, "panel.xml"), *second = cli_read_file(folder, "other.xml");
-    /* All but the line that names the file, by another path. */
+    /* Compares all lines except the one that names the file. */
     assert_string_equal(strstr(first, "SHA-256"), strstr(second, "SHA-256"));
     free(first);
     free(second);
@@ -146,7 +146,7 @@ static void make_cell(const char *folder, const char *cell)
     cli_run(args, &result);
 }
 
-/* A cell beside the panel is a mistake; one in a gap of it is air, which a warning says. */
+/* A cell outside the panel is a mistake; one in a gap of it is air, with a warning. */
 static void an_empty_cell_is_noticed(void **state)
 {
     char folder[64];
@@ -171,7 +171,8 @@ static void an_empty_cell_is_noticed(void **state)
     cli_remove_folder(folder);
 }
 
-/* White paper of 60 %, as a goniophotometer would see it: three incident directions, 200 places. */
+/* Writes goniophotometer measurements of white paper of 60 %: three incident directions, 200 rows
+ * each. */
 static void write_paper(const char *folder)
 {
     char *text = NULL;
@@ -189,7 +190,7 @@ static void write_paper(const char *folder)
     free(text);
 }
 
-/* Measurements by words of the line, and the same by a document. */
+/* Measurements given by arguments and by a document give the same file. */
 static void measurements_become_a_file(void **state)
 {
     char folder[64], data[128], xml[128], document[128], other[128];
@@ -211,9 +212,10 @@ static void measurements_become_a_file(void **state)
     assert_int_equal(json_unpack(json, "{s:{s:{s:{s:f}}}}", "components", "reflection_front",
                                  "diffuse", "value", &total),
                      0);
-    assert_true(fabs(total - 0.6) < 0.003); /* values have five digits; sums are exact to 0.5 % */
+    /* Values have five digits; sums are accurate to 0.5 %. */
+    assert_true(fabs(total - 0.6) < 0.003);
     json_decref(json);
-    check(xml, NULL);
+    check_bsdf(xml, NULL);
     assert_int_equal(result.exit_code, 0);
     assert_says(result.out, "\"paper\"");
     const char *const by_words[] = {"bsdf",         "fit", data,     "-o",    other,
@@ -222,14 +224,14 @@ static void measurements_become_a_file(void **state)
     assert_int_equal(result.exit_code, 0);
     assert_says(result.out, "symmetry isotropic, basis tensor_tree_3");
     char *first = cli_read_file(folder, "paper.xml"), *second = cli_read_file(folder, "other.xml");
-    /* All but the line that names the file, by another path. */
+    /* Compares all lines except the one that names the file. */
     assert_string_equal(strstr(first, "600 rows"), strstr(second, "600 rows"));
     free(first);
     free(second);
     cli_remove_folder(folder);
 }
 
-/* What is wrong with the making of a file is said by the member that it is about. */
+/* An error in making a file names the member concerned. */
 static void what_cannot_be_made_is_refused(void **state)
 {
     static const struct {
@@ -263,7 +265,7 @@ static void what_cannot_be_made_is_refused(void **state)
     }
 }
 
-/* What is no file is written to, and stays what it is. */
+/* An output that is no regular file is written to, and not replaced. */
 static void devices_are_not_replaced(void **state)
 {
     char folder[64], panel[128], sink[128];
@@ -301,7 +303,7 @@ static void wrong_command_lines_exit_with_2(void **state)
     assert_says(result.err, "\"paint\" is none of check, fit, make, convert");
     cli_run(missing, &result);
     assert_int_equal(result.exit_code, 2);
-    check("no/such/file.xml", NULL);
+    check_bsdf("no/such/file.xml", NULL);
     assert_int_equal(result.exit_code, 1);
     assert_says(result.err, "cannot open");
 }

@@ -1,4 +1,4 @@
-/* The commands that ask a daemon, against canned answers: what they show and keep. */
+/* The client commands, run against canned answers: their output and the files they write. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -77,7 +77,7 @@ static void test_problems_read_like_compilers(void **state)
     canned_run(f, canned, "maps", NULL, NULL);
     assert_int_equal(f->result.exit_code, 1);
     canned_says(f->result.err, "not JSON");
-    /* Ids are data: they cannot reach another resource. */
+    /* Ids are escaped: they cannot reach another resource. */
     canned_run(f, canned, "status", "../maps", NULL);
     assert_int_equal(f->result.exit_code, 1);
     assert_int_equal(canned_asked(f, "GET /v1/maps"), 1);
@@ -109,7 +109,7 @@ static void test_status_is_a_table(void **state)
                                "42.0 %         2:05    3.1 %  2024-03-22T11:30:00\n");
     canned_says(f->result.out, "fedcba98  x,y                       study   queued          "
                                "       2. in line           2024-03-22T11:31:00\n");
-    /* What it shows is enough to remove one by. */
+    /* The printed id is long enough to remove the item. */
     canned_run_args(f, canned,
                     (const char *const[]){"remove", "job", "fedcba98", "--server", f->url, NULL});
     assert_int_equal(f->result.exit_code, 0);
@@ -122,7 +122,7 @@ static void test_status_is_a_table(void **state)
     ", \"created\": \"2024-03-22T11:30:00Z\"}"
 #define EVENT(kind, id, data) "event: " kind "\nid: " id "\ndata: " data "\n\n"
 
-/* All jobs there are, then what is news of them; where the stream broke off it goes on. */
+/* watch prints all existing jobs, then news of them; it resumes a broken stream. */
 static void test_watch_tells_what_is_news(void **state)
 {
     static const struct canned canned[] = {
@@ -289,7 +289,7 @@ static void test_fetch_keeps_nothing_that_failed(void **state)
     assert_null(cli_read_file(f->folder, "evil.hdr"));
 }
 
-/* The reason is the job's, as status and wait have it; where to look is said, too. */
+/* The reason is the job's, as printed by status and wait; the message also says where to look. */
 static void test_fetch_says_why_there_is_nothing(void **state)
 {
     static const struct canned canned[] = {
@@ -322,7 +322,7 @@ static void test_fetch_says_why_there_is_nothing(void **state)
     "{\"rule\": \"LEED\", \"target\": \"sDA300/50 >= 55 %\", \"grid\": \"desks\", \"verdict\":"    \
     " \"pass\", \"unit\": \"%\", \"value\": 61, \"interval_95\": [60, 62.5], \"note\": null}]}}"
 
-/* Verdicts of a daemon's year are printed as those of `oriel annual`. */
+/* Verdicts of a daemon's annual job are printed like those of `oriel annual`. */
 static void test_verdicts_with_their_intervals(void **state)
 {
     static const struct canned canned[] = {{"GET /v1/jobs/7", 200, VERDICTS}, {NULL, 0, NULL}};

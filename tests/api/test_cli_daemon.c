@@ -1,5 +1,4 @@
-/* `oriel` and `orield` together: submit, wait, fetch, and a second job that finds the maps ready.
- */
+/* `oriel` and `orield` together: submit, wait, fetch, and a second job that reuses the maps. */
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -15,7 +14,7 @@
 #include "support/cli.h"
 #include "support/patience.h"
 
-/* A room that is open to the south, where another file puts the pane. */
+/* A room that is open to the south, where another file adds the pane. */
 static const char scene_text[] = "void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0\n"
                                  "void glass pane\n0\n0\n3 0.96 0.96 0.96\n"
                                  "void glow sky_glow\n0\n0\n4 10 10 10 0\n"
@@ -89,8 +88,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-static void run(struct fixture *f, int exit_code, const char *command, const char *operand,
-                const char *option, const char *value)
+static void run_oriel(struct fixture *f, int exit_code, const char *command, const char *operand,
+                      const char *option, const char *value)
 {
     const char *args[8] = {command, "--server", f->url};
     int n = 3;
@@ -107,13 +106,13 @@ static void run(struct fixture *f, int exit_code, const char *command, const cha
                  f->result.err);
 }
 
-/* Submits a document of the folder's and follows it; ret_id[64] gets its id. */
+/* Submits a document of the folder and follows it; returns its id in ret_id[64]. */
 static void submit(struct fixture *f, const char *document, int exit_code, char *ret_id)
 {
     char path[160];
 
     snprintf(path, sizeof path, "%s/%s", f->folder, document);
-    run(f, exit_code, "submit", path, "--wait", NULL);
+    run_oriel(f, exit_code, "submit", path, "--wait", NULL);
     assert_int_equal(sscanf(f->result.out, "%63s", ret_id), 1);
 }
 
@@ -129,7 +128,7 @@ static json_t *fetch_sensors(struct fixture *f, const char *id)
     json_t *result, *sensors;
 
     snprintf(output, sizeof output, "%s/%s", f->folder, id);
-    run(f, 0, "fetch", id, "-o", output);
+    run_oriel(f, 0, "fetch", id, "-o", output);
     text = cli_read_file(output, "result.json");
     assert_non_null(text);
     result = json_loads(text, 0, NULL);
@@ -152,16 +151,16 @@ static void test_a_second_job_finds_the_maps(void **state)
     assert_says(f->result.err, "already known");
     assert_says(f->result.err, "global map: found in the cache");
     assert_null(strstr(f->result.err, "built in"));
-    run(f, 0, "maps", NULL, NULL, NULL);
+    run_oriel(f, 0, "maps", NULL, NULL, NULL);
     assert_says(f->result.out, "global");
-    run(f, 0, "status", second, NULL, NULL);
+    run_oriel(f, 0, "status", second, NULL, NULL);
     assert_says(f->result.out, "succeeded");
-    run(f, 0, "status", NULL, NULL, NULL);
-    first[8] = second[8] = '\0'; /* as much as the table shows, and as fetch needs */
+    run_oriel(f, 0, "status", NULL, NULL, NULL);
+    first[8] = second[8] = '\0'; /* as many digits as the table shows, enough for fetch */
     assert_says(f->result.out, first);
     assert_says(f->result.out, second);
     snprintf(output, sizeof output, "%s/out", f->folder);
-    run(f, 0, "fetch", second, "-o", output);
+    run_oriel(f, 0, "fetch", second, "-o", output);
     hdr = cli_read_file(output, "north.hdr");
     assert_non_null(hdr);
     assert_memory_equal(hdr, "#?RADIANCE\n", 11);
@@ -172,7 +171,7 @@ static void test_a_second_job_finds_the_maps(void **state)
     free(hdr);
 }
 
-/* The same document gives the same numbers here and there: one code path. */
+/* A document gives equal numbers in the command and in the daemon: one code path. */
 static void test_run_and_submit_agree(void **state)
 {
     struct fixture *f = *state;
@@ -212,15 +211,15 @@ static void test_cancel_ends_a_long_job(void **state)
                    " \"technique\": \"gather\", \"photons\":"
                    " {\"global\": 100000000, \"caustic\": 0}, " SENSORS "}");
     snprintf(path, sizeof path, "%s/long.json", f->folder);
-    run(f, 0, "submit", path, NULL, NULL);
+    run_oriel(f, 0, "submit", path, NULL, NULL);
     assert_int_equal(sscanf(f->result.out, "%63s", id), 1);
-    run(f, 1, "fetch", id, "-o", f->folder);
-    run(f, 0, "cancel", id, NULL, NULL);
-    run(f, 1, "wait", id, NULL, NULL);
+    run_oriel(f, 1, "fetch", id, "-o", f->folder);
+    run_oriel(f, 0, "cancel", id, NULL, NULL);
+    run_oriel(f, 1, "wait", id, NULL, NULL);
     assert_says(f->result.err, "cancelled");
 }
 
-/* Whose turn it is, goes by a name: the user's, or one of their own. */
+/* Scheduling uses client names: the user's, or a chosen one. */
 static void test_clients_have_names(void **state)
 {
     struct fixture *f = *state;
@@ -229,7 +228,7 @@ static void test_clients_have_names(void **state)
     assert_int_equal(setenv("ORIEL_CLIENT", "studio", 1), 0);
     submit(f, "sensors.json", 0, id);
     unsetenv("ORIEL_CLIENT");
-    run(f, 0, "status", id, NULL, NULL);
+    run_oriel(f, 0, "status", id, NULL, NULL);
     assert_says(f->result.out, "name:studio");
 }
 

@@ -1,4 +1,4 @@
-/* `oriel glare` as a script meets it: a picture of one bright square on a darker ground. */
+/* `oriel glare` from a script's view: a picture of one bright square on a darker ground. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,7 +19,7 @@ enum { SIDE = 100, FROM = 60, TO = 66 };
 static struct cli_result result;
 static char folder[64], picture[128];
 
-/* RGBE of 4 or 64 W/sr/m2: 179 times that, and half a step more. */
+/* RGBE of 4 or 64 W/sr/m2: 179 times that, plus half a step. */
 static int set_up(void **state)
 {
     static const unsigned char dark[4] = {128, 128, 128, 131}, bright[4] = {128, 128, 128, 135};
@@ -46,7 +46,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-static void ask(const char *a, const char *b, const char *c)
+static void run_glare(const char *a, const char *b, const char *c)
 {
     const char *const args[] = {"glare", picture, a, b, c, NULL};
     cli_run(args, &result);
@@ -62,7 +62,7 @@ static double number(const json_t *json, const char *a, const char *b, const cha
 static void test_numbers(void **state)
 {
     (void)state;
-    ask("--json", NULL, NULL);
+    run_glare("--json", NULL, NULL);
     assert_int_equal(result.exit_code, 0);
     assert_string_equal(result.err, "");
     json_t *json = json_loads(result.out, 0, NULL);
@@ -73,7 +73,7 @@ static void test_numbers(void **state)
     const double bright = 64 * 179 * 128.5 / 128, dark = 4 * 179 * 128.5 / 128;
     const double found = json_number_value(json_object_get(one, "luminance_cd_m2"));
     assert_true(fabs(found / bright - 1) < 1e-5);
-    /* pi times the ground's luminance, and what the square has more. */
+    /* pi times the ground's luminance, plus the excess of the square. */
     const double sr = json_number_value(json_object_get(one, "solid_angle_sr"));
     const double off = json_number_value(json_object_get(one, "angle_deg")) * acos(-1) / 180;
     const double wanted = acos(-1) * dark + (bright - dark) * sr * cos(off);
@@ -85,12 +85,12 @@ static void test_numbers(void **state)
 static void test_table_and_options(void **state)
 {
     (void)state;
-    ask("--detail", "-b", "20000");
+    run_glare("--detail", "-b", "20000");
     assert_int_equal(result.exit_code, 0);
     assert_non_null(strstr(result.out, "0 above 20000 cd/m2"));
-    ask("--task", "50.5,20.5,0.5", NULL);
+    run_glare("--task", "50.5,20.5,0.5", NULL);
     assert_non_null(strstr(result.out, "1 above 3593.98"));
-    ask("-A", picture, NULL);
+    run_glare("-A", picture, NULL);
     assert_non_null(strstr(result.out, "mask: "));
 }
 
@@ -98,19 +98,19 @@ static void test_mistakes(void **state)
 {
     const char *const missing[] = {"glare", "nowhere.hdr", NULL};
     (void)state;
-    ask("--task", "1,2", NULL);
+    run_glare("--task", "1,2", NULL);
     assert_int_equal(result.exit_code, 2);
-    ask("--radius", "9", NULL);
+    run_glare("--radius", "9", NULL);
     assert_int_equal(result.exit_code, 1);
     assert_non_null(strstr(result.err, "radius_rad"));
     cli_run(missing, &result);
     assert_int_equal(result.exit_code, 1);
-    ask("--view", "-vtl -vh 2 -vv 2", NULL);
+    run_glare("--view", "-vtl -vh 2 -vv 2", NULL);
     assert_int_equal(result.exit_code, 1);
     assert_non_null(strstr(result.err, "no eye"));
 }
 
-/* A job's view of so many pixels, with the picture as its mask. */
+/* Runs a job's view of that many pixels per side, with the picture as its mask. */
 static void run_job(int side)
 {
     char job[128], out[128], text[1024];
@@ -129,7 +129,7 @@ static void run_job(int side)
     cli_run(args, &result);
 }
 
-/* An even sky is as bright in a mask as in a band; the mask is above 0.1 everywhere. */
+/* A uniform sky is equally bright in a mask and in a band; the mask is above 0.1 everywhere. */
 static void test_mask_of_a_job(void **state)
 {
     static const char *const parts[] = {"mask", "band"};

@@ -1,5 +1,5 @@
-/* Function files and fonts that a scene counts on without bringing them: those of the folders that
- * RAYPATH names, for `oriel run` and for what `oriel submit` sends. */
+/* Function files and fonts that a scene needs but does not contain: those of the RAYPATH folders,
+ * for `oriel run` and for uploads by `oriel submit`. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,9 +16,8 @@
 
 #define SCENE_ID "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"
 
-/* A glowing disc above the sensor, as bright as a function says: 10 times .5 over all of it. The
- * ground, which the sensor does not see, counts on a name that this program has a text of its own
- * for. */
+/* A glowing disc above the sensor, whose brightness is a function: 10 times .5 everywhere. The
+ * ground, which the sensor does not see, uses a name for which this program has a built-in text. */
 static const char room[] = "void brightfunc dim\n2 half half.cal\n0\n0\n"
                            "dim glow lamp\n0\n0\n4 10 10 10 0\n"
                            "lamp ring disc\n0\n0\n8 0 0 1  0 0 -1  0 1\n"
@@ -52,8 +51,8 @@ static int tear_down(void **state)
     return canned_tear_down(state);
 }
 
-/* The illuminance of the sensor, and whether the run went well. */
-static double run(struct canned_daemon *f, int exit_code)
+/* Returns the illuminance of the sensor; expects that exit code. */
+static double run_job(struct canned_daemon *f, int exit_code)
 {
     char document[96], output[96];
 
@@ -75,15 +74,15 @@ static double run(struct canned_daemon *f, int exit_code)
 static void test_run_finds_function_files_by_raypath(void **state)
 {
     struct canned_daemon *f = *state;
-    /* E = L pi sin^2(45 degrees), in lux; the estimate's own error is .0062 of it (a
-     * share of .5 of 8192 paths), and the bounds are eight of these. */
+    /* E = L pi sin^2(45 degrees), in lux; the estimate's relative error is .0062 (a share of .5 of
+     * 8192 paths), and the bounds are eight of these. */
     const double whole = 10 * 3.14159265358979 * .5 * 179;
-    const double half = run(f, 0);
+    const double half = run_job(f, 0);
 
     assert_true(half > .95 * .5 * whole && half < 1.05 * .5 * whole);
-    /* What lies beside the scene comes first. */
+    /* A file beside the scene takes precedence. */
     cli_write_file(f->folder, "half.cal", "half = .25;\n");
-    const double quarter = run(f, 0);
+    const double quarter = run_job(f, 0);
     assert_true(quarter > .95 * .25 * whole && quarter < 1.05 * .25 * whole);
 }
 
@@ -92,7 +91,7 @@ static void test_without_raypath_the_error_says_where_to_put_it(void **state)
     struct canned_daemon *f = *state;
 
     unsetenv("RAYPATH");
-    run(f, 1);
+    run_job(f, 1);
     canned_says(f->result.err, "room.rad:1: brightfunc dim: there is no function file 'half.cal'");
     canned_says(f->result.err, "RAYPATH");
 }

@@ -1,5 +1,4 @@
-/* Jobs in parts, each a process of its own: the same results; and parts that are not what they
- * should be. */
+/* Jobs in parts, each a separate process: equal results; and parts with wrong or missing data. */
 #include <dirent.h>
 #include <setjmp.h>
 #include <signal.h>
@@ -106,7 +105,7 @@ static void test_bsdfs(void **state)
     assert_int_equal(access(path, F_OK), -1);
 }
 
-/* Killed in the middle: what was made serves again. */
+/* After a kill the finished pieces are reused. */
 static void test_pieces_serve_again(void **state)
 {
     struct cli_desk *f = *state;
@@ -129,21 +128,21 @@ static void test_pieces_serve_again(void **state)
     parted_assert_same(f, "whole", "parts");
 }
 
-/* The name of a part that is done, "" while there is none. */
+/* Returns the name of a finished part, "" if there is none. */
 static void find_done(const char *folder, char ret_stem[128])
 {
     DIR *entries = opendir(folder);
     *ret_stem = '\0';
     for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
         const char *ending = strstr(entry->d_name, ".done");
-        if (ending && strcmp(ending, ".done") == 0) /* and not one that is still being written */
+        if (ending && strcmp(ending, ".done") == 0) /* excludes one that is still being written */
             snprintf(ret_stem, 128, "%.*s", (int)(ending - entry->d_name), entry->d_name);
     }
     if (entries)
         closedir(entries);
 }
 
-/* One that was ended between its last piece and its last word finds all made. */
+/* A part that was ended between its last piece and its end mark finds all pieces. */
 static void test_a_part_is_done_twice(void **state)
 {
     struct cli_desk *f = *state;
@@ -151,7 +150,7 @@ static void test_a_part_is_done_twice(void **state)
     snprintf(path, sizeof path, "%s/%s", f->folder, parted_skies);
     snprintf(to, sizeof to, "%s/parts", f->folder);
     snprintf(folder, sizeof folder, "%s/parts/parts", f->folder);
-    /* Of so many parts others are still to be made when the first is done. */
+    /* With this many parts others remain when the first is done. */
     const char *const args[] = {"run", path, "-o", to, "--threads", "1", "--parts", "5", NULL};
     struct cli_child child = cli_start(args);
     for (double until = patience_until(); !*stem && patience_nap(until);)
@@ -186,7 +185,7 @@ static void assert_part_refused(struct cli_desk *f, const char *part, const char
     assert_null(cli_read_file(f->output, "wave1-0.done"));
 }
 
-/* A folder as `oriel run --parts` lays it out: the room, and its digest. */
+/* Writes a folder as `oriel run --parts` does: the room, and its digest. */
 static void test_parts_that_do_not_fit(void **state)
 {
     static const char piece[] = "{\"job\": \"%s\", \"threads\": 1, \"pieces\": [{\"kind\": "

@@ -1,6 +1,7 @@
 /*
- * Matrices of the three- and five-phase methods: a year by them is the year by paths, to what a
- * cell of Klems' basis leaves; their parts beside quadrature; and what has none.
+ * Matrices of the three- and five-phase methods: the year computed with them equals the year by
+ * paths, to the resolution of Klems cells; parts compared with quadrature; and scenes without
+ * matrices.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -39,7 +40,7 @@ static const char weather[] = "place made_up\nlatitude 38.42\nlongitude -27.14\n
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* A pane that lets six tenths pass in the cell they come in, and spreads a tenth. */
+/* Returns a pane that transmits 0.6 into the cell of incidence, and scatters 0.1. */
 static char *make_pane(void)
 {
     struct orl_basis basis;
@@ -56,7 +57,7 @@ static char *make_pane(void)
     return xml.data;
 }
 
-/* Three skies: even, brighter by the row, and bright in one quarter. */
+/* Radiance of three skies: uniform, brighter with each row, and bright in one quarter. */
 static double radiance(size_t patch, int sky)
 {
     if (patch == 0)
@@ -101,9 +102,9 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Runs a document of the folder; what is made goes to a folder in it. */
-static int run(const char *folder, const char *text, const char *output, const char *threads,
-               struct cli_result *ret_result)
+/* Runs a document of the folder; the output goes to a subfolder. */
+static int run_document(const char *folder, const char *text, const char *output,
+                        const char *threads, struct cli_result *ret_result)
 {
     char document[96], to[96];
     cli_write_file(folder, "year.json", text);
@@ -117,7 +118,7 @@ static int run(const char *folder, const char *text, const char *output, const c
 static void need(const char *folder, const char *text, const char *output, const char *threads)
 {
     static struct cli_result result;
-    if (run(folder, text, output, threads, &result) != 0)
+    if (run_document(folder, text, output, threads, &result) != 0)
         fail_msg("%s", result.err);
 }
 
@@ -147,9 +148,9 @@ static double at(const struct orl_rgb_matrix *matrix, size_t row, size_t column)
     return (double)matrix->values[3 * (row * matrix->columns + column)];
 }
 
-/* ---- The year by them ------------------------------------------------------------------------ */
+/* ---- The year by matrices -------------------------------------------------------------------- */
 
-/* Paths on both sides leave 1 % of a value; the mean is to be right to 0.5 %. */
+/* Paths on both sides have an error of 1 % of a value; the mean must be right to 0.5 %. */
 static void test_the_same_year(void **state)
 {
     const char *folder = *state;
@@ -190,7 +191,7 @@ static void test_the_same_year(void **state)
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
 
-/* What a sensor that looks at the pane gets of it straight, were its radiance 1: by quadrature. */
+/* Returns the direct light at a sensor that faces the pane, for a radiance of 1: by quadrature. */
 static double straight_light(void)
 {
     enum { N = 400 };
@@ -221,13 +222,13 @@ static void test_parts(void **state)
     for (size_t c = 0; c < CELLS; c++) {
         seen += at(&straight, 2, c);
         assert_true(at(&straight, 2, c) <= at(&view, 2, c));
-        /* Clear glass turns nothing aside. */
+        /* Clear glass keeps the direction. */
         for (size_t in = 0; in < CELLS; in++)
             assert_true(in == c || at(&transmission, c, in) < 1e-6);
     }
     assert_true(fabs(seen / straight_light() - 1) <= 0.01);
-    /* Towards the sky all is sky; towards the ground, a fifth of what comes to that, from which the
-     * building hides some of the sky. */
+    /* Up, the whole light is the sky's; down, it is a fifth of the light incident on the ground,
+     * from which the building hides some of the sky. */
     double above = 0, below = 0, bare_below = 0;
     for (size_t p = 0; p < PATCHES; p++) {
         above += at(&daylight, CELLS - 1 - 3, p);
@@ -273,14 +274,16 @@ static void test_refused(void **state)
 {
     static struct cli_result result;
     const char *folder = *state;
-    assert_int_not_equal(
-        run(folder, DOCUMENT("open.rad", ", \"formats\": [\"phases\"]"), "no", "1", &result), 0);
+    assert_int_not_equal(run_document(folder, DOCUMENT("open.rad", ", \"formats\": [\"phases\"]"),
+                                      "no", "1", &result),
+                         0);
     assert_non_null(strstr(result.err, "light has other ways in"));
     assert_int_not_equal(
-        run(folder,
-            DOCUMENT("clear.rad", ", \"formats\": [\"phases\"], \"accuracy\": {\"verdict\": "
-                                  "\"sDA300/50 >= 55 %\"}"),
-            "no", "1", &result),
+        run_document(folder,
+                     DOCUMENT("clear.rad",
+                              ", \"formats\": [\"phases\"], \"accuracy\": {\"verdict\": "
+                              "\"sDA300/50 >= 55 %\"}"),
+                     "no", "1", &result),
         0);
     assert_non_null(strstr(result.err, "matrices of phases are of one run"));
 }

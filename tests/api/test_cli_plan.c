@@ -1,4 +1,4 @@
-/* `oriel plan` as a script sees it: the table, the JSON, and that nothing is rendered. */
+/* `oriel plan` from a script's view: the table, the JSON, and that nothing is rendered. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -44,7 +44,7 @@ static void plan(struct cli_desk *f, const char *option)
     cli_run(args, &f->result);
 }
 
-/* Runs with --json; the document, which the caller frees. */
+/* Runs with --json; returns the document, which the caller frees. */
 static json_t *planned(struct cli_desk *f, const char *threads)
 {
     const char *const args[] = {"plan", "--json", "--threads", threads, f->document, NULL};
@@ -58,7 +58,7 @@ static json_t *planned(struct cli_desk *f, const char *threads)
     return doc;
 }
 
-/* Drops the estimates of seconds, the only part of a plan that may differ between two runs. */
+/* Removes the estimated seconds, the only part of a plan that may differ between two runs. */
 static json_t *without_seconds(json_t *plan)
 {
     json_t *effects = json_object_get(plan, "effects"), *effect;
@@ -90,7 +90,7 @@ static void test_the_table_has_every_effect(void **state)
     at = strstr(f->result.out, "\neffect ");
     assert_non_null(at);
     assert_non_null(strstr(at, "simulated"));
-    /* A row each, in the order of the plan. */
+    /* One row each, in the order of the plan. */
     for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
         char row[32];
 
@@ -110,7 +110,7 @@ static void assert_narrow(char *text)
             fail_msg("%zu columns: %s", strlen(line), line);
 }
 
-/* Tables and warnings are wrapped, and words that fit no line are cut. */
+/* Tables and warnings are wrapped, and words longer than a line are cut. */
 static void test_no_line_is_too_long(void **state)
 {
     struct cli_desk *f = *state;
@@ -133,7 +133,7 @@ static void test_no_line_is_too_long(void **state)
     assert_narrow(f->result.err);
 }
 
-/* The row of an effect in the table, up to its end. */
+/* Returns the row of an effect in the table, up to its end. */
 static void row_of(const struct cli_desk *f, const char *effect, char ret_row[160])
 {
     char start[32];
@@ -181,7 +181,7 @@ static void test_json_is_what_a_run_says(void **state)
     without_seconds(json_object_get(three, "plan"));
     without_seconds(json_object_get(result, "plan"));
     assert_true(json_equal(json_object_get(one, "plan"), json_object_get(three, "plan")));
-    /* A run that is told its photons flies no pilot. */
+    /* A run with given photon counts needs no pilot. */
     assert_int_equal(json_object_del(json_object_get(one, "plan"), "foresight"), 0);
     assert_true(json_equal(json_object_get(one, "plan"), json_object_get(result, "plan")));
     assert_non_null(strstr(f->result.err, "plan: "));
@@ -190,8 +190,8 @@ static void test_json_is_what_a_run_says(void **state)
     json_decref(result);
 }
 
-/* A plan under each sky, also of a job that makes a sequence of them; as JSON one document each.
- * Paths need no pilot, which is most of what a plan takes. */
+/* A plan for each sky, also of a job that renders a sequence of them; JSON has one document each.
+ * Paths need no pilot, which is most of a plan's time. */
 static void test_skies(void **state)
 {
     static const char day[] = "{\"name\": \"%s\", \"cie\": {\"type\": \"overcast\", "
@@ -224,7 +224,7 @@ static void test_skies(void **state)
     assert_null(strstr(second + 3, "\n}\n{\n"));
 }
 
-/* The technique that is asked for is the plan's; left out, the plan names one. */
+/* The plan has the requested technique; without a request it selects one. */
 static void test_the_technique(void **state)
 {
     static const char *const techniques[] = {"backward", "gather", "direct", "precomputed"};
@@ -239,7 +239,7 @@ static void test_the_technique(void **state)
     for (size_t i = 0; i < sizeof techniques / sizeof techniques[0]; i++) {
         char text[512];
 
-        /* One more member, behind the document's opening brace. */
+        /* One more member after the document's opening brace. */
         snprintf(text, sizeof text, "{\"technique\": \"%s\", %s", techniques[i], &JOB("{}")[1]);
         cli_write_file(f->folder, "job.json", text);
         doc = planned(f, "1");
@@ -250,7 +250,7 @@ static void test_the_technique(void **state)
     }
 }
 
-/* Where no accuracy can be promised a plan says so, and is made all the same. */
+/* If no accuracy can be promised the plan reports this, and is printed all the same. */
 static void test_narrow_lobes(void **state)
 {
     static const char lobes[] =
@@ -269,7 +269,7 @@ static void test_narrow_lobes(void **state)
     if (f->result.exit_code != 0)
         fail_msg("%s", f->result.err);
     assert_non_null(strstr(f->result.out, "not known: materials have lobes narrower"));
-    /* Where a lamp lights them photons would be few and bright: paths ask the functions. */
+    /* Lit by a lamp, photons would be few and bright: paths evaluate the functions. */
     strcat(scene, "void light bulb\n0\n0\n3 99 99 99\nbulb sphere lamp\n0\n0\n4 1 2 2 .1\n");
     cli_write_file(f->folder, "room.rad", scene);
     cli_write_file(f->folder, "job.json", JOB("{}"));
@@ -334,8 +334,8 @@ static void test_mistakes(void **state)
     assert_int_equal(f->result.exit_code, 2);
 }
 
-/* The README's example is complete in the repository: no file has to be made first. In the short
- * form a copy of it is planned by paths, whose plan takes a sixth of the time. */
+/* The README's example is complete in the repository: no file must be generated first. The short
+ * form plans a copy of it by paths, whose plan takes a sixth of the time. */
 static void test_example(void **state)
 {
     struct cli_desk *f = *state;

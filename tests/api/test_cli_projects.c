@@ -1,4 +1,4 @@
-/* `oriel run` of sensors in grids and of Honeybee's projects, by their names. */
+/* `oriel run` with sensor grids and Honeybee projects, selected by name. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +16,7 @@
 
 #include "support/cli.h"
 
-/* Two plates under an even sky. */
+/* Two plates under a uniform sky. */
 static const char scene_text[] = "void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0\n"
                                  "void glow sky_glow\n0\n0\n4 10 10 10 0\n"
                                  "sky_glow source sky\n0\n0\n4 0 0 1 180\n"
@@ -116,7 +116,7 @@ static void test_names_that_are_none_are_refused(void **state)
 
 static const char model[] = "tests/fixtures/honeybee/two_rooms.hbjson";
 
-/* The scene's files by `oriel project`. */
+/* Returns the scene's files by `oriel project`. */
 static json_t *list_project(struct cli_desk *f, const char *path, const char *states)
 {
     const char *const args[] = {"project", path, "--states", states, NULL};
@@ -135,7 +135,7 @@ static void test_a_model_is_listed_and_written(void **state)
     assert_int_equal(f->result.exit_code, 0);
     json_t *whole = json_loads(f->result.out, 0, NULL);
     json_t *folder = list_project(f, f->output, "south_glass=0_south_glass");
-    /* What was written is found again, of the folder's own name, too. */
+    /* The written folder is read back, also under the folder's own name. */
     assert_true(json_equal(whole, folder));
     json_decref(folder);
     char own[128];
@@ -149,8 +149,8 @@ static void test_a_model_is_listed_and_written(void **state)
     json_decref(whole);
 }
 
-/* Two grids of one identifier: on standard error, in the list, and in that of the folder written.
- */
+/* Two grids with one identifier cause a warning on standard error, in the list, and in that of the
+ * written folder. */
 static void test_a_model_is_warned_of(void **state)
 {
     static const char wanted[] = "2 sensor grids of the model have this identifier";
@@ -181,7 +181,7 @@ static void test_a_model_is_warned_of(void **state)
     assert_non_null(strstr(f->result.err, wanted));
 }
 
-/* A model is one by what it says, too, and one of Dragonfly's is told from it. */
+/* A model is also recognised by its content, and a Dragonfly model is distinguished from it. */
 static void test_models_are_known_by_what_they_say(void **state)
 {
     struct cli_desk *f = *state;
@@ -204,9 +204,8 @@ static void test_models_are_known_by_what_they_say(void **state)
         fail_msg("%s", f->result.err);
 }
 
-/* The weather file of a sky that the command line gives is looked for where the command runs; it
- * has no rows of July. A name of a sky that the project does not have is refused with the remedy.
- */
+/* The weather file of a sky on the command line is relative to the working directory; it has no
+ * rows of July. An unknown sky name of the project is refused with a remedy. */
 static void test_skies_of_the_command_line(void **state)
 {
     static const struct {
@@ -228,7 +227,7 @@ static void test_skies_of_the_command_line(void **state)
     }
 }
 
-/* Sensors of a grid of a run of the document, summed up. */
+/* Returns the sum of a grid's sensors of a run of the document. */
 static double run_project(struct cli_desk *f, const char *states)
 {
     char job[600], here[256];
@@ -259,7 +258,7 @@ static void test_states_let_in_more_or_less(void **state)
     struct cli_desk *f = *state;
     const double open = run_project(f, "");
     const double tinted = run_project(f, "\"south_glass\": \"1_south_glass\"");
-    /* One window of two has a transmittance of 0.27 rather than 0.64, and a louvre. */
+    /* One of two windows has a transmittance of 0.27 instead of 0.64, and a louvre. */
     assert_true(open > 100 && tinted < 0.9 * open && tinted > 0.3 * open);
     json_t *info = load(f->output, "results/grids_info.json");
     assert_string_equal(json_string_value(json_object_get(json_array_get(info, 1), "full_id")),
@@ -284,9 +283,11 @@ static void test_a_model_without_grids_asks_for_nothing(void **state)
     assert_non_null(strstr(f->result.err, "no sensor grids and no views"));
 }
 
-/* ---- Years ----------------------------------------------------------------------------------- */
+/* ---- Annual runs ----------------------------------------------------------------------------- */
 
-/* A year of the model's, two days of weather, with those shades and the like; result.json. */
+/*
+ * Runs the model's year, two days of weather, with those shades and options; returns result.json.
+ */
 static json_t *run_year(struct cli_desk *f, const char *more, const char *chosen)
 {
     char job[900], here[256];
@@ -307,7 +308,7 @@ static json_t *run_year(struct cli_desk *f, const char *more, const char *chosen
     return load(f->output, "result.json");
 }
 
-/* Hours with light that the group is in its second state. */
+/* Returns the lit hours with the group in its second state. */
 static double closed_hours(const json_t *result, const char *by)
 {
     const json_t *groups = json_object_get(json_object_get(result, "shades"), "groups");
@@ -319,7 +320,8 @@ static double closed_hours(const json_t *result, const char *by)
     return json_number_value(json_object_get(second, "hours"));
 }
 
-/* All figures of both grids, but for those of direct light: they are of open shades. */
+/* Returns true if all figures of both grids agree, except those of direct light, which are for open
+ * shades. */
 static bool tell_the_same(const json_t *a, const json_t *b)
 {
     for (size_t g = 0; g < 2; g++) {
@@ -352,7 +354,7 @@ static void test_states_are_the_shades_of_a_year(void **state)
                               " [{\"state\": \"1_south_glass\"}]}],",
                               "");
     assert_true(closed_hours(closed, "rules") > 0);
-    /* As if nothing else had been there: the same surfaces, the same paths. */
+    /* Equal to a model without the other states: the same surfaces and paths. */
     json_t *fixed = run_year(f, "", "\"south_glass\": \"1_south_glass\"");
     assert_true(json_is_null(json_object_get(fixed, "shades")));
     assert_true(tell_the_same(closed, fixed));
@@ -366,7 +368,7 @@ static void test_states_are_the_shades_of_a_year(void **state)
     json_decref(drawn);
 }
 
-/* From a model and a weather file to the client's page by one command. */
+/* One command produces the client's page from a model and a weather file. */
 static void test_a_year_without_a_document(void **state)
 {
     struct cli_desk *f = *state;
@@ -403,7 +405,7 @@ static void test_a_year_without_a_document(void **state)
     assert_int_equal(access(path, R_OK), 0);
 }
 
-/* Names in a document are relative to its folder, above it, too. */
+/* Names in a document are relative to its folder, and may be above it. */
 static void test_files_above_the_document(void **state)
 {
     struct cli_desk *f = *state;
@@ -428,7 +430,7 @@ static void test_files_above_the_document(void **state)
         fail_msg("%s", f->result.err);
 }
 
-/* Who has exported the model beside the document, and changed what came of it, keeps that. */
+/* Exported files beside the document that the user has changed are not overwritten. */
 static void test_own_files_are_not_written_over(void **state)
 {
     static const char mine[] = "# mine\n";
@@ -447,7 +449,7 @@ static void test_own_files_are_not_written_over(void **state)
     assert_int_not_equal(access(path, F_OK), 0);
 }
 
-/* A model with a luminaire of 1000 cd all round that hangs 2 m above the first desk, by night. */
+/* A model with an isotropic luminaire of 1000 cd that hangs 2 m above the first desk, by night. */
 static void test_luminaires_of_a_model_shine(void **state)
 {
     static const char luminaire[] =
@@ -474,10 +476,9 @@ static void test_luminaires_of_a_model_shine(void **state)
     const double lx = json_number_value(json_object_get(sensor, "illuminance_lx")),
                  error = json_number_value(json_object_get(sensor, "standard_error_lx"));
     json_decref(result);
-    /* 1000 cd and half of 2: 250 lx by themselves; 788.5 +- 0.6 by rtrace -ab 24 -as 0 -ad 32768
-     * -aa 0 -lw 1e-8, six times. Its rays never meet so small a lamp in the window, which shows it
-     * at 8^.5 m and 45 degrees and reflects .056 there: 4.95 lx, and what walls make of as much,
-     * less than 2 lx. */
+    /* 1000 cd and half of 2: 250 lx direct; 788.5 +- 0.6 by rtrace -ab 24 -as 0 -ad 32768 -aa 0 -lw
+     * 1e-8, six times. Its rays never hit so small a lamp in the window, which reflects it at 8^.5
+     * m and 45 degrees with .056: 4.95 lx, and its interreflection, less than 2 lx. */
     assert_true(error < 0.03 * lx);
     const double mirrored = 1000 / 8. * sqrt(0.5) * 0.056;
     assert_true(lx - 788.5 - mirrored > -4 * (error + 0.6));

@@ -1,4 +1,5 @@
-/* `oriel` as a script sees it, without a daemon: usage, exit codes, and `oriel run` to its end. */
+/* `oriel` from a script's view, without a daemon: usage, exit codes, and complete runs of `oriel
+ * run`. */
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -18,7 +19,7 @@
 #include "support/cli.h"
 #include "support/patience.h"
 
-/* A room with one window, a sky without a sun behind it, and a wall to look at. */
+/* A room with one window, a sky without a sun outside, and a wall in view. */
 static const char scene_text[] = "# closed but for the window\n"
                                  "void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0\n"
                                  "void glass pane\n0\n0\n3 0.96 0.96 0.96\n"
@@ -50,7 +51,7 @@ static int set_up(void **state)
     return cli_desk_set_up(state, files);
 }
 
-static void run(struct cli_desk *f, const char *output, const char *threads)
+static void run_job(struct cli_desk *f, const char *output, const char *threads)
 {
     const char *const args[] = {"run", f->document, "-o", output, "--threads", threads, NULL};
 
@@ -138,7 +139,7 @@ static void test_every_command_has_help(void **state)
 static void test_mistakes_are_named_and_recorded(void **state)
 {
     static const struct {
-        const char *file, *text; /* what is written over the good file; NULL text removes it */
+        const char *file, *text; /* text written over the good file; NULL removes it */
         const char *says, *type;
     } cases[] = {
         {"job.json", "{\"kind\": \"render\",\n \"scene\": }\n", "job.json:2: ", "syntax"},
@@ -184,7 +185,7 @@ static void test_mistakes_are_named_and_recorded(void **state)
             snprintf(path, sizeof path, "%s/%s", f->folder, cases[i].file);
             unlink(path);
         }
-        run(f, f->output, "1");
+        run_job(f, f->output, "1");
         assert_int_equal(f->result.exit_code, 1);
         assert_says(f->result.err, cases[i].says);
         result = load_result(f->output);
@@ -203,7 +204,7 @@ static void test_an_older_result_does_not_survive_a_failure(void **state)
     assert_int_equal(mkdir(f->output, 0777), 0);
     cli_write_file(f->output, "result.json", "{\"state\": \"succeeded\"}");
     cli_write_file(f->folder, "job.json", "[]");
-    run(f, f->output, "1");
+    run_job(f, f->output, "1");
     assert_int_equal(f->result.exit_code, 1);
     result = load_result(f->output);
     assert_string_equal(text_of(result, "state"), "failed");
@@ -249,19 +250,19 @@ static void test_a_run_leaves_numbers_images_and_maps(void **state)
     struct cli_desk *f = *state;
     json_t *first, *second;
 
-    run(f, f->output, "1");
+    run_job(f, f->output, "1");
     assert_int_equal(f->result.exit_code, 0);
     first = load_result(f->output);
     assert_string_equal(text_of(first, "state"), "succeeded");
     assert_int_equal(json_integer_value(json_object_get(first, "threads")), 1);
     assert_int_equal(json_integer_value(json_object_get(first, "seed")), 7);
     assert_int_equal(json_array_size(json_object_get(first, "sensors")), 2);
-    /* The window lights both; the nearer one more. */
+    /* The window lights both sensors, the nearer one more. */
     assert_true(lux(first, 0) > lux(first, 1) && lux(first, 1) > 0);
     assert_images(f->output, first);
     assert_false(all_cached(first));
-    /* The same again, with the maps found ready: the same numbers. */
-    run(f, f->output, "1");
+    /* A second run with the maps cached gives equal numbers. */
+    run_job(f, f->output, "1");
     assert_int_equal(f->result.exit_code, 0);
     second = load_result(f->output);
     assert_true(all_cached(second));
@@ -299,9 +300,9 @@ static void test_threads_change_no_byte(void **state)
     json_t *a, *b;
 
     snprintf(other, sizeof other, "%s/other", f->folder);
-    run(f, f->output, "1");
+    run_job(f, f->output, "1");
     assert_int_equal(f->result.exit_code, 0);
-    run(f, other, "3");
+    run_job(f, other, "3");
     assert_int_equal(f->result.exit_code, 0);
     a = load_result(f->output);
     b = load_result(other);
@@ -314,7 +315,7 @@ static void test_threads_change_no_byte(void **state)
     json_decref(b);
 }
 
-/* Waits until the child has a handler for SIGINT, as "SigCgt" of its status in /proc says. */
+/* Waits until the child has a handler for SIGINT, by "SigCgt" of its status in /proc. */
 static void await_handler(const struct cli_child *child)
 {
     char folder[32];
@@ -331,7 +332,7 @@ static void await_handler(const struct cli_child *child)
     assert_true(catches);
 }
 
-/* Text that stands in err once, before a later one. */
+/* Asserts that text is in err exactly once, before `later`. */
 static void assert_told_before(const char *err, const char *text, const char *later)
 {
     const char *first = strstr(err, text), *then = strstr(err, later);
@@ -339,8 +340,9 @@ static void assert_told_before(const char *err, const char *text, const char *la
         fail_msg("not once '%s' before '%s': %s", text, later, err);
 }
 
-/* An eye and a sensor in the plane of a wall: told once, before anything is rendered. A sensor on
- * the floor that looks up, and one in the wall's plane that looks away from it, are as usual. */
+/* An eye and a sensor in the plane of a wall: one warning each, before anything is rendered. A
+ * sensor on the floor that faces up, and one in the wall's plane that faces away from it, cause
+ * none. */
 static void test_warnings_come_before_rendering(void **state)
 {
     struct cli_desk *f = *state;
@@ -353,7 +355,7 @@ static void test_warnings_come_before_rendering(void **state)
                    " \"gather_samples\": 64, \"sensors\": {\"file\": \"sensors.txt\"},\n"
                    " \"views\": [{\"name\": \"wall\", \"view\": \"-vtv -vp 3 2 1 -vd -1 0 0\","
                    " \"width\": 16, \"height\": 16}]}");
-    run(f, f->output, "1");
+    run_job(f, f->output, "1");
     assert_int_equal(f->result.exit_code, 0);
     assert_told_before(f->result.err, "warning: view 'wall': the eye lies on a surface", "render");
     assert_told_before(f->result.err,
@@ -373,7 +375,7 @@ static void test_an_interrupt_cancels(void **state)
     struct cli_child child;
     json_t *result;
 
-    /* Far more photons than are traced before the signal comes. */
+    /* Far more photons than are traced before the signal arrives. */
     cli_write_file(f->folder, "job.json",
                    "{\"kind\": \"render\", \"scene\": {\"files\": [\"room.rad\"]},\n"
                    " \"technique\": \"gather\",\n"

@@ -1,4 +1,4 @@
-/* `oriel study` as a script sees it: usage, mistakes, and a small study to its end. */
+/* `oriel study` from a script's view: usage, mistakes, and a complete small study. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -40,7 +40,7 @@ static void assert_says(const char *text, const char *wanted)
         fail_msg("expected \"%s\" in:\n%s", wanted, text);
 }
 
-static void run(struct cli_desk *f)
+static void run_study(struct cli_desk *f)
 {
     const char *const args[] = {"study", f->document, "--output", f->output, NULL};
 
@@ -80,7 +80,7 @@ static void test_mistakes_name_file_and_place(void **state)
 
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         cli_write_file(f->folder, "study.json", cases[i].text);
-        run(f);
+        run_study(f);
         assert_int_equal(f->result.exit_code, 1);
         assert_string_equal(f->result.out, "");
         assert_says(f->result.err, cases[i].says);
@@ -118,7 +118,7 @@ static void test_a_study_leaves_four_files_and_a_table(void **state)
         {"study.csv", "technique,photons,"}, {"study.svg", "<svg "}, {"study.png", "\x89PNG"}};
     struct cli_desk *f = *state;
 
-    run(f);
+    run_study(f);
     if (f->result.exit_code != 0)
         fail_msg("%s", f->result.err);
     assert_says(f->result.out, "reference: backward, 16384 samples in 8 runs");
@@ -133,7 +133,7 @@ static void test_a_study_leaves_four_files_and_a_table(void **state)
         assert_says(f->result.out, files[i].name);
         free(text);
     }
-    /* A line of names and one for each point, all of as many columns. */
+    /* A header line and one line for each point, all with equally many columns. */
     char *csv = cli_read_file(f->output, "study.csv");
     size_t lines = 0, commas = 0, first = 0;
     for (const char *c = csv; *c; c++) {
@@ -149,15 +149,15 @@ static void test_a_study_leaves_four_files_and_a_table(void **state)
     free(csv);
 }
 
-/* An older study's files are gone once a new one has begun, also when that fails. */
+/* An older study's files are removed when a new one starts, even if that fails. */
 static void test_older_files_do_not_survive_a_failure(void **state)
 {
     struct cli_desk *f = *state;
 
-    run(f);
+    run_study(f);
     assert_int_equal(f->result.exit_code, 0);
     cli_write_file(f->folder, "study.json", "[]");
-    run(f);
+    run_study(f);
     assert_int_equal(f->result.exit_code, 1);
     assert_null(cli_read_file(f->output, "study.json"));
     assert_null(cli_read_file(f->output, "study.svg"));

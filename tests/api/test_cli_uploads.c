@@ -1,4 +1,4 @@
-/* The commands that send and remove, against canned answers: submit, upload, remove. */
+/* The commands that send and remove, run against canned answers: submit, upload, remove. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -56,7 +56,8 @@ static void test_submit_sends_scene_references_and_sensors(void **state)
     json_decref(wanted);
 }
 
-/* The document that `oriel annual` makes of the same line, its weather beside the scene. */
+/* The document is that of `oriel annual` with the same arguments, with its weather beside the
+ * scene. */
 static void test_submit_a_year_of_a_project(void **state)
 {
     static const struct canned canned[] = {
@@ -119,7 +120,7 @@ static void test_submit_finds_mistakes_before_sending(void **state)
         assert_string_equal(f->result.out, "");
         assert_int_equal(f->n_requests, 0);
     }
-    /* A reference out of the folder works for `oriel run`, but no upload can carry it. */
+    /* A reference out of the folder works for `oriel run`, but cannot be uploaded. */
     snprintf(climbing, sizeof climbing,
              "void plastic p\n0\n0\n5 .5 .5 .5 0 0\n!xform ../%s/a.rad\n",
              strrchr(f->folder, '/') + 1);
@@ -191,7 +192,7 @@ static void test_upload_zip_sends_the_bytes(void **state)
 #define BSDF_ID "18e347bfe032de96295acd358db2bd332ea8daab610bb2aa87a9eb7d21f4215b"
 #define KNOWN_ID "5ba274fae42b925d7861240f35514e6583ede8c7090a3af09a298630fecceba3"
 
-/* The daemon is asked first, by the digest of what would be sent. */
+/* The command first asks the daemon by the digest of the upload. */
 static void test_upload_skips_what_is_known(void **state)
 {
     static const struct canned canned[] = {{"HEAD /v1/bsdfs/" BSDF_ID, 200, ""},

@@ -1,5 +1,5 @@
-/* A wall clock that jumps forwards, beneath a daemon that runs and between two runs: nothing that
- * is kept for some days goes before they are over. */
+/* A wall clock that jumps forwards, while a daemon runs and between two runs: data kept for some
+ * days is not removed early. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -37,12 +37,12 @@ static void make_old(const struct daemon *daemon, const char *job)
     storage_run_sql(daemon, sql);
 }
 
-/* Two jobs, of which the first is two days old by the daemon's clock. */
+/* Makes two jobs, the first of which is two days old by the daemon's clock. */
 static void make_jobs(struct daemon_room *f, char ret_old[80], char ret_new[80])
 {
     storage_run_job(&f->daemon, f->scene, 1, "v", ret_old);
     storage_run_job(&f->daemon, f->scene, 2, "v", ret_new);
-    storage_fetch(&f->daemon, ret_new, 200); /* so that it may go */
+    storage_fetch(&f->daemon, ret_new, 200); /* so that it may be removed */
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
     make_old(&f->daemon, ret_old);
 }
@@ -52,7 +52,7 @@ static void test_jump_between_runs(void **state)
     struct daemon_room *f = *state;
     char old[80], kept[80];
     make_jobs(f, old, kept);
-    /* As it looks after a year, or a clock that has jumped by one. */
+    /* The state after a year, or after a clock jump of a year. */
     storage_run_sql(&f->daemon, "UPDATE data_folder SET wall_ms = wall_ms - 365 * 86400000");
     daemon_restart(&f->daemon, a_day);
     daemon_wait_status(&f->daemon, old, 404);
@@ -65,7 +65,7 @@ static void test_jump_while_running(void **state)
     const char *build = getenv("ORIEL_BUILD");
     char old[80], kept[80], later[80], shim[300], path[96];
     if (ORL_SANITIZED)
-        skip(); /* which has to be loaded first */
+        skip(); /* the sanitizer's library has to be loaded first */
     make_jobs(f, old, kept);
     snprintf(shim, sizeof shim, "%s/tests/shifted.so", build ? build : "build");
     snprintf(path, sizeof path, "%s/shift", f->daemon.root);
@@ -76,8 +76,8 @@ static void test_jump_while_running(void **state)
     unsetenv("LD_PRELOAD");
     daemon_wait_status(&f->daemon, old, 404);
     shift_clock(&f->daemon, 365 * 86400);
-    /* New jobs are a year younger by the wall clock; an older job is not removed sooner for that.
-     */
+    /* New jobs are a year younger by the wall clock; an older job is not removed sooner because of
+     * that. */
     storage_run_job(&f->daemon, f->scene, 3, "v", later);
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
     make_old(&f->daemon, later);

@@ -1,6 +1,6 @@
 /*
- * The daemon keeps to api/openapi.yaml: every operation, every documented status, nothing else.
- * tests/contract/run.py does it; the table of routes goes to it from here.
+ * The daemon implements api/openapi.yaml: every operation, every documented status, nothing else.
+ * tests/contract/run.py tests this with the table of routes from this program.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,6 @@
-/* What the Dockerfile and the systemd unit promise, as far as a test can see without either. */
+/*
+ * Properties of the Dockerfile and the systemd unit that can be tested without Docker or systemd.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +16,7 @@
 #include "support/cli.h"
 #include "support/daemon.h"
 
-/* The health check's command with the daemon's port in place of the default one. */
+/* Runs the health check's command with the daemon's port in place of the default one. */
 static int run_health_check(const char *url)
 {
     char command[600] = "{ ", *text = cli_read_file(".", "Dockerfile");
@@ -46,7 +48,7 @@ static void test_health_check(void **state)
     assert_int_equal(run_health_check(daemon.url), 0);
     assert_int_equal(daemon_end(&daemon, SIGTERM), 0);
     snprintf(url, sizeof url, "%s", daemon.url);
-    assert_int_not_equal(run_health_check(url), 0); /* nobody listens there any more */
+    assert_int_not_equal(run_health_check(url), 0); /* the daemon no longer listens there */
     snprintf(cert, sizeof cert, "%s/cert.pem", daemon.root);
     snprintf(key, sizeof key, "%s/key.pem", daemon.root);
     certificate_make(cert, key);
@@ -67,7 +69,7 @@ static void test_container_is_no_root(void **state)
     free(text);
 }
 
-/* The image has the packages of all libraries that the programs are linked with. */
+/* The image has the packages of all libraries that the programs link. */
 static void test_container_has_its_libraries(void **state)
 {
     const char *build = getenv("ORIEL_BUILD");
@@ -87,7 +89,7 @@ static void test_container_has_its_libraries(void **state)
     assert_int_equal(system(command), 0);
 }
 
-/* The unit keeps what it is there for; and systemd, where there is one, understands it. */
+/* The unit has the required settings; and systemd, if installed, accepts it. */
 static void test_unit(void **state)
 {
     static const char *const lines[] = {

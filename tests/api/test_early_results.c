@@ -1,5 +1,5 @@
 /*
- * Clients that fetch a job's result in the moment in which its events say that it has ended.
+ * Clients fetch a job's result at the moment in which its events report its end.
  *
  * The job's last row may not be on disk yet and its files not verified yet, so that the daemon has
  * two reasons to wait at once. Clients also hang up at random, and delete jobs while they fetch.
@@ -24,7 +24,7 @@
 
 enum { CLIENTS = 8, REPLY_MAX = 1 << 16 };
 
-/* ---- A client: a process of its own, so that it shares nothing with the test ----------------- */
+/* ---- A client: a separate process, so that it shares nothing with the test ------------------- */
 
 struct client {
     const struct daemon *daemon;
@@ -33,7 +33,7 @@ struct client {
     char reply[REPLY_MAX];
 };
 
-static unsigned draw(struct client *client, unsigned n)
+static unsigned random_below(struct client *client, unsigned n)
 {
     client->random = client->random * 6364136223846793005u + 1442695040888963407u;
     return (unsigned)(client->random >> 33) % n;
@@ -69,7 +69,7 @@ static int send_request(struct client *client, const char *method, const char *p
     return fd;
 }
 
-/* Reads until the text is there (true) or the connection ends; NULL: to the end. */
+/* Reads until the text has come (true) or the connection ends; NULL: to the end. */
 static bool receive_until(struct client *client, int fd, const char *text)
 {
     size_t used = 0;
@@ -83,10 +83,10 @@ static bool receive_until(struct client *client, int fd, const char *text)
     return false;
 }
 
-/* With a reset half of the time. */
+/* Closes the connection, half of the time with a reset. */
 static void hang_up(struct client *client, int fd)
 {
-    const struct linger reset = {.l_onoff = (int)draw(client, 2)};
+    const struct linger reset = {.l_onoff = (int)random_below(client, 2)};
     setsockopt(fd, SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
     close(fd);
 }
@@ -97,7 +97,7 @@ static void submit(struct client *client, char ret_path[96])
     snprintf(document, sizeof document,
              "{\"kind\":\"render\",\"scene\":\"%s\",\"sensors\":[[2,2,0.8,0,0,1]],"
              "\"technique\":\"backward\",\"gather_samples\":8,\"seed\":%u}",
-             client->scene, 1 + draw(client, 1u << 30));
+             client->scene, 1 + random_below(client, 1u << 30));
     const int fd = send_request(client, "POST", "/v1/jobs", document);
     receive_until(client, fd, NULL);
     close(fd);
@@ -122,9 +122,9 @@ static void fetch(struct client *client, const char *job)
 {
     static const char *const names[] = {"result", "files/result.json"};
     char path[128];
-    snprintf(path, sizeof path, "%s/%s", job, names[draw(client, 2)]);
-    const int fd = send_request(client, draw(client, 8) > 0 ? "GET" : "HEAD", path, "");
-    const unsigned course = draw(client, 8);
+    snprintf(path, sizeof path, "%s/%s", job, names[random_below(client, 2)]);
+    const int fd = send_request(client, random_below(client, 8) > 0 ? "GET" : "HEAD", path, "");
+    const unsigned course = random_below(client, 8);
     if (course < 2) {
         hang_up(client, fd);
         return;

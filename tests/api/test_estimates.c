@@ -1,5 +1,5 @@
-/* Estimates of memory and disk for jobs with matrices as results, against measured peaks and bytes.
- */
+/* Estimates of memory and disk for jobs with matrices as results, compared with measured peaks and
+ * bytes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -40,7 +40,7 @@ static int set_up(void **state)
     return 0;
 }
 
-/* Members of a document for a year with one lit hour; owned. */
+/* Returns members of an annual document with one lit hour; owned. */
 static char *year_of(int sensors, const char *format)
 {
     char *text = malloc((size_t)sensors * 24 + 200);
@@ -55,7 +55,7 @@ static char *year_of(int sensors, const char *format)
     return text;
 }
 
-/* By the document, the room, and its one row of weather. */
+/* Estimates from the document, the room, and its one row of weather. */
 static void estimate(const struct year_room *f, const char *members, double *ret_memory_mb,
                      double *ret_disk_mb)
 {
@@ -95,7 +95,7 @@ static double size_of_files(const char *folder)
     return bytes / (1 << 20);
 }
 
-/* Sensors of a year that are computed together: buffers for a block are part of any job. */
+/* Number of sensors computed together: buffers for a block are part of any job. */
 enum { BLOCK = 64 };
 
 static struct taken run_alone(const char *members)
@@ -124,9 +124,9 @@ static struct taken run_alone(const char *members)
     return taken;
 }
 
-/* Beyond a year of one block of sensors without matrices: no less than what is taken, and no more
- * than three times that. */
-static void compare(const struct year_room *f, int sensors, const char *format)
+/* Compares the excess over a year of one block of sensors without matrices: the estimate is at
+ * least the measured value, and at most three times that. */
+static void compare_estimate(const struct year_room *f, int sensors, const char *format)
 {
     struct taken foreseen, least_foreseen;
     char *members = year_of(sensors, format), *least = year_of(BLOCK, "ill");
@@ -135,8 +135,8 @@ static void compare(const struct year_room *f, int sensors, const char *format)
     const double foreseen_mb = foreseen.memory_mb - least_foreseen.memory_mb;
     const struct taken least_taken = run_alone(least);
     struct taken taken = run_alone(members);
-    /* The order in which threads allocate adds up to 4 MB to a peak on a busy machine: it is the
-     * least of some runs that counts. */
+    /* The order in which threads allocate adds up to 4 MB to a peak on a busy machine: the minimum
+     * of several runs counts. */
     for (int i = 0; i < 4 && taken.memory_mb - least_taken.memory_mb >= foreseen_mb; i++) {
         const struct taken again = run_alone(members);
         taken.memory_mb = fmin(taken.memory_mb, again.memory_mb);
@@ -155,17 +155,18 @@ static void test_coefficients(void **state)
 {
     if (ORL_SANITIZED)
         skip();
-    compare(*state, 2000, "coefficients");
+    compare_estimate(*state, 2000, "coefficients");
 }
 
 static void test_phases(void **state)
 {
     if (ORL_SANITIZED)
         skip();
-    compare(*state, 600, "phases");
+    compare_estimate(*state, 600, "phases");
 }
 
-/* Photons that go on until they are absorbed bring more values than the map of sunlight keeps. */
+/* Photons traced until they are absorbed deposit more values than the map of sunlight stores; the
+ * estimate of memory covers them. */
 static void test_photons(void **state)
 {
     static const char members[] =

@@ -1,4 +1,4 @@
-/* Event streams of a real daemon: what they say, where they end, and a thousand at once. */
+/* Event streams of a real daemon: their events, their ends, and a thousand at once. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -26,10 +26,10 @@ struct stream {
     int fd;
     size_t size;
     bool ended;
-    char text[1 << 16]; /* the latest of it, NUL added */
+    char text[1 << 16]; /* the latest part, NUL-terminated */
 };
 
-/* HTTP/1.0, so that the body comes as it is, until the connection closes. */
+/* Uses HTTP/1.0, so that the body is sent unchanged until the connection closes. */
 static void open_stream(const struct daemon *daemon, const char *job, const char *last_id,
                         struct stream *ret_stream)
 {
@@ -53,7 +53,7 @@ static void close_stream(struct stream *stream)
     close(stream->fd);
 }
 
-/* Reads on until wanted has come, or, with NULL, to the end. */
+/* Reads on until wanted has come, or, for NULL, to the end. */
 static void read_until(struct stream *stream, const char *wanted)
 {
     while (!stream->ended && !(wanted && strstr(stream->text, wanted))) {
@@ -71,7 +71,7 @@ static void read_until(struct stream *stream, const char *wanted)
         fail_msg("it ended without '%s': %s", wanted, stream->text);
 }
 
-/* The value of the last id in the stream. */
+/* Returns the value of the last id in the stream. */
 static void last_id(const struct stream *stream, char ret_id[160])
 {
     const char *last = NULL;
@@ -89,9 +89,10 @@ static void cancel(struct daemon *daemon, const char *job)
     reply_done(&reply);
 }
 
-/* ---- What they say -------------------------------------------------------------------------- */
+/* ---- Events --------------------------------------------------------------------------------- */
 
-/* Each event whole and in order; ends with the job. Returns how many there were. */
+/* Checks that each event is complete and in order, and that the stream ends with the job. Returns
+ * the number of events. */
 static int check_events(char *text)
 {
     static const char *const states[] = {"queued", "running", "succeeded"};
@@ -139,7 +140,7 @@ static void test_life_of_a_job(void **state)
     assert_true(check_events(stream->text) >= 2);
     close_stream(stream);
 
-    /* Once more from the start, from before the end, and from the end. */
+    /* Again from the start, from before the end, and from the end. */
     open_stream(&f->daemon, job, NULL, stream);
     read_until(stream, NULL);
     assert_int_equal(check_events(stream->text), 1);
@@ -155,7 +156,7 @@ static void test_life_of_a_job(void **state)
     free(stream);
 }
 
-/* A client that has seen that the job waits hears nothing until it does not. */
+/* A resumed stream of a waiting job sends nothing until its state changes. */
 static void test_coming_back(void **state)
 {
     struct daemon_room *f = *state;
@@ -194,7 +195,7 @@ static void test_other_answers(void **state)
     reply_done(&reply);
     daemon_submit(&f->daemon, f->scene, MANY_PHOTONS, 2, NULL, job);
     snprintf(path, sizeof path, "%s/events", job);
-    /* On one connection, where a byte too many would spoil the answer that follows. */
+    /* Uses one connection, where an extra byte would spoil the next answer. */
     for (int i = 0; i < 20; i++) {
         daemon_request(&f->daemon, "HEAD", path, NULL, NULL, 0, NULL, &reply);
         assert_int_equal(reply.status, 200);
@@ -206,7 +207,7 @@ static void test_other_answers(void **state)
     reply_done(&reply);
 }
 
-/* A comment in silence, as a daemon with little patience sends it soon. */
+/* A silent stream gets comments, here soon because of a short heartbeat. */
 static void test_heartbeat(void **state)
 {
     static const char *const extra[] = {"--idle-timeout", "1", NULL};
@@ -287,7 +288,7 @@ static void print_polls(struct daemon *daemon, const char *job)
                   1000 * sum / POLLS, 1000 * worst);
 }
 
-/* All of a job that renders, on no thread of their own; the one too many is refused. */
+/* All streams of one running job, without extra threads; the one beyond the limit is refused. */
 static void test_a_thousand_streams(void **state)
 {
     struct daemon_room *f = *state;
@@ -311,7 +312,7 @@ static void test_a_thousand_streams(void **state)
                   (resident_kib(&f->daemon) - before_kib) >> 10);
     expect_refusal(&f->daemon, job);
     print_polls(&f->daemon, job);
-    /* Half of them hang up; the others hear of the end. */
+    /* Half of them hang up; the others receive the end. */
     for (unsigned i = 0; i < ORL_SERVER_STREAMS / 2; i++)
         close_stream(&streams[i]);
     cancel(&f->daemon, job);
@@ -321,7 +322,7 @@ static void test_a_thousand_streams(void **state)
         close_stream(&streams[i]);
     }
     free(streams);
-    /* There is room again. */
+    /* A new stream is accepted again. */
     struct stream *stream = calloc(1, sizeof *stream);
     open_stream(&f->daemon, job, NULL, stream);
     read_until(stream, "\"state\":\"cancelled\"");

@@ -10,7 +10,7 @@
 
 #include "support/extent.h"
 
-static void run(const char *script, const char *arguments)
+static void run_script(const char *script, const char *arguments)
 {
     const char *build = getenv("ORIEL_BUILD");
     char command[512];
@@ -26,67 +26,67 @@ static void run(const char *script, const char *arguments)
 static void test_full_disk(void **state)
 {
     (void)state;
-    run("faults.py", "disk_full");
+    run_script("faults.py", "disk_full");
 }
 
 static void test_slow_disk(void **state)
 {
     (void)state;
-    run("faults.py", "slow_disk");
+    run_script("faults.py", "slow_disk");
 }
 
 static void test_removal_beside_upload(void **state)
 {
     (void)state;
-    run("faults.py", "removal_beside_upload");
+    run_script("faults.py", "removal_beside_upload");
 }
 
 static void test_damaged_upload(void **state)
 {
     (void)state;
-    run("faults.py", "flipped_blob");
+    run_script("faults.py", "flipped_blob");
 }
 
 static void test_damaged_result(void **state)
 {
     (void)state;
-    run("faults.py", "flipped_result");
+    run_script("faults.py", "flipped_result");
 }
 
 static void test_locked_database(void **state)
 {
     (void)state;
-    run("faults.py", "locked_database");
+    run_script("faults.py", "locked_database");
 }
 
 static void test_damaged_database(void **state)
 {
     (void)state;
-    run("faults.py", "damaged_database");
+    run_script("faults.py", "damaged_database");
 }
 
 static void test_no_descriptors(void **state)
 {
     (void)state;
-    run("faults.py", "no_descriptors");
+    run_script("faults.py", "no_descriptors");
 }
 
 static void test_each_call_of_an_upload(void **state)
 {
     (void)state;
-    run("every.py", "write_of_an_upload sync_of_an_upload name_of_an_upload");
+    run_script("every.py", "write_of_an_upload sync_of_an_upload name_of_an_upload");
 }
 
 static void test_power_cuts(void **state)
 {
     (void)state;
-    run("powercuts.py", "--cuts 6");
+    run_script("powercuts.py", "--cuts 6");
 }
 
 static void test_malformed_requests(void **state)
 {
     (void)state;
-    run("malformed.py", extent_is_long() ? "--count 1000" : "--count 400");
+    run_script("malformed.py", extent_is_long() ? "--count 1000" : "--count 400");
 }
 
 int main(void)

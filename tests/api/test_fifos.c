@@ -1,6 +1,6 @@
 /*
- * FIFOs in the place of stored files, without a process at their other end: open() would wait for
- * ever. Readers, daemon and command say what is wrong and go on. A wait would end by alarm().
+ * FIFOs in place of stored files, without a process at their other end: a plain open() would block
+ * for ever. Readers, daemon and command report an error and continue. A block would end by alarm().
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -173,7 +173,7 @@ static int replace_one(const char *path, const struct stat *st, int type, struct
     return type == FTW_F && (unlink(path) != 0 || mkfifo(path, 0600) != 0) ? -1 : 0;
 }
 
-/* Every file below a folder of the data folder. */
+/* Replaces every file below a folder of the data folder. */
 static void replace_files(const struct daemon *daemon, const char *folder)
 {
     char path[128];
@@ -207,7 +207,7 @@ static void test_daemon(void **state)
     struct reply reply;
     char done[80], next[80], path[128];
     storage_run_job(&f->daemon, f->scene, 1, "v", done);
-    /* A map that is a FIFO is made anew. */
+    /* A map that is a FIFO is built again. */
     replace_files(&f->daemon, "maps");
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
     daemon_restart(&f->daemon, NULL);

@@ -1,4 +1,6 @@
-/* BSDFs of measurements through a real daemon: uploaded as files are, fitted, named by a scene. */
+/*
+ * BSDFs fitted to measurements through a real daemon: uploaded as files, fitted, named by a scene.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,7 +23,7 @@ struct bench {
     char measured[65], scene[65];
 };
 
-/* A sheet that scatters what it lets through about the straight way. */
+/* Returns measurements of a sheet whose transmission scatters around the straight direction. */
 static char *sheet(void)
 {
     static const int incident[] = {0, 30, 60};
@@ -124,7 +126,7 @@ static char *fit_here(const char *folder)
     return cli_read_file(folder, "here.xml");
 }
 
-/* The command's values; told in the result; a BSDF of the daemon's that a scene names at once. */
+/* The values equal the command's and are in the result; a scene can name the BSDF at once. */
 static void a_scene_names_what_was_measured(void **state)
 {
     static const char wall[] = "void BSDF paper 6 0 paper.xml 0 0 1 . 0 0\n"
@@ -156,7 +158,7 @@ static void a_scene_names_what_was_measured(void **state)
     free(here);
 }
 
-/* Also by a daemon that was started again. */
+/* The result is also found after a restart of the daemon. */
 static void the_same_again_is_a_hit(void **state)
 {
     struct bench *b = *state;

@@ -1,4 +1,4 @@
-/* Bytes that are no HTTP request, or could be read as another one: refused, and the connection
+/* Bytes that are no HTTP request, or could be parsed as another one: refused, and the connection
  * ends. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +17,7 @@
 
 enum { CLOSED = 0 };
 
-/* Sends it, all at once with the end if so wished; returns the status, or CLOSED. */
+/* Sends the bytes, at once with the end of the stream if `ends`; returns the status, or CLOSED. */
 static int ask_bytes(const struct daemon *daemon, const char *bytes, size_t size, bool ends,
                      char *ret_answer, size_t room)
 {
@@ -35,8 +35,8 @@ static int ask_bytes(const struct daemon *daemon, const char *bytes, size_t size
     return status;
 }
 
-static int ask(const struct daemon *daemon, const char *text, bool ends, char *ret_answer,
-               size_t room)
+static int ask_text(const struct daemon *daemon, const char *text, bool ends, char *ret_answer,
+                    size_t room)
 {
     return ask_bytes(daemon, text, strlen(text), ends, ret_answer, room);
 }
@@ -64,14 +64,14 @@ static void test_framing(void **state)
     };
     char answer[4096];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const int status = ask(*state, cases[i].request, false, answer, sizeof answer);
+        const int status = ask_text(*state, cases[i].request, false, answer, sizeof answer);
         if (status != 400 || !strstr(answer, cases[i].why) || !strstr(answer, "urn:oriel:error:"))
             fail_msg("%s: %s", cases[i].request, answer);
     }
 }
 
-/* How often text has part in it. */
-static int count(const char *text, const char *part)
+/* Counts the occurrences of part in text. */
+static int count_occurrences(const char *text, const char *part)
 {
     int times = 0;
     for (const char *at = text; (at = strstr(at, part)); at += strlen(part))
@@ -94,8 +94,9 @@ static void test_unparsed_headers(void **state)
         const int fd = daemon_dial(*state);
         size_t used = 0;
         assert_true(send(fd, request, at_once, MSG_NOSIGNAL) == (ssize_t)at_once);
-        assert_int_equal(ask(*state, "GET /healthz HTTP/1.0\r\n\r\n", false, answer, sizeof answer),
-                         200); /* whose headers end between those */
+        assert_int_equal(
+            ask_text(*state, "GET /healthz HTTP/1.0\r\n\r\n", false, answer, sizeof answer),
+            200); /* headers that end within those */
         const char *rest = request + at_once;
         assert_true(send(fd, rest, strlen(rest), MSG_NOSIGNAL) == (ssize_t)strlen(rest));
         for (ssize_t n; (n = recv(fd, answer + used, sizeof answer - 1 - used, 0)) > 0;)
@@ -103,7 +104,8 @@ static void test_unparsed_headers(void **state)
         answer[used] = '\0';
         close(fd);
         const char *body = strstr(answer, "\r\n\r\n");
-        if (count(answer, "HTTP/1.1 ") != 1 || count(answer, "HTTP/1.1 400 ") != 1 || !body ||
+        if (count_occurrences(answer, "HTTP/1.1 ") != 1 ||
+            count_occurrences(answer, "HTTP/1.1 400 ") != 1 || !body ||
             !strstr(body, "Content-Length is not a number"))
             fail_msg("Content-Length: %s: %s", lengths[i / 2], answer);
     }
@@ -117,14 +119,14 @@ static void test_many_cookies(void **state)
     for (int i = 0; i < 6000; i++)
         used += (size_t)sprintf(request + used, "a;");
     sprintf(request + used, "\r\n\r\n");
-    const int status = ask(*state, request, false, answer, sizeof answer);
-    if (status < 400 || count(answer, "HTTP/1.1 ") != 1)
+    const int status = ask_text(*state, request, false, answer, sizeof answer);
+    if (status < 400 || count_occurrences(answer, "HTTP/1.1 ") != 1)
         fail_msg("%d: %s", status, answer);
 }
 
 #define GET "GET /healthz HTTP/1.1\r\n" HOST
 
-/* Headers that are none, with what could be read as a body or as another request behind them. */
+/* Malformed headers, followed by bytes that could be parsed as a body or as another request. */
 static void test_headers(void **state)
 {
     static const char none[] = "a name that is none",
@@ -167,7 +169,8 @@ static void test_headers(void **state)
     }
 }
 
-/* More arguments, or a longer target, than there is room for: an answer, and the next request. */
+/* More arguments, or a longer target, than the limits allow: an error answer, and the next request
+ * works. */
 static void test_targets(void **state)
 {
     static const char tail[] = " HTTP/1.1\r\n" HOST "Connection: close\r\n\r\n";
@@ -183,14 +186,14 @@ static void test_targets(void **state)
         for (int k = 0; k < cases[i].times; k++)
             used += (size_t)sprintf(request + used, "%s", cases[i].part);
         sprintf(request + used, "%s", tail);
-        const int status = ask(*state, request, false, answer, sizeof answer);
+        const int status = ask_text(*state, request, false, answer, sizeof answer);
         if (status != cases[i].status)
             fail_msg("%d times '%s': %d %s", cases[i].times, cases[i].part, status, answer);
     }
 }
 
-/* A query behind a NUL, with more arguments than there is room for: the connection ends before the
- * time for headers (15 s) is over, and others are served. */
+/* A query after a NUL, with more arguments than the limit: the connection ends before the header
+ * timeout (15 s), and others are served. */
 static void test_hidden_queries(void **state)
 {
     static const struct {
@@ -211,14 +214,14 @@ static void test_hidden_queries(void **state)
         assert_int_equal(status, CLOSED);
         assert_true(to.tv_sec - from.tv_sec < 12);
     }
-    assert_int_equal(ask(*state, "GET /%00 HTTP/1.1\r\n" HOST "Connection: close\r\n\r\n", false,
-                         answer, sizeof answer),
+    assert_int_equal(ask_text(*state, "GET /%00 HTTP/1.1\r\n" HOST "Connection: close\r\n\r\n",
+                              false, answer, sizeof answer),
                      404);
-    assert_int_equal(ask(*state, GET "Connection: close\r\n\r\n", false, answer, sizeof answer),
-                     200);
+    assert_int_equal(
+        ask_text(*state, GET "Connection: close\r\n\r\n", false, answer, sizeof answer), 200);
 }
 
-/* Those beside them are as good as ever. */
+/* Valid requests similar to the refused ones still work. */
 static void test_good(void **state)
 {
     static const struct {
@@ -237,11 +240,13 @@ static void test_good(void **state)
     };
     char answer[8192];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        assert_int_equal(ask(*state, cases[i].request, false, answer, sizeof answer),
+        assert_int_equal(ask_text(*state, cases[i].request, false, answer, sizeof answer),
                          cases[i].status);
 }
 
-/* Targets in absolute form are their paths, for the daemon's own scheme and names alone. */
+/*
+ * Targets in absolute form are reduced to their paths, only for the daemon's own scheme and names.
+ */
 static void test_absolute_form(void **state)
 {
 #define END "Connection: close\r\n\r\n"
@@ -257,11 +262,11 @@ static void test_absolute_form(void **state)
         {"GET http://localhost/v1/none HTTP/1.1\r\n" HOST END, 404},
         {"GET http://localhost/healthz HTTP/1.0\r\n\r\n", 200},
         {"POST http://localhost/healthz HTTP/1.1\r\n" HOST "Content-Length: 0\r\n" END, 405},
-        /* another machine's, by either of the two names */
+        /* another machine's name, in either place */
         {"GET http://rebound.example/healthz HTTP/1.1\r\n" HOST END, 403},
         {"GET http://localhost/healthz HTTP/1.1\r\nHost: rebound.example\r\n" END, 403},
         {"GET https://localhost/healthz HTTP/1.1\r\n" HOST END, 403},
-        /* its own page by the authority, and that of another site */
+        /* the authority decides: its own page, and that of another site */
         {"GET http://localhost:9/healthz HTTP/1.1\r\n" HOST "Origin: http://localhost:9\r\n" END,
          200},
         {"GET http://localhost:9/healthz HTTP/1.1\r\n" HOST "Origin: http://localhost\r\n" END,
@@ -274,13 +279,13 @@ static void test_absolute_form(void **state)
     };
     char answer[8192], request[600] = "GET http://";
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const int status = ask(*state, cases[i].request, false, answer, sizeof answer);
+        const int status = ask_text(*state, cases[i].request, false, answer, sizeof answer);
         if (status != cases[i].status)
             fail_msg("%s: %d in place of %d", cases[i].request, status, cases[i].status);
     }
     memset(request + 11, 'a', 300);
     strcpy(request + 311, "/healthz HTTP/1.1\r\n" HOST END);
-    assert_int_equal(ask(*state, request, false, answer, sizeof answer), 400);
+    assert_int_equal(ask_text(*state, request, false, answer, sizeof answer), 400);
 }
 
 static void test_no_request(void **state)
@@ -299,12 +304,12 @@ static void test_no_request(void **state)
     };
     char answer[4096];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        assert_int_equal(ask(*state, cases[i].bytes, false, answer, sizeof answer),
+        assert_int_equal(ask_text(*state, cases[i].bytes, false, answer, sizeof answer),
                          cases[i].status);
 }
 
-/* A client that hangs up with its last bytes is not waited for, as long as headers or bodies may
- * take: this program's time would be over before. */
+/* A client that hangs up after its last bytes does not occupy the daemon for the timeout of headers
+ * or bodies, which would exceed this program's time. */
 static void test_broken_off(void **state)
 {
     static const char *const cases[] = {
@@ -312,9 +317,10 @@ static void test_broken_off(void **state)
     struct daemon *daemon = *state;
     char answer[4096];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        assert_int_equal(ask(daemon, cases[i], true, answer, sizeof answer), CLOSED);
+        assert_int_equal(ask_text(daemon, cases[i], true, answer, sizeof answer), CLOSED);
     assert_int_equal(
-        ask(daemon, "GET /healthz HTTP/1.1\r\n" HOST "\r\n", true, answer, sizeof answer), 200);
+        ask_text(daemon, "GET /healthz HTTP/1.1\r\n" HOST "\r\n", true, answer, sizeof answer),
+        200);
 }
 
 static int setup(void **state)

@@ -1,5 +1,5 @@
-/* A data folder on a small file system of its own that is full, beneath a real daemon: it starts,
- * answers, takes no more, and removes; and then goes on. */
+/* A data folder on a small separate file system that is full, with a real daemon: it starts,
+ * answers, refuses new data, and removes; then it continues. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,7 +27,8 @@ static void write_line(const char *path, const char *line)
     close(fd);
 }
 
-/* Mounts of this program and its children alone. Without the right to them there is no test. */
+/* Creates mounts visible only to this program and its children. Without that permission the test is
+ * skipped. */
 static bool own_mounts(void)
 {
     char map[64];
@@ -52,7 +53,7 @@ static void skip_without_mounts(void)
         skip();
 }
 
-/* A file of the data folder that takes all the room there is. */
+/* Writes a file of the data folder that fills the disk. */
 static void fill_disk(const struct daemon *daemon)
 {
     static char zeros[4096];
@@ -93,14 +94,14 @@ static void expect_refusals(struct daemon *daemon, const char *scene)
     reply_done(&reply);
 }
 
-/* The daemon looks at its disk once a second. */
+/* The daemon checks its disk once a second. */
 static void wait_for_room(struct daemon *daemon)
 {
     daemon_wait_status(daemon, "/readyz", 200);
     expect_status(daemon, "/healthz", 200, "disk", "ok");
 }
 
-/* A job waits, another has ended; the disk is filled, with the daemon stopped or killed before. */
+/* One job waits, another has ended; the daemon is stopped or killed, and the disk is filled. */
 static void fill_and_start(struct daemon_room *f, int signum, char ret_ended[80],
                            char ret_waiting[80])
 {
@@ -123,7 +124,7 @@ static void start_on_full_disk(struct daemon_room *f, int signum)
     expect_status(&f->daemon, waiting, 200, "state", "queued");
     storage_fetch(&f->daemon, ended, 200);
     expect_refusals(&f->daemon, f->scene);
-    /* Again and again: the room for the database is there at each start. */
+    /* Repeated: each start has space for the database. */
     for (int i = 0; i < 2; i++) {
         daemon_end(&f->daemon, i == 0 ? SIGTERM : SIGKILL);
         fill_disk(&f->daemon);
@@ -152,7 +153,7 @@ static void test_start_after_kill(void **state)
     start_on_full_disk(*state, SIGKILL);
 }
 
-/* A job that was held starts by itself. */
+/* A held job starts by itself. */
 static void test_held_job_starts(void **state)
 {
     struct daemon_room *f = *state;
@@ -168,7 +169,7 @@ static void test_held_job_starts(void **state)
     reply_done(&reply);
 }
 
-/* The disk fills up beneath a daemon that runs. */
+/* The disk fills up while the daemon runs. */
 static void test_full_while_running(void **state)
 {
     struct daemon_room *f = *state;

@@ -1,4 +1,4 @@
-/* Jobs for an accuracy or a deadline, through a real daemon: results before the end, and at it. */
+/* Jobs with an accuracy or a deadline, through a real daemon: intermediate and final results. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,7 @@
 #define VIEW                                                                                       \
     ",\"views\":[{\"name\":\"room\",\"view\":\"-vtv -vp 2 4 1.5 -vd 0 -1 0 -vu 0 0 1 -vh 60 "      \
     "-vv 45\",\"width\":8,\"height\":6}]"
-/* Minutes, of many rounds; to be cancelled. */
+/* Takes minutes in many rounds; the test cancels it. */
 #define LONG SENSORS VIEW ",\"accuracy\":{\"deadline_s\":600}"
 
 static void post(struct daemon_room *f, const char *rest, struct reply *ret_reply)
@@ -45,7 +45,7 @@ static void get_below(struct daemon_room *f, const char *job, const char *what,
     daemon_get(&f->daemon, path, ret_reply);
 }
 
-/* Until a round is done, and its results are there. */
+/* Waits until a round is done, and its results are available. */
 static void wait_for_round(struct daemon_room *f, const char *job)
 {
     for (double until = patience_now_s() + 300; patience_nap(until);) {
@@ -78,7 +78,7 @@ static void cancel(struct daemon_room *f, const char *job)
     reply_done(&reply);
 }
 
-/* What a running job has found so far, and that it is gone with the job. */
+/* Intermediate results of a running job can be fetched, and are removed with the job. */
 static void test_results_before_the_end(void **state)
 {
     struct daemon_room *f = *state;
@@ -110,7 +110,7 @@ static void test_results_before_the_end(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
 }
 
-/* A cancelled job's files go a moment before the job is known to have stopped. */
+/* A cancelled job's files are removed a moment before its state changes. */
 static void test_files_that_go_with_the_job(void **state)
 {
     static const char *const files[] = {"result", "files/room.hdr"};
@@ -142,7 +142,7 @@ static void test_killed_between_rounds(void **state)
     cancel(f, job);
 }
 
-/* A point a round, of these few, as time goes on; the last is what the job came to. */
+/* Expects one point per round, few here, in order of time; the last is the job's final error. */
 static void expect_course(struct reply *reply)
 {
     const json_t *course = reply_at(reply, "accuracy.course"), *point;

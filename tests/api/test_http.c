@@ -1,4 +1,4 @@
-/* The daemon as HTTP sees it: routes, refusals, the contract, start and stop. */
+/* The daemon's HTTP interface: routes, refusals, the contract, start and stop. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -38,7 +38,7 @@ static void test_service_routes(void **state)
     }
 }
 
-/* Every refusal is a problem document with the status that HTTP shows too. */
+/* Every refusal is a problem document whose status equals the HTTP status. */
 static const struct {
     const char *method, *path, *type, *body;
     long status;
@@ -81,7 +81,7 @@ static void test_refusals(void **state)
     for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
         char type[80], path[160];
         struct reply reply;
-        /* libcurl does not escape what is not fit for a URL. */
+        /* libcurl does not escape characters that are invalid in a URL. */
         snprintf(path, sizeof path, "%s", refusals[i].path);
         for (char *c = path; *c; c++)
             if (*c == ' ')
@@ -101,7 +101,7 @@ static void test_refusals(void **state)
     }
 }
 
-/* Web pages are kept out, programs let in. */
+/* Requests of web pages are refused, those of programs are served. */
 static void test_guard(void **state)
 {
     const struct daemon *daemon = *state;
@@ -158,7 +158,8 @@ static void test_json_mistake_has_its_line(void **state)
     reply_done(&reply);
 }
 
-/* Refused by its length before it is sent; or swallowed, without a length, and refused then. */
+/* A body too large is refused by its length before it is sent; without a length it is read and then
+ * refused. */
 static void test_too_large(void **state)
 {
     static const char zeros[8000];
@@ -174,7 +175,7 @@ static void test_too_large(void **state)
     reply_done(&reply);
 }
 
-/* A client that sends its body without asking hears why it is refused, not a broken connection. */
+/* A client that sends its body without asking gets the refusal, not a broken connection. */
 static void test_refused_with_its_body(void **state)
 {
     enum { BYTES = 20 << 20 };
@@ -192,7 +193,7 @@ static void test_refused_with_its_body(void **state)
     free(zeros);
 }
 
-/* What a path of the contract allows, as the daemon tells with a 405. */
+/* Returns the methods that a path of the contract allows, by the daemon's 405. */
 static void ask_allow(struct daemon *daemon, const char *line, char ret_allow[64])
 {
     char path[128];
@@ -211,7 +212,7 @@ static void ask_allow(struct daemon *daemon, const char *line, char ret_allow[64
     reply_done(&reply);
 }
 
-/* Every operation of the contract is served, and there are as many as the daemon has routes. */
+/* Every operation of the contract is served, and the daemon has equally many routes. */
 static void test_contract_matches(void **state)
 {
     static const char *const methods[] = {"get", "post", "delete", "put", "patch"};
@@ -252,7 +253,7 @@ static void test_one_daemon_per_folder(void **state)
     assert_int_equal(system(command), 0);
 }
 
-static int run(const char *arguments)
+static int run_orield(const char *arguments)
 {
     char command[400];
     const char *build = getenv("ORIEL_BUILD");
@@ -265,8 +266,8 @@ static int run(const char *arguments)
 static void test_command_line(void **state)
 {
     (void)state;
-    assert_int_equal(run("--help"), 0);
-    assert_int_equal(run("--version"), 0);
+    assert_int_equal(run_orield("--help"), 0);
+    assert_int_equal(run_orield("--version"), 0);
     static const char *const wrong[] = {
         "--listen 0.0.0.0:1",
         "--listen 192.168.1.2:80",
@@ -284,7 +285,7 @@ static void test_command_line(void **state)
         "--listen example.org:80",
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
-        if (run(wrong[i]) != 2)
+        if (run_orield(wrong[i]) != 2)
             fail_msg("orield %s did not end with status 2", wrong[i]);
 }
 

@@ -1,4 +1,4 @@
-/* Files that a job names, sensors, weather and views: read before the job is taken. */
+/* Files that a job names, sensors, weather and views: read before the job is accepted. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 #include "process/sanitized.h"
 #include "support/daemon.h"
 
-/* The room without sources of its own, with files of sensors and weather. */
+/* Uploads the room without light sources, with files of sensors and weather. */
 static void upload(struct daemon *daemon, const char *sensors, size_t size, const char *weather,
                    char ret_id[65])
 {
@@ -46,7 +46,7 @@ static void post(struct daemon *daemon, const char *scene, const char *sensors, 
 #define HOUR "3 21 11.5 500 200\n3 21 12.5 500 200\n"
 static const char good_sensors[] = "# two\n1 1 1 0 0 1\n2 2 1 0 0 1\n", good_weather[] = HEAD HOUR;
 
-/* Where it is wrong is told, and no job is there. */
+/* The error names the place, and no job is created. */
 static void test_wrong(void **state)
 {
     static const struct {
@@ -77,7 +77,7 @@ static void test_wrong(void **state)
     reply_done(&reply);
 }
 
-/* A file that differs from the name in upper and lower case alone is named. */
+/* The error names a file that differs only in upper and lower case. */
 static void test_other_case(void **state)
 {
     static const char rad[] = "!xform S.TXT\n";
@@ -97,7 +97,7 @@ static void test_other_case(void **state)
     reply_done(&reply);
 }
 
-/* A weather file of two years needs to be told which; one without years must not be. */
+/* A weather file of two years needs a year in the request; one without years must not have it. */
 static void test_years(void **state)
 {
     static const char epw[] = "LOCATION,Somewhere,-,TST,made up,000000,47,8,1.0,400.0\n"
@@ -134,7 +134,7 @@ static void test_years(void **state)
     }
 }
 
-/* Of one view of a file with these lines; entry: JSON, and what may follow it. */
+/* Posts one view of a file with these lines; entry: JSON, and following text. */
 static void post_view(struct daemon *daemon, const char *lines, const char *entry,
                       struct reply *reply)
 {
@@ -193,7 +193,7 @@ static void test_views(void **state)
     }
 }
 
-/* Of any spelling of its name; it runs. */
+/* Any spelling of its name is accepted, and the job runs. */
 static void test_right(void **state)
 {
     static const char *const names[] = {"s.txt", "./s.txt"};
@@ -212,7 +212,7 @@ static void test_right(void **state)
     }
 }
 
-/* One line again and again, and another one. */
+/* Returns one line repeated, and another one at the end. */
 static char *repeat(const char *line, size_t count, const char *last, size_t *ret_size)
 {
     char *text = NULL;
@@ -225,7 +225,7 @@ static char *repeat(const char *line, size_t count, const char *last, size_t *re
     return text;
 }
 
-/* Sensors are what counts, not lines. */
+/* Memory is estimated from sensors, not lines. */
 static void test_memory(void **state)
 {
     enum { LINES = 1000000 };

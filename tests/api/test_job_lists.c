@@ -1,4 +1,4 @@
-/* What jobs are called by, and how they are found again: names, tags, prefixes of ids, lists. */
+/* Names and look-up of jobs: names, tags, prefixes of ids, lists. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 #include "process/times.h"
 #include "support/daemon.h"
 
-/* A job of the scene that has those members too; answers as wanted. */
+/* Submits a job of the scene with those additional members; expects that status. */
 static void submit(struct daemon_room *room, const char *members, int seed, long wanted,
                    struct reply *ret_reply)
 {
@@ -63,7 +63,7 @@ static void test_names_and_tags_stay(void **state)
     }
 }
 
-/* A document that a child reads, since it is large, has its labels all the same. */
+/* A large document, which a child parses, keeps its labels. */
 static void test_large_document(void **state)
 {
     struct daemon_room *room = *state;
@@ -86,7 +86,7 @@ static void test_large_document(void **state)
     reply_done(&reply);
 }
 
-/* Labels change nothing of what is computed. */
+/* Labels do not affect the computation. */
 static void test_labels_share(void **state)
 {
     struct daemon_room *room = *state;
@@ -99,7 +99,7 @@ static void test_labels_share(void **state)
     submit(room, "\"name\":\"two\",\"tags\":[\"t\"]", 5, 202, &reply);
     snprintf(second, sizeof second, "%s", reply_header(&reply, "Location"));
     reply_done(&reply);
-    /* Both wait for the same place. */
+    /* Both wait at the same position. */
     daemon_get(&room->daemon, first, &reply);
     const double place = reply_number(&reply, "queue_position");
     reply_done(&reply);
@@ -170,7 +170,7 @@ static void test_bounds(void **state)
     reply_done(&reply);
 }
 
-/* As few digits as tell it from the others, but never fewer than four. */
+/* Prefixes have as few digits as distinguish the job, but at least four. */
 static void test_prefixes(void **state)
 {
     struct daemon_room *room = *state;
@@ -194,7 +194,7 @@ static void test_prefixes(void **state)
         reply_done(&reply);
     }
     daemon_request(&room->daemon, "DELETE", cut, NULL, NULL, 0, NULL, &reply);
-    assert_int_equal(reply.status, 404); /* by the whole id alone */
+    assert_int_equal(reply.status, 404); /* only the whole id works */
     reply_done(&reply);
     static const char *const none[] = {"/v1/jobs/0", "/v1/jobs/012", "/v1/jobs/zzzz",
                                        "/v1/jobs/%00%00%00%00"};
@@ -205,7 +205,7 @@ static void test_prefixes(void **state)
     }
 }
 
-/* Ids are random: many jobs that wait, until four digits are those of two. */
+/* Ids are random: adds waiting jobs until two share four digits. */
 static void test_ambiguous_prefix(void **state)
 {
     struct daemon_room *room = *state;
@@ -236,7 +236,7 @@ static void test_ambiguous_prefix(void **state)
     free(seen);
 }
 
-/* All jobs of the list, page by page; how many pages. Fills the names, in order. */
+/* Reads all jobs of the list, page by page; returns the number of pages and the names, in order. */
 static int read_pages(struct daemon *daemon, const char *path, char *names, size_t size)
 {
     char next[600];
@@ -291,7 +291,7 @@ static void test_pages_and_filters(void **state)
     assert_string_equal(names, "d a ");
     read_pages(daemon, "/v1/jobs?tag=%C3%A4%2F%26%3D%3F", names, sizeof names);
     assert_string_equal(names, "d ");
-    read_pages(daemon, "/v1/jobs?tag=q", names, sizeof names); /* a part of a tag is none */
+    read_pages(daemon, "/v1/jobs?tag=q", names, sizeof names); /* part of a tag does not match */
     assert_string_equal(names, "");
     snprintf(query, sizeof query, "/v1/jobs?limit=1&since=%s", when);
     read_pages(daemon, query, names, sizeof names);
@@ -332,7 +332,7 @@ static void test_pages_and_filters(void **state)
     }
 }
 
-/* The job that a cursor was made of may go: the list goes on behind its place. */
+/* The job of a cursor may be removed: the list continues after its position. */
 static void test_cursor_outlives_its_job(void **state)
 {
     struct daemon_room *room = *state;
@@ -354,7 +354,7 @@ static void test_cursor_outlives_its_job(void **state)
     assert_string_equal(names, "b a ");
 }
 
-/* The short form: the same text as long as nothing has changed, and then a 304. */
+/* The short form has an unchanged text while nothing has changed, and then gives a 304. */
 static void test_summary(void **state)
 {
     struct daemon_room *room = *state;
@@ -381,7 +381,7 @@ static void test_summary(void **state)
     daemon_request(daemon, "GET", "/v1/jobs?fields=summary&limit=1", NULL, NULL, 0, header, &reply);
     assert_int_equal(reply.status, 200);
     reply_done(&reply);
-    /* With a goal: the error that it came to, also after a restart. */
+    /* With a goal: the final error, also after a restart. */
     char text[300];
     snprintf(
         text, sizeof text,

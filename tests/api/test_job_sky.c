@@ -1,4 +1,4 @@
-/* Skies in jobs, through the daemon: one scene, several hours, a weather file that came with it. */
+/* Skies in jobs, through the daemon: one scene, several hours, an uploaded weather file. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -28,8 +28,8 @@ static void post(struct daemon_room *f, const char *sky, struct reply *reply)
     daemon_post_json(&f->daemon, "/v1/jobs", text, reply);
 }
 
-/* Runs a job to its end: ret_lx of the sensor on the roof, and whether its map was in the cache. */
-static bool run(struct daemon_room *f, const char *sky, double *ret_lx)
+/* Runs a job to its end; returns true if its map was cached. ret_lx: the sensor on the roof. */
+static bool run_sky(struct daemon_room *f, const char *sky, double *ret_lx)
 {
     struct reply reply;
     char path[80], result[96];
@@ -58,10 +58,10 @@ static void test_one_scene_many_hours(void **state)
     static const char later[] =
         "{\"weather\":{\"file\":\"place.wea\",\"month\":3,\"day\":22,\"hour\":15.5}}";
     double lx[4];
-    assert_false(run(*state, overcast, &lx[0]));
-    assert_false(run(*state, noon, &lx[1]));
-    assert_false(run(*state, later, &lx[2]));
-    assert_true(run(*state, noon, &lx[3]));
+    assert_false(run_sky(*state, overcast, &lx[0]));
+    assert_false(run_sky(*state, noon, &lx[1]));
+    assert_false(run_sky(*state, later, &lx[2]));
+    assert_true(run_sky(*state, noon, &lx[3]));
     assert_true(fabs(lx[0] - 9000) < 18);
     assert_true(lx[1] > 50000 && lx[2] > 20000 && lx[2] < 0.8 * lx[1]);
     assert_true(lx[3] == lx[1]);
@@ -88,7 +88,7 @@ static void test_mistakes_are_told_at_once(void **state)
     }
 }
 
-/* The command sends the weather file along, and says when there is none. */
+/* The command uploads the weather file, and reports a missing one. */
 static void test_submit_carries_the_weather_file(void **state)
 {
     struct daemon_room *f = *state;

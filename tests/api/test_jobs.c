@@ -1,4 +1,4 @@
-/* Jobs through a real daemon: their life, the maps they share, cancelling, and refusals. */
+/* Jobs through a real daemon: states, shared maps, cancelling, and refusals. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -59,7 +59,7 @@ static void expect_success(struct daemon *daemon, const char *path, struct reply
         fail_msg("%s: %s", path, reply->body);
 }
 
-/* Total hits over all maps listed, and how many there are. */
+/* Sums the hits over all listed maps, and counts the maps. */
 static void count_maps(struct daemon *daemon, size_t *ret_maps, double *ret_hits)
 {
     struct reply reply;
@@ -162,7 +162,8 @@ static void test_life_of_a_job(void **state)
     check_images(&f->daemon, job);
 }
 
-/* A job's wishes and samples reach its plan; the technique is the plan's when none is named. */
+/* A job's effect overrides and samples reach its plan; the plan selects the technique if none is
+ * named. */
 static void test_wishes_reach_the_plan(void **state)
 {
     struct fixture *f = *state;
@@ -192,7 +193,7 @@ static void test_wishes_reach_the_plan(void **state)
     reply_done(&reply);
 }
 
-/* Another view, size and set of sensors use the same maps; another seed does not. */
+/* Another view, size and set of sensors reuse the maps; another seed does not. */
 static void test_second_view_hits_the_maps(void **state)
 {
     struct fixture *f = *state;
@@ -261,7 +262,7 @@ static void test_cancel(void **state)
     daemon_wait(&f->daemon, running, 10, &reply); /* soon: within a batch of photons */
     assert_string_equal(reply_text(&reply, "state"), "cancelled");
     reply_done(&reply);
-    /* Once more changes nothing, and is no error. */
+    /* A second cancellation changes nothing, and is no error. */
     daemon_cancel(&f->daemon, running, &reply);
     assert_int_equal(reply.status, 200);
     reply_done(&reply);
@@ -331,7 +332,8 @@ static void test_references_must_be_here(void **state)
     reply_done(&reply);
 }
 
-/* An hour that was not measured, as only the run finds: failed, with the place. */
+/* An hour without measurements, found only by the run: the job fails, and the error names the
+ * place. */
 static void test_failure_is_told(void **state)
 {
     struct fixture *f = *state;
@@ -364,7 +366,7 @@ static void test_failure_is_told(void **state)
     reply_done(&reply);
 }
 
-/* Goes through all jobs, each once, as many at once as come. */
+/* Pages through all jobs, each once, with the largest page size; returns their number. */
 static size_t count_by_pages(struct daemon *daemon)
 {
     char path[120] = "/v1/jobs?limit=1000", last[40] = "";
@@ -388,7 +390,7 @@ static size_t count_by_pages(struct daemon *daemon)
     return count;
 }
 
-/* By several clients at once: the disk is waited for once for all that ask meanwhile. */
+/* Several clients at once: one sync serves all that arrive meanwhile. */
 static void submit_many(const struct fixture *f, unsigned count)
 {
     enum { CLIENTS = 8 };
@@ -399,7 +401,7 @@ static void submit_many(const struct fixture *f, unsigned count)
         if (clients[i] == 0) {
             struct daemon own = f->daemon;
             char job[80];
-            own.curl = curl_easy_init(); /* a connection of its own */
+            own.curl = curl_easy_init(); /* a separate connection */
             for (unsigned k = i; k < count; k += CLIENTS)
                 daemon_submit(&own, f->scene, PHOTONS, 1, NULL, job);
             _exit(0);
@@ -412,7 +414,7 @@ static void submit_many(const struct fixture *f, unsigned count)
     }
 }
 
-/* The queue has an end; what it refuses it refuses before it stores. */
+/* The queue is limited; a refused job is not stored. */
 static void test_full_queue(void **state)
 {
     struct fixture *f = *state;
@@ -465,7 +467,7 @@ static void test_two_jobs_build_one_map(void **state)
     assert_true(hits == (double)maps);
 }
 
-/* The builder is cancelled while the other waits for it: the other builds. */
+/* The building job is cancelled while the other waits for it: the other builds. */
 static void test_waiting_job_takes_over(void **state)
 {
     struct fixture *f = *state;
@@ -499,7 +501,7 @@ static int run_single(void)
         cmocka_unit_test(test_list),
         cmocka_unit_test(test_references_must_be_here),
         cmocka_unit_test(test_failure_is_told),
-        cmocka_unit_test(test_full_queue), /* last: it leaves the queue full */
+        cmocka_unit_test(test_full_queue), /* last, since it leaves the queue full */
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

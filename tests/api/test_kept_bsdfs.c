@@ -1,5 +1,5 @@
-/* A large BSDF through a real daemon: read by the first job, found by others, kept with the maps.
- */
+/* A large BSDF through a real daemon: parsed by the first job, reused by others, stored with the
+ * maps. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +20,7 @@ enum { LARGE = 1 << 20, JOBS = 3 };
 
 static const char scene[] = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE;
 
-/* With white space up to the size from which on BSDFs are kept. */
+/* Padded with white space to the minimum size of stored BSDFs. */
 static void upload(struct daemon *daemon, char ret_id[65])
 {
     struct text t = make_tree_file(3);
@@ -39,7 +39,7 @@ static void upload(struct daemon *daemon, char ret_id[65])
     free(xml);
 }
 
-/* Jobs differ by their second sensor, or they would share one computation. */
+/* Jobs differ in their second sensor; otherwise they would share one computation. */
 static void submit(struct daemon *daemon, const char *id, int which, char ret_path[80])
 {
     char text[512];
@@ -55,7 +55,7 @@ static void submit(struct daemon *daemon, const char *id, int which, char ret_pa
 }
 
 /* Waits for a job and returns its one sensor's lux. */
-static double finish(struct daemon *daemon, const char *job)
+static double wait_for_lux(struct daemon *daemon, const char *job)
 {
     struct reply reply;
     char path[96];
@@ -83,8 +83,8 @@ static void expect_kept(struct daemon *daemon, double hits)
     assert_int_equal(daemon_count_files(daemon, "maps"), 1);
 }
 
-/* Jobs at once, of which one reads the file; then one more after a restart. Without a shelf, where
- * they would find the scene with its BSDFs loaded. */
+/* Several jobs at once, of which one parses the file; then one more after a restart. The memory
+ * cache is off, since it would hold the scene with its BSDFs. */
 static void test_kept(void **state)
 {
     static const char *const two_at_once[] = {"--threads", "2", "--jobs", "2",
@@ -98,14 +98,14 @@ static void test_kept(void **state)
     for (int i = 0; i < JOBS; i++)
         submit(&daemon, id, i, jobs[i]);
     for (int i = 0; i < JOBS; i++) {
-        lux[i] = finish(&daemon, jobs[i]);
+        lux[i] = wait_for_lux(&daemon, jobs[i]);
         assert_true(lux[i] == lux[0]);
     }
     expect_kept(&daemon, JOBS - 1);
     assert_int_equal(daemon_end(&daemon, SIGTERM), 0);
     daemon_restart(&daemon, two_at_once);
     submit(&daemon, id, JOBS, jobs[0]);
-    assert_true(finish(&daemon, jobs[0]) == lux[0]);
+    assert_true(wait_for_lux(&daemon, jobs[0]) == lux[0]);
     expect_kept(&daemon, JOBS);
     daemon_remove(&daemon);
 }

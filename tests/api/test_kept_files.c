@@ -1,4 +1,6 @@
-/* What is kept: removed on request, given in parts, left by crashes, changed under its readers. */
+/*
+ * Stored files: removed on request, fetched in ranges, left by crashes, changed while being read.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -68,7 +70,8 @@ static void test_delete_scene(void **state)
     storage_expect(&f->daemon, "DELETE", scene, 404, "no-such-resource");
     storage_expect(&f->daemon, "HEAD", scene, 404, NULL);
     assert_int_equal(daemon_count_files(&f->daemon, "blobs"), 2); /* the jobs' documents */
-    /* The job that used it lives on, over a restart too; a new one is told what is missing. */
+    /* The job that used it continues, also over a restart; a new job's error names the missing
+     * scene. */
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
     daemon_restart(&f->daemon, NULL);
     storage_fetch(&f->daemon, done, 200);
@@ -103,7 +106,7 @@ static void test_delete_map(void **state)
     storage_expect(&f->daemon, "DELETE", "/v1/maps/global/0123", 404, "no-such-resource");
     assert_int_equal(storage_count_maps(&f->daemon), count - 1);
     assert_int_equal(daemon_count_files(&f->daemon, "maps"), count - 1);
-    /* It is made anew. */
+    /* It is built again. */
     char again[80];
     daemon_submit(&f->daemon, f->scene, STORAGE_PHOTONS, 1, "v", again);
     daemon_wait(&f->daemon, again, 60, &reply);
@@ -112,7 +115,7 @@ static void test_delete_map(void **state)
     assert_int_equal(storage_count_maps(&f->daemon), count);
 }
 
-/* ---- Tags and parts ------------------------------------------------------------------------- */
+/* ---- Tags and ranges ------------------------------------------------------------------------ */
 
 static void get_with(struct daemon *daemon, const char *path, const char *header, long status,
                      struct reply *ret_reply)
@@ -127,7 +130,7 @@ static void test_parts(void **state)
     static const struct {
         const char *range;
         long status;
-        size_t first, count; /* from the end when count goes with first 0 of -N */
+        size_t first, count; /* measured from the end if first is 0 of -N */
     } cases[] = {{"bytes=0-9", 206, 0, 10},    {"bytes=5-5", 206, 5, 1},
                  {"bytes=2-3,5-6", 200, 0, 0}, {"lines=1-2", 200, 0, 0},
                  {"bytes=9-2", 200, 0, 0},     {"bytes=99999999-", 416, 0, 0},
@@ -178,7 +181,7 @@ static void test_parts(void **state)
     reply_done(&whole);
 }
 
-/* A file below the data folder, as a crash might leave it. */
+/* Leaves a file below the data folder, as a crash might. */
 static void leave_file(const struct daemon *daemon, const char *folder, const char *name)
 {
     char path[600];
@@ -193,7 +196,7 @@ static void leave_file(const struct daemon *daemon, const char *folder, const ch
 
 /* ---- Orphans -------------------------------------------------------------------------------- */
 
-/* What a crash may leave goes at the next start, and nothing else does. */
+/* Files left by a crash are removed at the next start, and no others. */
 static void test_orphans(void **state)
 {
     static const char sha[] = "abcdef0123456789abcdef0123456789abcdef0123456789abcdef0123456789";
@@ -228,7 +231,7 @@ static void test_orphans(void **state)
     storage_fetch(&f->daemon, done, 200);
 }
 
-/* What fails at its last step, the row, leaves no file, not even until the next start. */
+/* An upload that fails at its last step, the row, leaves no file, even before the next start. */
 static void test_uploads_that_fail_late(void **state)
 {
     static const char ball[] = "void plastic x 0 0 5 .5 .5 .5 0 0\nx sphere s 0 0 4 0 0 0 1\n";
@@ -258,9 +261,11 @@ static void test_uploads_that_fail_late(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "blobs"), blobs + 2);
 }
 
-/* ---- Files that change under their readers --------------------------------------------------- */
+/* ---- Files that change while they are read --------------------------------------------------- */
 
-/* Whoever has it open goes on reading what it was; and a write that fails leaves that in place. */
+/*
+ * A reader that has the file open still reads the old content; a failed write keeps that in place.
+ */
 static void test_files_are_whole_while_they_are_written(void **state)
 {
     char folder[] = "/tmp/oriel-test-XXXXXX", path[64], part[80], text[16] = "";

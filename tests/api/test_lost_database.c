@@ -1,5 +1,5 @@
-/* Databases that were lost, replaced or restored: files that they do not know are never removed by
- * the start that finds them. */
+/* Databases that were lost, replaced or restored: a start never removes the files that its database
+ * does not know. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -32,7 +32,7 @@ static void shell(const struct daemon *daemon, const char *command)
 struct files {
     size_t blobs, results, maps;
 };
-static struct files fill(struct daemon_room *f, char ret_job[80])
+static struct files fill_folder(struct daemon_room *f, char ret_job[80])
 {
     storage_run_job(&f->daemon, f->scene, 1, "v", ret_job);
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
@@ -48,7 +48,7 @@ static void expect_files(const struct daemon *daemon, const struct files *wanted
     assert_int_equal(daemon_count_files(daemon, "maps"), wanted->maps);
 }
 
-/* The program, with output to a file, until it ends; returns its status. */
+/* Runs the program to its end, with output to a file; returns its status. */
 static int run_program(const struct daemon *daemon, const char *arguments)
 {
     const char *build = getenv("ORIEL_BUILD");
@@ -80,18 +80,18 @@ static void expect_refusal(struct daemon *daemon, const char *text)
     assert_int_equal(run_program(daemon, "--port 0"), 1);
     expect_said(daemon, text);
     expect_said(daemon, "--orphans set-aside");
-    /* So does the command that would make a database for its token. */
+    /* The token command, which would create a database, refuses as well. */
     assert_int_equal(run_program(daemon, "token list"), 1);
     expect_said(daemon, text);
     forget_said(daemon);
 }
 
-/* Without the database, with an empty file or an empty database in its place: the start is refused
- * and leaves everything; the option moves everything aside; putting it all back undoes that. */
+/* The database is missing, or an empty file or an empty database replaces it. The start is refused
+ * and changes nothing; the option moves all files aside; moving them back undoes that. */
 static void lose_database(struct daemon_room *f, const char *how)
 {
     char job[80];
-    const struct files before = fill(f, job), none = {0};
+    const struct files before = fill_folder(f, job), none = {0};
     shell(&f->daemon, "cp $D/oriel.db $D/saved");
     shell(&f->daemon, how);
     expect_refusal(&f->daemon, "its database oriel.db is missing or empty");
@@ -128,7 +128,7 @@ static void test_database_without_tables(void **state)
                           "d.commit()\" $D/oriel.db");
 }
 
-/* A new folder, with a token made first, starts as ever. */
+/* A new folder starts normally, even if a token was made first. */
 static void test_new_folder(void **state)
 {
     struct daemon *daemon = &((struct daemon_room *)*state)->daemon;
@@ -140,13 +140,14 @@ static void test_new_folder(void **state)
     assert_int_equal(daemon_count_files(daemon, "orphans"), 0);
 }
 
-/* Another folder's database is refused; adopted, it finds this folder's files unknown. */
+/* Another folder's database is refused; with the adopt option it treats this folder's files as
+ * unknown. */
 static void test_another_folders_database(void **state)
 {
     struct daemon_room *f = *state;
     struct daemon other;
     char job[80], command[160];
-    const struct files before = fill(f, job), none = {0};
+    const struct files before = fill_folder(f, job), none = {0};
     daemon_start(&other, NULL);
     assert_int_equal(daemon_end(&other, SIGTERM), 0);
     snprintf(command, sizeof command, "cp %s/oriel.db $D/oriel.db", other.root);
@@ -159,15 +160,15 @@ static void test_another_folders_database(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "orphans"),
                      before.blobs + before.results + before.maps);
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
-    daemon_restart(&f->daemon, NULL); /* which is its own now */
+    daemon_restart(&f->daemon, NULL); /* now this folder's own */
 }
 
-/* An older copy of the database is accepted, and what is newer than that moves aside. */
+/* An older copy of the database is accepted, and files newer than the copy are moved aside. */
 static void test_older_backup(void **state)
 {
     struct daemon_room *f = *state;
     char first[80], second[80];
-    const struct files before = fill(f, first);
+    const struct files before = fill_folder(f, first);
     shell(&f->daemon, "cp $D/oriel.db $D/saved");
     daemon_restart(&f->daemon, NULL);
     storage_run_job(&f->daemon, f->scene, 2, "w", second);
@@ -183,13 +184,13 @@ static void test_older_backup(void **state)
     shell(&f->daemon, "grep -q 'event=orphans-set-aside' $D.log");
 }
 
-/* A job that the older copy thinks is running is run again, and its results from before stay. */
+/* A job that is running in the older copy is run again, and its earlier results stay. */
 static void test_results_of_a_job_under_way(void **state)
 {
     struct daemon_room *f = *state;
     struct reply reply;
     char job[80];
-    fill(f, job);
+    fill_folder(f, job);
     storage_run_sql(&f->daemon,
                     "UPDATE jobs SET state = 'running', outcome = NULL, finished_ms = NULL");
     daemon_restart(&f->daemon, NULL);
@@ -214,11 +215,11 @@ static void test_removal_of_orphans(void **state)
 {
     struct daemon_room *f = *state;
     char job[80];
-    fill(f, job);
+    fill_folder(f, job);
     storage_run_sql(&f->daemon, "DELETE FROM jobs");
-    assert_true(orphans_after_start(&f->daemon, "0") > 0); /* set aside by this start */
+    assert_true(orphans_after_start(&f->daemon, "0") > 0); /* moved aside by this start */
     storage_run_sql(&f->daemon, "UPDATE data_folder SET wall_ms = wall_ms - 90 * 86400000");
-    assert_true(orphans_after_start(&f->daemon, "30") > 0); /* as after 90 days, which one may be */
+    assert_true(orphans_after_start(&f->daemon, "30") > 0); /* wall clock: +90 days */
     storage_run_sql(&f->daemon, "UPDATE data_folder SET retained_ms = retained_ms + 31 * 86400000");
     assert_int_equal(orphans_after_start(&f->daemon, "30"), 0);
 }
@@ -229,7 +230,7 @@ static void test_missing_files(void **state)
     struct daemon_room *f = *state;
     struct reply reply;
     char job[80], scene[65], path[160];
-    fill(f, job);
+    fill_folder(f, job);
     shell(&f->daemon, "mkdir $D/away; mv $D/blobs/* $D/results/* $D/away");
     daemon_restart(&f->daemon, NULL);
     shell(&f->daemon, "grep -q 'event=files-missing count=4' $D.log");
@@ -245,7 +246,7 @@ static void test_missing_files(void **state)
     storage_expect(&f->daemon, "DELETE", job, 204, NULL);
 }
 
-/* Then the saved database is back. */
+/* Expects a refused start with that message; then restores the saved database. */
 static void expect_refused_start(struct daemon_room *f, const char *said,
                                  const struct files *before)
 {
@@ -257,11 +258,11 @@ static void expect_refused_start(struct daemon_room *f, const char *said,
     shell(&f->daemon, "rm -f $D/oriel.db-*; cp $D/saved $D/oriel.db");
 }
 
-/* A start that fails on a damaged database names the file and a way out, and leaves all files. */
+/* A start that fails on a damaged database names the file and a remedy, and leaves all files. */
 static void damage_database(struct daemon_room *f, const char *how, const char *said)
 {
     char job[80];
-    const struct files before = fill(f, job);
+    const struct files before = fill_folder(f, job);
     shell(&f->daemon, how);
     assert_int_equal(run_program(&f->daemon, "--port 0"), 1);
     expect_said(&f->daemon, said);
@@ -287,13 +288,13 @@ static void test_lost_id(void **state)
     damage_database(f, "true", "has lost its id");
 }
 
-/* Every table there is, dropped by another program, and a column. */
+/* Every table, dropped by another program, and a column. */
 static void test_dropped_table(void **state)
 {
     static const char *const tables[] = {"scenes", "jobs", "scene_files", "tokens", "maps"};
     struct daemon_room *f = *state;
     char job[80], sql[160], said[80];
-    const struct files before = fill(f, job);
+    const struct files before = fill_folder(f, job);
     shell(&f->daemon, "cp $D/oriel.db $D/saved");
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
         snprintf(sql, sizeof sql, "PRAGMA foreign_keys = OFF; DROP TABLE %s", tables[i]);

@@ -1,4 +1,6 @@
-/* The map cache alone, without HTTP: one build for many, taking over, cancelling, restarting. */
+/*
+ * The map cache alone, without HTTP: one build for many jobs, taking over, cancelling, restarting.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -28,9 +30,10 @@ struct fixture {
     struct orl_error err;
 };
 
-/* In place of the C library's: the clock on the wall may be ahead. */
+/* Replaces the C library's function: the wall clock may be ahead. */
 static atomic_int wall_ahead_s;
-static _Thread_local atomic_int *looks_at_clock; /* of this thread, if they are counted */
+static _Thread_local atomic_int
+    *looks_at_clock; /* counter of this thread's clock reads; NULL: not counted */
 int clock_gettime(clockid_t clock, struct timespec *ret_time)
 {
     if (looks_at_clock)
@@ -112,7 +115,7 @@ static void test_miss_then_hit(void **state)
     struct orl_map_info info;
     assert_false(acquire(f, path, &info));
     build(f, path);
-    assert_true(access(path, F_OK) != 0); /* moved to its place */
+    assert_true(access(path, F_OK) != 0); /* renamed to its final path */
     f->store.release(f->store.ctx, "global", KEY);
     assert_true(acquire(f, path, &info));
     assert_int_equal(access(path, R_OK), 0);
@@ -128,14 +131,14 @@ static void test_miss_then_hit(void **state)
     assert_int_equal(maps[0].hits, 1);
     assert_true(maps[0].seconds_saved == 2.5);
     free(maps);
-    assert_int_equal(atomic_load(&f->woken), 4); /* the commit, the hit, each let go */
+    assert_int_equal(atomic_load(&f->woken), 4); /* the commit, the hit, each released */
 }
 
 struct racer {
     struct fixture *f;
     pthread_t thread;
     atomic_int *builds;
-    bool fails; /* gives up the first build */
+    bool fails; /* fails the first build */
     bool hit;
 };
 
@@ -189,7 +192,7 @@ static void test_eight_jobs_one_build(void **state)
     run_race(*state, false, 1, 8);
 }
 
-/* The builder gives up: exactly one of those that wait takes over. */
+/* The builder fails: exactly one of the waiting jobs takes over. */
 static void test_another_takes_over(void **state)
 {
     run_race(*state, true, 2, 7);
@@ -212,7 +215,7 @@ static void test_waiting_can_be_cancelled(void **state)
 struct waiter {
     struct fixture *f;
     atomic_bool cancel, ended;
-    atomic_int looks; /* at a clock */
+    atomic_int looks; /* number of clock reads */
 };
 
 static void *wait_for_build(void *arg)
@@ -229,11 +232,11 @@ static void *wait_for_build(void *arg)
     return NULL;
 }
 
-/* The clock on the wall is put back by an hour while a job waits: it looks for its cancel flag as
- * often as before. */
+/* The wall clock is set back by an hour while a job waits: it polls its cancel flag as often as
+ * before. */
 static void test_clock_put_back(void **state)
 {
-    static struct waiter waiter; /* outlives the test, should it fail */
+    static struct waiter waiter; /* static, so that it outlives a failed test */
     char path[4096];
     struct orl_map_info info;
     pthread_t thread;
@@ -241,7 +244,7 @@ static void test_clock_put_back(void **state)
     assert_false(acquire(waiter.f, path, &info));
     atomic_store(&wall_ahead_s, 3600);
     assert_int_equal(pthread_create(&thread, NULL, wait_for_build, &waiter), 0);
-    /* The time until which it sleeps has been reckoned. */
+    /* The end of its sleep has been computed. */
     for (double until = patience_until(); !atomic_load(&waiter.looks) && patience_nap(until);)
         continue;
     assert_true(atomic_load(&waiter.looks) > 0);
@@ -268,7 +271,7 @@ static void test_survives_restart(void **state)
     assert_true(info.seconds == 2.5);
 }
 
-/* Without the row (a crash just after the rename) the file goes; without the file, the row. */
+/* A file without a row (a crash just after the rename) is removed, and a row without a file. */
 static void test_orphans_go_at_start(void **state)
 {
     struct fixture *f = *state;
@@ -294,7 +297,7 @@ static void test_orphans_go_at_start(void **state)
     assert_false(acquire(f, path, &info));
 }
 
-/* A hit that proves damaged is dropped, file and row, and built anew. */
+/* A damaged map is dropped on a hit, file and row, and built again. */
 static void test_damaged_map_is_rebuilt(void **state)
 {
     struct fixture *f = *state;
@@ -312,7 +315,7 @@ static void test_damaged_map_is_rebuilt(void **state)
     assert_int_equal(access(final, R_OK), 0);
 }
 
-/* A file that someone removed to make room: a miss, not a failure of every job that wants it. */
+/* A map whose file was deleted by hand is a miss, not a failure of every job that needs it. */
 static void test_removed_map_is_rebuilt(void **state)
 {
     struct fixture *f = *state;
@@ -336,13 +339,13 @@ static void test_removed_map_is_rebuilt(void **state)
 
 #define FAMILY "00000000000000000000000000000000000000000000000000000000000000fa"
 
-/* A key for each target. */
+/* Returns a key for each target. */
 static void key_of(uint64_t target, char ret_key[ORL_DIGEST_HEX + 1])
 {
     snprintf(ret_key, ORL_DIGEST_HEX + 1, "%064llx", (unsigned long long)target);
 }
 
-static void begin(struct fixture *f, uint64_t target, char ret_path[4096])
+static void begin_build(struct fixture *f, uint64_t target, char ret_path[4096])
 {
     char key[ORL_DIGEST_HEX + 1];
     struct orl_map_info info;
@@ -353,7 +356,7 @@ static void begin(struct fixture *f, uint64_t target, char ret_path[4096])
     assert_false(hit);
 }
 
-static void finish(struct fixture *f, uint64_t target, const char *path)
+static void finish_build(struct fixture *f, uint64_t target, const char *path)
 {
     struct orl_map_info info = {.kind = "global", .family = FAMILY, .target = target, .seconds = 2};
     key_of(target, info.key);
@@ -362,7 +365,7 @@ static void finish(struct fixture *f, uint64_t target, const char *path)
     f->store.release(f->store.ctx, "global", info.key);
 }
 
-/* The target of the map to top up, 0 for none; it is released again. */
+/* Returns the target of the map to top up, 0 for none; releases the map. */
 static uint64_t smaller_than(struct fixture *f, const char *kind, const char *family,
                              uint64_t target)
 {
@@ -378,18 +381,20 @@ static uint64_t smaller_than(struct fixture *f, const char *kind, const char *fa
     return info.target;
 }
 
-/* Of a family the largest below the target, complete, its file there; also after a restart. */
+/*
+ * Finds the family's largest complete map below the target whose file exists; also after a restart.
+ */
 static void test_finds_the_largest_smaller(void **state)
 {
     struct fixture *f = *state;
     static const uint64_t targets[] = {500, 2000, 1000};
     char path[4096], key[ORL_DIGEST_HEX + 1];
     for (size_t i = 0; i < 3; i++) {
-        begin(f, targets[i], path);
+        begin_build(f, targets[i], path);
         assert_int_equal(smaller_than(f, "global", FAMILY, 501), i > 0 ? 500 : 0);
-        finish(f, targets[i], path);
+        finish_build(f, targets[i], path);
     }
-    begin(f, 1500, path); /* being built: not to be had yet */
+    begin_build(f, 1500, path); /* still being built, so not available */
     for (int opened = 0; opened < 2; opened++) {
         assert_int_equal(smaller_than(f, "global", FAMILY, 2000), 1000);
         assert_int_equal(smaller_than(f, "global", FAMILY, 2001), 2000);
@@ -406,7 +411,7 @@ static void test_finds_the_largest_smaller(void **state)
     assert_int_equal(smaller_than(f, "global", FAMILY, 2000), 500);
 }
 
-/* A map made as a whole has no family, and is never found. */
+/* A map built as a whole has no family, and is never found. */
 static void test_no_family(void **state)
 {
     struct fixture *f = *state;
@@ -434,7 +439,7 @@ static size_t count_rows(struct fixture *f)
     return count;
 }
 
-/* Only a map that nobody builds or holds goes; and it goes over a restart too. */
+/* Only a map that no job builds or holds is removed; the removal lasts over a restart. */
 static void test_removal(void **state)
 {
     struct fixture *f = *state;
@@ -467,8 +472,8 @@ static void test_removal(void **state)
 
 enum { USERS = 3, USES = 200 };
 
-/* Takes the map and lets it go, many times; builds it when it has been removed. A file that goes
- * while it is held is a failure. */
+/* Acquires and releases the map many times, and builds it after a removal. A file removed while it
+ * is held is a failure. */
 static void *use_many_times(void *arg)
 {
     struct fixture *f = arg;

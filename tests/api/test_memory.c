@@ -1,5 +1,5 @@
-/* Memory: jobs and checks keep to what there is; what cannot fit now waits, what never can is told.
- */
+/* Memory: jobs and checks stay within the available memory; a job that does not fit now waits, one
+ * that can never fit is refused with the reason. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +19,7 @@
 #include "store/folders.h"
 #include "support/daemon.h"
 
-/* ---- What there is --------------------------------------------------------------------------- */
+/* ---- Available memory ------------------------------------------------------------------------ */
 
 static void write_limit(const char *root, const char *path, const char *text)
 {
@@ -35,7 +35,9 @@ static void write_limit(const char *root, const char *path, const char *text)
     fclose(file);
 }
 
-/* The least of a group's limit and of those above; of both versions; none at all. */
+/*
+ * The limit is the least of the group's and those above it, for both versions of cgroups, or none.
+ */
 static void test_groups(void **state)
 {
     char root[] = "/tmp/oriel-test-XXXXXX";
@@ -52,7 +54,7 @@ static void test_groups(void **state)
     assert_int_equal(orl_memory_of_groups("7:cpu,memory:/old\n0::/a\n", root), 2000);
     assert_int_equal(orl_memory_of_groups("7:memory:/\n5:cpu:/a\n", root), UINT64_MAX);
     assert_int_equal(orl_memory_of_groups("", root), UINT64_MAX);
-    write_limit(root, "memory.max", "1000\n"); /* as a container sees its own */
+    write_limit(root, "memory.max", "1000\n"); /* as seen from inside a container */
     assert_int_equal(orl_memory_of_groups("0::/\n", root), 1000);
     orl_remove_tree(root, NULL);
 }
@@ -93,7 +95,7 @@ static void test_never(void **state)
     reply_done(&reply);
 }
 
-/* There is a place for it beside the first, but not the memory; it runs when that has ended. */
+/* A second job has a free slot, but not the memory; it runs when the first has ended. */
 static void test_not_now(void **state)
 {
     static const char *const two[] = {"--memory", "1G", "--jobs", "2", "--threads", "2", NULL};
@@ -110,7 +112,7 @@ static void test_not_now(void **state)
     post_photons(f, 10000000, 2, &reply);
     snprintf(second, sizeof second, "%s", reply_text(&reply, "links.self"));
     reply_done(&reply);
-    post_photons(f, 1000, 3, &reply); /* it does not pass who came before it */
+    post_photons(f, 1000, 3, &reply); /* it does not overtake earlier jobs */
     snprintf(third, sizeof third, "%s", reply_text(&reply, "links.self"));
     reply_done(&reply);
     daemon_wait_running(&f->daemon, first, 0);
@@ -130,8 +132,8 @@ static void test_not_now(void **state)
     reply_done(&reply);
 }
 
-/* What it has kept waiting goes when a job that waits for memory is cancelled, not when another
- * ends. */
+/* Cancelling a job that waits for memory releases the jobs behind it; the end of another job does
+ * not. */
 static void test_cancelled_while_it_waits(void **state)
 {
     static const char endless[] = "{\"scene\":\"%s\",\"technique\":\"gather\",\"gather_samples\":"
@@ -167,7 +169,7 @@ static void test_cancelled_while_it_waits(void **state)
     reply_done(&reply);
 }
 
-/* What a job has taken goes back when it has ended: its document, its sensors, its results. */
+/* Memory of a job is released when it has ended: its document, sensors and results. */
 static void test_jobs_give_back(void **state)
 {
     if (ORL_SANITIZED)
@@ -203,8 +205,8 @@ static void test_jobs_give_back(void **state)
 
 /* ---- Checks ---------------------------------------------------------------------------------- */
 
-/* A document of 5 MB takes 0.4 GB to read: more than a check is granted at first, and it gets that
- * where there is as much. */
+/* A document of 5 MB takes 0.4 GB to parse: more than a check's first allowance, which is raised if
+ * there is enough memory. */
 static void test_larger_checks(void **state)
 {
     if (ORL_SANITIZED)

@@ -1,4 +1,4 @@
-/* What an operator sees: metrics, and the log in both its forms. */
+/* Metrics, and the log in both its forms. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 
 #include "support/daemon.h"
 
-/* The value of a sample by its name and labels, as written; NaN: there is none. */
+/* Returns the value of a sample by its name and labels, as written; NaN if absent. */
 static double sample(const char *text, const char *name)
 {
     const size_t length = strlen(name);
@@ -47,7 +47,8 @@ static bool is_name(const char *text, size_t length)
                length;
 }
 
-/* {name="value",...}: returns what stands behind it. Values here hold no quotes or backslashes. */
+/* Skips {name="value",...} and returns the position after it. Values here hold no quotes or
+ * backslashes. */
 static const char *skip_labels(const char *text)
 {
     if (*text++ != '{')
@@ -65,7 +66,7 @@ static const char *skip_labels(const char *text)
     }
 }
 
-/* The exposition format, line by line; samples belong to the family last typed. */
+/* Checks the exposition format, line by line; samples belong to the family of the last TYPE. */
 static void check_line(const char *line, char family[128], char type[16])
 {
     if (strncmp(line, "# HELP ", 7) == 0)
@@ -140,7 +141,7 @@ static double metric(struct daemon *daemon, const char *name)
     return value;
 }
 
-/* What jobs leave in memory to later ones is told, and is not there where nobody wants it. */
+/* Metrics include the memory cache, and omit it if it is off. */
 static void test_shelf_is_told(void **state)
 {
     static const char *const none[] = {"--shelf", "0", NULL};
@@ -171,7 +172,7 @@ static void test_shelf_is_told(void **state)
     daemon_restart(&room->daemon, NULL);
 }
 
-/* Buckets only grow towards the larger bounds, and the last is the count. */
+/* Buckets are cumulative, and the last equals the count. */
 static void test_requests_are_counted(void **state)
 {
     enum { HEALTHS = 7 };
@@ -221,8 +222,8 @@ static FILE *open_log(const struct daemon *daemon)
     return log;
 }
 
-/* No line moves a terminal's cursor: it has neither controls (of C1 either, as a byte or in UTF-8)
- * nor what turns the direction of text. */
+/* No line can move a terminal's cursor: it has neither control characters (C1 included, as a byte
+ * or in UTF-8) nor characters that change the direction of text. */
 static void check_text(const char *line)
 {
     for (const unsigned char *at = (const unsigned char *)line; *at; at++) {
@@ -234,7 +235,7 @@ static void check_text(const char *line)
     }
 }
 
-/* Every event is a line of pairs; whoever submits has job and request in one. */
+/* Every event is a line of pairs; a submission has job and request in one line. */
 static void test_log_of_pairs(void **state)
 {
     struct daemon_room *room = *state;
@@ -287,7 +288,7 @@ static void test_log_of_objects(void **state)
     FILE *log = open_log(&room->daemon);
     while (fgets(line, sizeof line, log)) {
         if (line[0] != '{')
-            continue; /* of the daemon before */
+            continue; /* of the earlier daemon */
         json_t *doc = json_loads(line, 0, NULL);
         if (!doc)
             fail_msg("no JSON: %s", line);

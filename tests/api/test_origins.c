@@ -1,4 +1,4 @@
-/* Which web pages may talk to the daemon: its own, those of --allow-origin, and no others. */
+/* Web pages with access to the daemon: its own, those of --allow-origin, and no others. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,7 +15,7 @@
 #include "support/daemon.h"
 #include "support/http_wire.h"
 
-/* Without tokens, and two origins let in; the daemon's own port is %s in the cases below. */
+/* A daemon without tokens that allows two origins; %s below is the daemon's port. */
 static const char *const let_in[] = {"--allow-origin",
                                      "https://tool.example",
                                      "--allow-origin",
@@ -25,7 +25,7 @@ static const char *const let_in[] = {"--allow-origin",
 
 struct fixture {
     struct daemon closed, open, tokens;
-    char token[128]; /* a header line, of scope submit */
+    char token[128]; /* header line with a token of scope submit */
 };
 
 static void make_token(const struct daemon *daemon, char ret_line[128])
@@ -71,9 +71,9 @@ static const char *port_of(const struct daemon *daemon)
     return strrchr(daemon->url, ':') + 1;
 }
 
-/* Its headers, with the daemon's port for every $. */
-static void ask(const struct daemon *daemon, const char *line, const char *pattern,
-                const char *body, struct reply *ret_reply)
+/* Sends a request with those headers; every $ is replaced by the daemon's port. */
+static void send_request(const struct daemon *daemon, const char *line, const char *pattern,
+                         const char *body, struct reply *ret_reply)
 {
     char headers[1200];
     size_t at = 0;
@@ -90,7 +90,7 @@ static void expect(const struct daemon *daemon, const char *line, const char *he
                    const char *body, long status)
 {
     struct reply reply;
-    ask(daemon, line, headers, body, &reply);
+    send_request(daemon, line, headers, body, &reply);
     if (reply.status != status)
         fail_msg("%s, %s: %ld: %s", line, headers, reply.status, reply.body);
     if (status == 403)
@@ -109,7 +109,7 @@ static void test_another_loopback_port(void **state)
         "Origin: http://127.0.0.1:3000\r\n",
         "Origin: http://[::1]:3000\r\n",
         "Origin: http://127.0.0.2:$\r\n",
-        "Origin: http://localhost:$\r\n", /* another name, hence another origin than Host's */
+        "Origin: http://localhost:$\r\n", /* another name, so an origin different from Host */
         "Origin: http://127.0.0.1\r\n",
         "Origin: https://127.0.0.1:$\r\n",
         "Origin: http://127.0.0.1:$0\r\n",
@@ -136,7 +136,8 @@ static void test_another_loopback_port(void **state)
     expect(&f->closed, "GET /v1/jobs", OWN, NULL, 200);
 }
 
-/* A name of the attacker's that points to this machine: Host and Origin agree, and are both his. */
+/* DNS rebinding: the attacker's name points to this machine, so Host and Origin agree, and are both
+ * the attacker's. */
 static void test_rebinding(void **state)
 {
     struct fixture *f = *state;
@@ -159,7 +160,7 @@ static void test_rebinding(void **state)
     }
 }
 
-/* What the answer tells the browser: who may read it, and which headers. */
+/* Asserts the CORS headers of the answer: the allowed origin, and the readable headers. */
 static void assert_open_to(const struct reply *reply, const char *origin)
 {
     const char *vary = reply_header(reply, "Vary");
@@ -194,29 +195,29 @@ static void test_let_in(void **state)
                     {"GET /v1/jobs", "Sec-Fetch-Site: cross-site\r\n", NULL, 200},
                     {"GET /v1/jobs/0123", "", NULL, 404},
                     {"PUT /v1/jobs", "", "", 405},
-                    {"OPTIONS /v1/jobs", "", NULL, 405}, /* asks for no method */
+                    {"OPTIONS /v1/jobs", "", NULL, 405}, /* has no Access-Control-Request-Method */
                     {"POST /v1/jobs", "Content-Type: application/json\r\n", "{}", 422}};
         for (size_t k = 0; k < sizeof asks / sizeof *asks; k++) {
             char headers[300];
             snprintf(headers, sizeof headers, OWN "Origin: %s\r\n%s", origins[i], asks[k].more);
-            ask(&f->open, asks[k].line, headers, asks[k].body, &reply);
+            send_request(&f->open, asks[k].line, headers, asks[k].body, &reply);
             if (reply.status != asks[k].status)
                 fail_msg("%s from %s: %ld", asks[k].line, origins[i], reply.status);
             assert_open_to(&reply, origins[i]);
             reply_done(&reply);
         }
     }
-    /* Programs, and pages of the daemon's own, are told that others' answers differ. */
-    ask(&f->open, "GET /v1/jobs", OWN, NULL, &reply);
+    /* Answers to programs, and to the daemon's own pages, have Vary: Origin. */
+    send_request(&f->open, "GET /v1/jobs", OWN, NULL, &reply);
     assert_int_equal(reply.status, 200);
     assert_open_to(&reply, NULL);
     reply_done(&reply);
-    ask(&f->closed, "GET /v1/jobs", OWN, NULL, &reply);
+    send_request(&f->closed, "GET /v1/jobs", OWN, NULL, &reply);
     assert_null(reply_header(&reply, "Vary"));
     reply_done(&reply);
 }
 
-/* Exactly those: no prefix, no other case, scheme, port or dot, no list, no second header. */
+/* Origins match exactly: no prefix, other case, scheme, port or dot, no list, no second header. */
 static void test_kept_out(void **state)
 {
     struct fixture *f = *state;
@@ -241,7 +242,7 @@ static void test_kept_out(void **state)
         "Origin: null\r\n",
         "Origin: *\r\n",
         "Origin: https://tool.example https://evil.example\r\n",
-        /* A picture or script of some page: which one nobody says. */
+        /* A picture or script of an unknown page. */
         "Sec-Fetch-Site: cross-site\r\n",
         "Sec-Fetch-Site: same-site\r\n",
         "Origin: https://tool.example\r\nX-Forwarded-For: 192.0.2.60\r\n",
@@ -254,7 +255,7 @@ static void test_kept_out(void **state)
         expect(&f->open, "POST /v1/bsdfs", headers, "<x/>", 403);
         snprintf(headers, sizeof headers, OWN "%sAccess-Control-Request-Method: GET\r\n",
                  others[i]);
-        ask(&f->open, "OPTIONS /v1/jobs", headers, NULL, &reply);
+        send_request(&f->open, "OPTIONS /v1/jobs", headers, NULL, &reply);
         assert_int_equal(reply.status, 403);
         assert_null(reply_header(&reply, "Access-Control-Allow-Methods"));
         if (!strstr(others[i], "tool.example\r\nX-"))
@@ -263,11 +264,11 @@ static void test_kept_out(void **state)
     }
 }
 
-/* What a browser asks first, of every route there is. */
+/* A browser's preflight request for every route. */
 static void test_preflight(void **state)
 {
     struct fixture *f = *state;
-    const struct daemon *const daemons[] = {&f->open, &f->tokens}; /* it sends no token yet */
+    const struct daemon *const daemons[] = {&f->open, &f->tokens}; /* the preflight has no token */
     struct reply reply;
     for (size_t i = 0; i < orl_routes.count; i++)
         for (size_t d = 0; d < 2; d++) {
@@ -283,7 +284,7 @@ static void test_preflight(void **state)
                      OWN "Origin: https://tool.example\r\nAccess-Control-Request-Method: %s\r\n"
                          "Access-Control-Request-Headers: authorization\r\n",
                      orl_routes.table[i].method);
-            ask(daemons[d], line, headers, NULL, &reply);
+            send_request(daemons[d], line, headers, NULL, &reply);
             if (reply.status != 204)
                 fail_msg("%s: %ld", line, reply.status);
             assert_open_to(&reply, "https://tool.example");
@@ -294,10 +295,10 @@ static void test_preflight(void **state)
             assert_null(reply_header(&reply, "Access-Control-Allow-Private-Network"));
             reply_done(&reply);
         }
-    ask(&f->open, "OPTIONS /v1/jobs",
-        OWN "Origin: https://tool.example\r\nAccess-Control-Request-Method: POST\r\n"
-            "Access-Control-Request-Private-Network: true\r\n",
-        NULL, &reply);
+    send_request(&f->open, "OPTIONS /v1/jobs",
+                 OWN "Origin: https://tool.example\r\nAccess-Control-Request-Method: POST\r\n"
+                     "Access-Control-Request-Private-Network: true\r\n",
+                 NULL, &reply);
     assert_string_equal(reply_header(&reply, "Access-Control-Allow-Private-Network"), "true");
     reply_done(&reply);
     expect(&f->open, "OPTIONS /nowhere",
@@ -307,8 +308,7 @@ static void test_preflight(void **state)
     expect(&f->closed, "OPTIONS /v1/jobs", OWN "Access-Control-Request-Method: GET\r\n", NULL, 405);
 }
 
-/* Where tokens are needed any Host will do, and a page is asked where it comes from all the same.
- */
+/* With tokens any Host is accepted, but a page's origin is checked all the same. */
 static void test_with_tokens(void **state)
 {
     struct fixture *f = *state;
@@ -336,13 +336,13 @@ static void test_with_tokens(void **state)
         expect(&f->tokens, "GET /v1/jobs", headers, NULL, cases[i].status);
     }
     struct reply reply;
-    ask(&f->tokens, "GET /v1/jobs", OWN "Origin: https://tool.example\r\n", NULL, &reply);
-    assert_int_equal(reply.status, 401); /* and the page can read that */
+    send_request(&f->tokens, "GET /v1/jobs", OWN "Origin: https://tool.example\r\n", NULL, &reply);
+    assert_int_equal(reply.status, 401); /* the page can read that answer */
     assert_open_to(&reply, "https://tool.example");
     reply_done(&reply);
 }
 
-/* What no browser sends would let nobody in: it is a mistake, told at once. */
+/* An origin that no browser sends is refused at start as a mistake. */
 static void test_command_line(void **state)
 {
     static const char *const wrong[] = {"*",
@@ -387,9 +387,8 @@ static void test_command_line(void **state)
 }
 
 /*
- * A link of another page to the dashboard: the page comes, as typed. Anything else than going there
- * is refused: other paths, methods, what is shown in a page's frame or read by its script, a Host
- * of somebody else's.
+ * Another page's link to the dashboard opens the page, as if typed. Other requests are refused:
+ * other paths, methods, frames or scripts, a foreign Host.
  */
 static void test_followed_link(void **state)
 {
@@ -426,7 +425,7 @@ static void test_followed_link(void **state)
         for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
             expect(daemons[d], cases[i].line, cases[i].headers, NULL, cases[i].status);
     struct reply reply;
-    ask(&f->closed, "GET /", OWN CROSS GOES HTML, NULL, &reply);
+    send_request(&f->closed, "GET /", OWN CROSS GOES HTML, NULL, &reply);
     assert_non_null(strstr(reply_header(&reply, "Content-Type"), "text/html"));
     assert_non_null(
         strstr(reply_header(&reply, "Content-Security-Policy"), "frame-ancestors 'none'"));

@@ -1,4 +1,4 @@
-/* Whose jobs are whose: tokens cancel and remove their own, and no other token has part in their
+/* Ownership of jobs: tokens cancel and remove their own jobs, and no other token can use their
  * keys. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,11 +17,11 @@ static const char *const with_tokens[] = {"--tokens", "always", NULL};
 
 struct fixture {
     struct daemon daemon;
-    char scene[65], before[80]; /* a job of the time without tokens */
+    char scene[65], before[80]; /* before: a job from the time without tokens */
     char ann[128], bob[128], admin[128];
 };
 
-/* Runs `orield token ...`; its first line. */
+/* Runs `orield token ...`; returns its first line. */
 static void token(const struct daemon *daemon, const char *arguments, char ret_line[128])
 {
     char command[400];
@@ -112,7 +112,7 @@ static void expect_owner_alone(struct fixture *f, const char *job, const char *o
     snprintf(cancel, sizeof cancel, "%.14s/cancel", job); /* by the first digits of its id */
     expect(f, other, "POST", cancel, 403);
     daemon_request(&f->daemon, "GET", job, NULL, NULL, 0, other, &reply);
-    assert_int_equal(reply.status, 200); /* may be looked at */
+    assert_int_equal(reply.status, 200); /* may be read */
     assert_string_not_equal(reply_text(&reply, "state"), "cancelled");
     reply_done(&reply);
     snprintf(cancel, sizeof cancel, "%s/cancel", job);
@@ -139,7 +139,7 @@ static void test_own_jobs_alone(void **state)
     expect_owner_alone(f, f->before, f->admin, f->ann); /* without an owner */
 }
 
-/* One that shares the computation of another token's ends for itself. */
+/* A job that shares the computation of another token's ends for itself only. */
 static void test_shared_computation(void **state)
 {
     struct fixture *f = *state;
@@ -150,8 +150,8 @@ static void test_shared_computation(void **state)
     expect_owner_alone(f, second, f->bob, f->ann);
 }
 
-/* Another token of the same name knows nothing of the keys of the first, and has no right to its
- * jobs; the same token does, over a restart. */
+/* A new token of the same name has no access to the keys and jobs of the first; the first token
+ * has, also after a restart. */
 static void test_keys_of_a_removed_token(void **state)
 {
     struct fixture *f = *state;

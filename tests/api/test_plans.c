@@ -1,5 +1,4 @@
-/* Plans of jobs over HTTP: the same as the job's own, nothing kept, bounded, refused with reasons.
- */
+/* Plans of jobs over HTTP: equal to the job's own, not stored, limited, refused with reasons. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +22,9 @@ static void document(const struct daemon_room *room, const char *members, char r
              room->scene, members);
 }
 
-/* The technique and every decision that the job has afterwards; and no job came of the question. */
+/*
+ * The plan has the technique and every decision of the later job; and the request creates no job.
+ */
 static void test_as_the_job_has_it(void **state)
 {
     static const char *const members[] = {
@@ -72,7 +73,7 @@ static void test_as_the_job_has_it(void **state)
     assert_int_equal(daemon_count_files(&room->daemon, "tmp"), 0);
 }
 
-/* What accuracies take, whatever the job asks for itself: ever smaller ones, ever longer. */
+/* The accuracy curve does not depend on the job's goal: decreasing errors, increasing times. */
 static void test_curve(void **state)
 {
     static const char *const members[] = {
@@ -104,7 +105,7 @@ static void test_curve(void **state)
     }
 }
 
-/* One for each sky by its name; also of a job that makes a sequence of them. */
+/* One plan for each sky by its name; also for a job that renders a sequence of them. */
 static void test_skies(void **state)
 {
     static const char members[] =
@@ -128,8 +129,8 @@ static void test_skies(void **state)
     reply_done(&plan);
 }
 
-/* A connection from another address than that of the test's other requests, so that its checks and
- * theirs take turns. */
+/* Opens a connection from another address than the test's other requests, so that both take turns
+ * in checks. */
 static int dial_from_another(const struct daemon *daemon)
 {
     struct sockaddr_in address = {.sin_family = AF_INET};
@@ -143,9 +144,8 @@ static int dial_from_another(const struct daemon *daemon)
     return fd;
 }
 
-/* Whatever others do to the scene meanwhile, a plan is made of it, or there is none: never a fault
- * of the daemon's. Removal and upload go round while requests for plans and outlines are on their
- * way. */
+/* While others remove and upload the scene, a plan is made of it or refused, and the daemon never
+ * fails. Removals and uploads alternate while plans and outlines are requested. */
 static void test_removed_and_sent_again(void **state)
 {
     enum { AT_ONCE = 12 };
@@ -182,7 +182,8 @@ static void test_removed_and_sent_again(void **state)
             const ssize_t n = read(fds[i], answer, sizeof answer - 1);
             assert_true(n > 12);
             answer[n] = '\0';
-            const char *status = answer + 9; /* 422: the document names a scene that is not here */
+            const char *status =
+                answer + 9; /* 422: the document names a scene that does not exist */
             if (strncmp(status, "200", 3) != 0 && strncmp(status, "404", 3) != 0 &&
                 strncmp(status, "422", 3) != 0)
                 fail_msg("turn %d: %s", turn, answer);
@@ -216,7 +217,7 @@ static void test_refused(void **state)
     memset(room->scene, '0', 64);
     document(room, "\"seed\":1", text);
     daemon_post_json(&room->daemon, "/v1/plans", text, &reply);
-    assert_int_equal(reply.status, 400); /* a member twice */
+    assert_int_equal(reply.status, 400); /* a duplicate member */
     reply_done(&reply);
     document(room, "\"dark\":\"expected\"", text);
     daemon_post_json(&room->daemon, "/v1/plans", text, &reply);

@@ -1,4 +1,4 @@
-/* While every processor renders: status polls, an upload beside them, and how long they take. */
+/* Latency while every processor renders: status polls, and an upload beside them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,8 +21,8 @@ static int by_value(const void *a, const void *b)
 }
 
 /*
- * What is asserted is that every poll is answered while the job still runs. How quickly is printed,
- * to be compared with the 20 ms wanted of p99, and asserted nowhere: the machine may be busy.
+ * Asserts that every poll is answered while the job still runs. The latency is printed, for
+ * comparison with the target of 20 ms for p99, and not asserted, since the machine may be busy.
  */
 static void test_polls_answer_at_once(void **state)
 {
@@ -38,13 +38,13 @@ static void test_polls_answer_at_once(void **state)
         assert_string_equal(reply_text(&reply, "state"), "running");
         ms[i] = 1000 * reply.seconds;
         reply_done(&reply);
-        usleep(PAUSE_US); /* so that the daemon's loop falls asleep and has to be woken */
+        usleep(PAUSE_US); /* so that the daemon's loop sleeps and must wake up */
     }
     qsort(ms, POLLS, sizeof *ms, by_value);
     print_message("# %d polls while rendering: median %.2f ms, p99 %.2f ms, worst %.2f ms\n", POLLS,
                   ms[POLLS / 2], ms[POLLS * 99 / 100 - 1], ms[POLLS - 1]);
 
-    /* An upload gets through too, though the renderers hold their pool threads. */
+    /* An upload succeeds too, though renderers occupy their pool threads. */
     const struct upload_file file = {"other.rad", room_scene, strlen(room_scene), false};
     daemon_upload(*state, &file, 1, NULL, &reply);
     assert_int_equal(reply.status, 201);

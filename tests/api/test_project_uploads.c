@@ -1,4 +1,5 @@
-/* Honeybee's models and folders sent to a daemon: what the scene holds, and a job of its grids. */
+/* Honeybee models and folders uploaded to a daemon: the content of the scene, and a job of its
+ * grids. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -34,7 +35,7 @@ static void expect_model(const struct reply *reply, const char *state)
 {
     if (reply->status != 201)
         fail_msg("%ld %s", reply->status, reply->body);
-    /* Faces, door, window, shades, mesh; and the other window. */
+    /* Faces, door, window, shades, mesh; and the second window. */
     assert_true(reply_number(reply, "summary.surfaces") >= 19);
     assert_string_equal(reply_text(reply, "summary.project.grids.0.name"), "desks");
     assert_string_equal(reply_text(reply, "summary.project.grids.1.sensors.file"),
@@ -43,7 +44,7 @@ static void expect_model(const struct reply *reply, const char *state)
     assert_string_equal(reply_text(reply, "summary.project.states.south_glass.chosen"), state);
 }
 
-/* By the files that the summary names. */
+/* Runs the grids with the files that the summary names. */
 static void run_grids(struct daemon *daemon, const char *scene, const json_t *grids)
 {
     char *list = json_dumps(grids, JSON_COMPACT), *job = NULL, path[128], file[200];
@@ -135,7 +136,7 @@ static void test_mistakes_are_told_by_their_place(void **state)
     free(text);
 }
 
-/* Weather comes beside a model, and jobs of the scene name it. */
+/* A weather file is uploaded with a model, and jobs of the scene name it. */
 static void test_a_model_comes_with_files(void **state)
 {
     char *model = read_model(), *text = NULL, *job = NULL;
@@ -171,7 +172,7 @@ static void test_a_model_comes_with_files(void **state)
     free(job);
 }
 
-/* A form of a web page sends a model and its weather as parts. */
+/* A web form uploads a model and its weather as parts. */
 static void test_a_model_comes_in_a_form(void **state)
 {
     static const char *const names[] = {"office.hbjson", "office.json"};
@@ -207,7 +208,7 @@ static bool is_unread(const struct reply *reply, const char *name)
     return found;
 }
 
-/* Nothing that describes a scene is kept unread without a word. */
+/* A file that describes a scene but is not read causes a message. */
 static void test_files_beside_a_model(void **state)
 {
     static const char rad[] = "void plastic grey\n0\n0\n5 0.4 0.4 0.4 0 0\n";
@@ -231,7 +232,7 @@ static void test_files_beside_a_model(void **state)
     free(model);
 }
 
-/* Models in a zip of Radiance files are no part of the scene, and the reply says so. */
+/* Models in a zip of Radiance files are not part of the scene, and the reply states this. */
 static void test_models_in_a_zip(void **state)
 {
     static const char rad[] =
@@ -249,7 +250,7 @@ static void test_models_in_a_zip(void **state)
     free(zip);
 }
 
-/* The folder's own name stays: its texts say model/bsdf/NAME.xml. */
+/* The folder's own name is kept: its texts say model/bsdf/NAME.xml. */
 static void test_a_folder_comes_as_a_zip(void **state)
 {
     static const char mat[] = "void plastic white\n0\n0\n5 0.7 0.7 0.7 0 0\n";

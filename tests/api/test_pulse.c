@@ -1,4 +1,4 @@
-/* What the daemon says of itself when its pool or its loop does not keep up. */
+/* Warnings of the daemon when its pool or its loop is too slow. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,7 +25,7 @@ static void passed(uv_work_t *work, int status)
     (void)work, (void)status;
 }
 
-/* A pool of one thread that is busy: the question waits, and is asked once. */
+/* A busy pool of one thread: the probe waits, and is sent once. */
 static void test_busy_pool(void **state)
 {
     struct orl_pulse pulse = {0};
@@ -46,7 +46,7 @@ static void test_busy_pool(void **state)
     sem_post(&gate);
     uv_run(&loop, UV_RUN_DEFAULT);
     assert_false(pulse.asked);
-    assert_true(orl_pulse_pool_s(&pulse) >= 0.05); /* that is what it took */
+    assert_true(orl_pulse_pool_s(&pulse) >= 0.05); /* the probe's actual time */
     const double slow_s = pulse.last_s;
     /* At least one of many probes is answered sooner, even on a busy machine. */
     double soonest_s = slow_s;
@@ -74,8 +74,8 @@ static void on_prepare(uv_prepare_t *prepare)
         uv_close((uv_handle_t *)prepare, NULL);
 }
 
-/* Turns of a loop that waits for 0.3 s and then works for 0.03 s. Returns the sum of their seconds.
- */
+/* Runs turns of a loop that waits for 0.3 s and then works for 0.03 s. Returns the sum of their
+ * seconds. */
 static double sum_turns(void)
 {
     struct orl_pulse pulse = {0};

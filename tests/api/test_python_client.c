@@ -1,5 +1,5 @@
-/* client/python/oriel.py against the daemon: the cases of python_client.py, each a run of Python.
- */
+/* client/python/oriel.py against the daemon: the cases of python_client.py, each in a separate
+ * Python process. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,7 +16,7 @@
 
 struct fixture {
     struct daemon daemon;
-    char cert[80], submit[100], read[100]; /* "": no tokens are asked for */
+    char cert[80], submit[100], read[100]; /* "": the daemon has no tokens */
 };
 
 static void run_case(const struct fixture *f, const char *name)

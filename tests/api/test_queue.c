@@ -1,4 +1,4 @@
-/* Who goes first: the queue's order by itself, and through a real daemon. */
+/* Scheduling: the queue's order alone, and through a real daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,14 +15,14 @@
 
 enum { PHOTONS = 2000, MANY_PHOTONS = 100000000 };
 
-/* ---- By itself ------------------------------------------------------------------------------ */
+/* ---- The queue alone ------------------------------------------------------------------------ */
 
 struct waiting {
     struct orl_queue_entry entry;
     const char *name, *client;
 };
 
-static void add(struct orl_queue *queue, struct waiting *waiting, size_t count)
+static void add_waiting(struct orl_queue *queue, struct waiting *waiting, size_t count)
 {
     struct orl_error err;
     for (size_t i = 0; i < count; i++) {
@@ -31,7 +31,7 @@ static void add(struct orl_queue *queue, struct waiting *waiting, size_t count)
     }
 }
 
-/* Takes all; the names in the order taken. Each position was told before. */
+/* Takes all items, and expects the names in that order; each position was predicted. */
 static void expect_order(struct orl_queue *queue, struct waiting *waiting, size_t count,
                          const char *expected)
 {
@@ -56,10 +56,10 @@ static void test_clients_take_turns(void **state)
         {{.priority = 5}, "d", "B"}, {{.priority = 5}, "e", "C"}, {{.priority = 5}, "f", "C"},
     };
     struct orl_queue *queue = orl_queue_new();
-    add(queue, waiting, 6);
+    add_waiting(queue, waiting, 6);
     expect_order(queue, waiting, 6, "adebfc");
     /* C was served before A. */
-    add(queue, waiting, 6);
+    add_waiting(queue, waiting, 6);
     expect_order(queue, waiting, 6, "deafbc");
     orl_queue_free(queue);
 }
@@ -74,7 +74,7 @@ static void test_priority_goes_before_turns(void **state)
         {{.priority = 9}, "d", "A"},
     };
     struct orl_queue *queue = orl_queue_new();
-    add(queue, waiting, 4);
+    add_waiting(queue, waiting, 4);
     expect_order(queue, waiting, 4, "cdab");
     orl_queue_free(queue);
 }
@@ -85,7 +85,7 @@ static void test_removal(void **state)
     struct waiting waiting[] = {
         {{.priority = 5}, "a", "A"}, {{.priority = 5}, "b", "A"}, {{.priority = 5}, "c", "B"}};
     struct orl_queue *queue = orl_queue_new();
-    add(queue, waiting, 3);
+    add_waiting(queue, waiting, 3);
     orl_queue_remove(queue, &waiting[0].entry);
     orl_queue_remove(queue, &waiting[0].entry);
     assert_int_equal(orl_queue_position(queue, &waiting[0].entry), 0);
@@ -93,7 +93,7 @@ static void test_removal(void **state)
     orl_queue_free(queue);
 }
 
-/* One that comes back again and again does not pass by one that waits. */
+/* A client that returns again and again does not overtake one that waits. */
 static void test_coming_back_is_no_advantage(void **state)
 {
     (void)state;
@@ -103,7 +103,7 @@ static void test_coming_back_is_no_advantage(void **state)
     struct orl_error err;
     char taken[16] = "";
     struct orl_queue *queue = orl_queue_new();
-    add(queue, many, 3);
+    add_waiting(queue, many, 3);
     for (int i = 0; i < 6; i++) {
         if (!single.entry.client)
             orl_queue_add(queue, &single.entry, single.client, &err);
@@ -113,7 +113,7 @@ static void test_coming_back_is_no_advantage(void **state)
     orl_queue_free(queue);
 }
 
-/* Thousands of clients that come once leave next to nothing, and all are served. */
+/* Thousands of clients with one job each leave almost no memory in use, and all are served. */
 static void test_many_clients(void **state)
 {
     (void)state;
@@ -155,7 +155,7 @@ static void submit(struct daemon_room *f, int seed, const char *more, const char
     reply_done(&reply);
 }
 
-/* The jobs in the order that their positions tell. */
+/* Expects the jobs in the order of their positions. */
 static void expect_positions(struct daemon_room *f, char (*jobs)[80], size_t count,
                              const int *expected)
 {
@@ -168,7 +168,7 @@ static void expect_positions(struct daemon_room *f, char (*jobs)[80], size_t cou
     }
 }
 
-/* Two clients, one with an urgent job; a restart in between; then they run in that order. */
+/* Two clients, one with an urgent job; after a restart they run in the predicted order. */
 static void test_order_of_jobs(void **state)
 {
     static const char rhino[] = "X-Oriel-Client: rhino", qgis[] = "X-Oriel-Client: qgis";
@@ -206,7 +206,7 @@ static void test_order_of_jobs(void **state)
             assert_true(expected[i] >= expected[k] || strcmp(started[i], started[k]) < 0);
 }
 
-/* Priorities and clients are kept over a kill. */
+/* Priorities and clients survive a kill. */
 static void test_order_survives(void **state)
 {
     struct daemon_room *f = *state;
@@ -229,7 +229,7 @@ static void test_order_survives(void **state)
     reply_done(&reply);
 }
 
-/* ---- Requests sent again -------------------------------------------------------------------- */
+/* ---- Repeated requests ---------------------------------------------------------------------- */
 
 static void expect_again(struct daemon_room *f, const char *header, const char *id)
 {
@@ -257,7 +257,7 @@ static void test_idempotency_key(void **state)
     assert_int_equal(reply.status, 422);
     assert_string_equal(reply_text(&reply, "type"), "urn:oriel:error:idempotency-key");
     reply_done(&reply);
-    /* Without the key, with another, or from somebody else it is another job. */
+    /* Without the key, with another key, or from another client it is a different job. */
     static const char *const others[] = {NULL, "Idempotency-Key: 7b6d",
                                          "X-Oriel-Client: x\r\nIdempotency-Key: 7b6c"};
     for (int i = 0; i < 3; i++) {
@@ -285,7 +285,7 @@ static void test_bad_keys(void **state)
     post(f, 20, "", "Idempotency-Key: \"\"", &reply);
     assert_int_equal(reply.status, 400);
     reply_done(&reply);
-    /* A document that is refused does not use its key up. */
+    /* A refused document does not use up its key. */
     post(f, 20, ",\"x\":1", "Idempotency-Key: mended", &reply);
     assert_int_equal(reply.status, 422);
     reply_done(&reply);

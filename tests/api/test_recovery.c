@@ -1,4 +1,4 @@
-/* Kill -9 in the middle of a job, again and again; orderly stops; what a new daemon makes of it. */
+/* Recovery: kill -9 during a job, repeatedly; orderly stops; and the state after a restart. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -57,14 +57,14 @@ static void test_killed_in_the_middle(void **state)
     expect_file(&f->daemon, running, "torn.png");
     expect_state(&f->daemon, waiting, "succeeded", 1);
     assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
-    /* The map of before the kill is still a hit. */
+    /* The map built before the kill is still a hit. */
     daemon_get(&f->daemon, waiting, &reply);
     assert_true(json_is_true(reply_at(&reply, "maps.0.cached")));
     reply_done(&reply);
 }
 
-/* Changes what the daemon has noted for the next one: as if so many more processes had been killed
- * for memory since. */
+/* Changes the daemon's record for the next start: that many fewer earlier OOM kills, as if more had
+ * happened since. */
 static void forget_oom_kills(const struct daemon *daemon, uint64_t kills)
 {
     struct orl_past past;
@@ -90,7 +90,7 @@ static void kill_thrice(struct daemon_room *f, const char *job, uint64_t oom_kil
     }
 }
 
-/* A job that (it seems) kills the daemon is not tried for ever; the queue goes on. */
+/* A job that (apparently) kills the daemon is not retried for ever; the queue continues. */
 static void test_third_kill_fails_the_job(void **state)
 {
     struct daemon_room *f = *state;
@@ -107,7 +107,7 @@ static void test_third_kill_fails_the_job(void **state)
     expect_state(&f->daemon, next, "succeeded", 1);
 }
 
-/* A daemon that somebody else kills, with memory to spare, has no job to blame for it. */
+/* A daemon killed from outside, with free memory, blames no job. */
 static void test_kills_from_outside_fail_no_job(void **state)
 {
     struct daemon_room *f = *state;
@@ -156,7 +156,7 @@ static void submit_for_seconds(struct daemon_room *f, int seconds, char ret_path
     reply_done(&reply);
 }
 
-/* While it drains: jobs are answered for, and none is taken. */
+/* While draining, requests about jobs are answered, and new jobs are refused. */
 static void check_draining(struct daemon_room *f, const char *running)
 {
     struct reply reply;
@@ -172,8 +172,9 @@ static void check_draining(struct daemon_room *f, const char *running)
 }
 
 /*
- * Two jobs run at once, and whenever the one runs the daemon is gone: it fails in the end, and the
- * other succeeds, since from the second start on each runs alone. The first end is laid to neither.
+ * Two jobs run at once, and the daemon is killed whenever the first one runs. It fails in the end,
+ * and the other succeeds, since from the second start on each runs alone. The first end counts
+ * against neither.
  */
 static void test_bystanders_go_on(void **state)
 {
@@ -199,7 +200,7 @@ static void test_bystanders_go_on(void **state)
     expect_state(&f->daemon, bystander, "succeeded", 2);
 }
 
-/* SIGTERM with time: what runs finishes, what waits is there at the next start. */
+/* SIGTERM with a drain time: running jobs finish, waiting jobs remain for the next start. */
 static void test_drain(void **state)
 {
     static const char *const patient[] = {"--drain-timeout", "60", NULL};
@@ -218,7 +219,7 @@ static void test_drain(void **state)
     expect_state(&f->daemon, waiting, "succeeded", 1);
 }
 
-/* The time is over, or a second signal comes: queued again. */
+/* When the time is over, or a second signal comes, the job is queued again. */
 static void test_drain_is_bounded(void **state)
 {
     static const char *const extra[2][3] = {{"--drain-timeout", "1", NULL},
@@ -242,7 +243,7 @@ static void test_drain_is_bounded(void **state)
     expect_state(&f->daemon, running, "cancelled", 1);
 }
 
-/* A cancellation that was answered for holds, even when the daemon is killed right after. */
+/* An acknowledged cancellation holds, even if the daemon is killed right after. */
 static void test_cancelled_stays_cancelled(void **state)
 {
     struct daemon_room *f = *state;
@@ -258,7 +259,7 @@ static void test_cancelled_stays_cancelled(void **state)
     expect_state(&f->daemon, running, "cancelled", 1);
 }
 
-/* What a crash may leave: half-written files, and a map without a row. */
+/* Files that a crash may leave: half-written ones, and a map without a row. */
 static void test_leftovers_go_at_start(void **state)
 {
     struct daemon_room *f = *state;
@@ -279,7 +280,9 @@ static void test_leftovers_go_at_start(void **state)
     }
 }
 
-/* Its maps' bytes spoilt on the disk: the daemon notices, builds them again, and says so. */
+/*
+ * The maps' bytes are damaged on the disk: the daemon detects this, builds them again, and warns.
+ */
 static void test_damaged_map_is_built_again(void **state)
 {
     struct daemon_room *f = *state;
@@ -301,7 +304,7 @@ static void test_damaged_map_is_built_again(void **state)
     reply_done(&reply);
 }
 
-/* A limit on the size of files ends the job that meets it, not the daemon. */
+/* A limit on the size of files ends the job that reaches it, not the daemon. */
 static void test_file_size_limit(void **state)
 {
     struct daemon_room *f = *state;

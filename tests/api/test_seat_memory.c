@@ -1,4 +1,4 @@
-/* Memory of a year's glare seats: bounded in their number, and foreseen by the estimate. */
+/* Memory of annual glare viewpoints: limited by their number, and covered by the estimate. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +19,7 @@
 
 enum { FEW = 4, MANY = 40, ROWS = 3 };
 
-/* Seats in rows, all of them facing the window. */
+/* Writes viewpoints in rows, all facing the window. */
 static char *write_document(int seats)
 {
     char *text = NULL;
@@ -38,7 +38,7 @@ static char *write_document(int seats)
     return text;
 }
 
-/* The largest resident set of a run, bytes. */
+/* Returns the largest resident set of a run, bytes. */
 static uint64_t peak_of(int seats)
 {
     static const char weather[] = "place m\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\n"
@@ -82,7 +82,7 @@ static void test_bounded(void **state)
     assert_true(many < orl_job_memory_estimate(&needs));
 }
 
-/* Rows of weather and seats add to it; views do up to those that are in memory together. */
+/* Weather rows and viewpoints add to it; views add up to the number held in memory at once. */
 static void test_estimate(void **state)
 {
     struct orl_job_memory needs = {.year_rows = 8760};

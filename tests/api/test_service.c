@@ -1,5 +1,5 @@
-/* The daemon as a service: what systemd hears of it, certificates that change, jobs that run too
- * long, and those that have ended and are too many. */
+/* The daemon as a service: messages to systemd, renewed certificates, jobs that run too long, and
+ * removal of ended jobs beyond the limit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +22,7 @@
 #include "support/daemon.h"
 #include "support/patience.h"
 
-/* ---- What systemd hears --------------------------------------------------------------------- */
+/* ---- Messages to systemd -------------------------------------------------------------------- */
 
 static void expect_said(int fd, const char *text)
 {
@@ -61,7 +61,7 @@ static void test_notify(void **state)
 
 /* ---- Certificates --------------------------------------------------------------------------- */
 
-/* The certificate that the daemon shows to a new connection; its bytes' sum. */
+/* Returns the sum of the bytes of the certificate that the daemon shows to a new connection. */
 static unsigned long shown_certificate(const struct daemon *daemon)
 {
     gnutls_session_t session = NULL;
@@ -105,7 +105,8 @@ static void reload(const struct daemon *daemon, const char *text)
     assert_true(is_logged(daemon, text));
 }
 
-/* Of new connections alone; one that is no good, or of another key, changes nothing. */
+/* A reload affects only new connections; an invalid certificate, or one of another key, changes
+ * nothing. */
 static void test_reload(void **state)
 {
     struct daemon daemon;
@@ -124,11 +125,11 @@ static void test_reload(void **state)
     daemon_restart(&daemon, extra);
     snprintf(daemon.ca, sizeof daemon.ca, "%s", cert);
     const unsigned long first = shown_certificate(&daemon);
-    daemon_get(&daemon, "/healthz", &reply); /* by a connection that lives on */
+    daemon_get(&daemon, "/healthz", &reply); /* over a connection that stays open */
     assert_int_equal(reply.status, 200);
     reply_done(&reply);
     assert_int_equal(rename(other_cert, cert), 0);
-    reload(&daemon, "reload-failed"); /* the key is still the former one's */
+    reload(&daemon, "reload-failed"); /* the key is still the old one */
     assert_true(shown_certificate(&daemon) == first);
     assert_int_equal(rename(other_key, key), 0);
     reload(&daemon, "event=reloaded");
@@ -141,7 +142,7 @@ static void test_reload(void **state)
 
 /* ---- Jobs ----------------------------------------------------------------------------------- */
 
-/* It fails and says why; so does one that follows it, and the next has its turn. */
+/* The job fails with the reason; so does one that follows it, and the next job runs. */
 static void test_job_timeout(void **state)
 {
     static const char endless[] = "{\"scene\":\"%s\",\"technique\":\"backward\","
@@ -186,7 +187,7 @@ static size_t count_jobs(struct daemon *daemon)
     return count;
 }
 
-/* The oldest go, with their results; not those that nobody has fetched. */
+/* The oldest ended jobs are removed with their results, except those not fetched yet. */
 static void test_retention(void **state)
 {
     enum { JOBS = 5, KEPT = 2 };
@@ -202,7 +203,7 @@ static void test_retention(void **state)
         daemon_wait(&daemon, paths[i], 30, &reply);
         reply_done(&reply);
         if (i == 1)
-            continue; /* this one nobody has fetched */
+            continue; /* this one has not been fetched */
         snprintf(result, sizeof result, "%.80s/result", paths[i]);
         daemon_get(&daemon, result, &reply);
         assert_int_equal(reply.status, 200);
@@ -256,7 +257,7 @@ static void end_storm(struct storm *storm)
     pthread_join(storm->thread, NULL);
 }
 
-/* The daemon starts beside it, answers, and ends in order by SIGTERM. */
+/* The daemon starts beside the signals, answers, and ends in order by SIGTERM. */
 static void test_hangups_at_every_moment(void **state)
 {
     struct daemon daemon;
@@ -278,7 +279,7 @@ static void test_hangups_at_every_moment(void **state)
     daemon_remove(&daemon);
 }
 
-/* Signals that come until the process has ended do not keep it from closing its files. */
+/* Signals that arrive until the process has ended do not prevent it from closing its files. */
 static void test_stops_at_every_moment(void **state)
 {
     static const int signals[] = {SIGTERM, SIGINT, SIGTERM};

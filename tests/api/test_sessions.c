@@ -1,5 +1,4 @@
-/* Browsers: signed in by a cookie, and given links that are signed; and those who would abuse it.
- */
+/* Browser sessions by cookies, signed links, and attacks on both. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,12 +21,12 @@
 #include "support/daemon.h"
 #include "support/http_wire.h"
 
-/* A daemon that asks for tokens on loopback, with a job that has succeeded. */
+/* A daemon that requires tokens on loopback, with a job that has succeeded. */
 struct fixture {
     struct daemon daemon;
-    char scene[65], job[80];     /* path */
+    char scene[65], job[80];     /* job: its path */
     char submit[160], read[160]; /* lines: Authorization */
-    char host[80], own[200];     /* lines: Host; and with it Origin */
+    char host[80], own[200];     /* lines: Host; Host and Origin */
 };
 
 static const char *const with_tokens[] = {"--tokens", "always", NULL};
@@ -61,7 +60,7 @@ static void name_host(struct fixture *f)
     snprintf(f->own, sizeof f->own, "%sOrigin: %s\r\n", f->host, f->daemon.url);
 }
 
-/* Runs SQL on the database, beside the daemon or without. */
+/* Runs SQL on the database, while the daemon runs or not. */
 static void change(struct fixture *f, const char *sql)
 {
     char path[100];
@@ -99,9 +98,9 @@ static int teardown(void **state)
     return 0;
 }
 
-/* One request of those lines; expects the status. */
-static void ask(struct fixture *f, const char *line, const char *first, const char *second,
-                const char *body, long wanted, struct reply *ret_reply)
+/* Sends one request with those lines; expects the status. */
+static void send_request(struct fixture *f, const char *line, const char *first, const char *second,
+                         const char *body, long wanted, struct reply *ret_reply)
 {
     char headers[1200];
     snprintf(headers, sizeof headers, "%s%s%s", first, second,
@@ -115,22 +114,22 @@ static void expect(struct fixture *f, const char *line, const char *first, const
                    const char *body, long wanted)
 {
     struct reply reply;
-    ask(f, line, first, second, body, wanted, &reply);
+    send_request(f, line, first, second, body, wanted, &reply);
     reply_done(&reply);
 }
 
-/* Signs in; the Cookie line. */
+/* Signs in; returns the Cookie line. */
 static void sign_in(struct fixture *f, const char *token, char ret_cookie[160])
 {
     struct reply reply;
-    ask(f, "POST /v1/session", f->own, token, "", 201, &reply);
+    send_request(f, "POST /v1/session", f->own, token, "", 201, &reply);
     const char *cookie = reply_header(&reply, "Set-Cookie");
     assert_non_null(cookie);
     assert_non_null(strstr(cookie, "; Path=/; HttpOnly; SameSite=Strict; Max-Age=43200"));
     assert_null(strstr(cookie, "Domain"));
     snprintf(ret_cookie, 160, "Cookie: %.*s\r\n", (int)strcspn(cookie, ";"), cookie);
     assert_true(json_is_true(reply_at(&reply, "signed_in")));
-    assert_null(strstr(reply.body, strchr(ret_cookie, '=') + 1)); /* no script is to read it */
+    assert_null(strstr(reply.body, strchr(ret_cookie, '=') + 1)); /* no script can read it */
     reply_done(&reply);
 }
 
@@ -139,22 +138,23 @@ static void test_in_and_out(void **state)
     struct fixture *f = *state;
     struct reply reply;
     char cookie[160], other[160];
-    ask(f, "GET /v1/session", f->host, "", NULL, 200, &reply);
+    send_request(f, "GET /v1/session", f->host, "", NULL, 200, &reply);
     assert_true(json_is_true(reply_at(&reply, "needed")));
     assert_true(json_is_false(reply_at(&reply, "signed_in")));
     reply_done(&reply);
     sign_in(f, f->submit, cookie);
     sign_in(f, f->submit, other);
     assert_string_not_equal(cookie, other);
-    ask(f, "GET /v1/session", f->host, cookie, NULL, 200, &reply);
+    send_request(f, "GET /v1/session", f->host, cookie, NULL, 200, &reply);
     assert_string_equal(reply_text(&reply, "token"), "desk");
     assert_string_equal(reply_text(&reply, "scope"), "submit");
     reply_done(&reply);
     expect(f, "GET /v1/jobs", f->host, cookie, NULL, 200);
     expect(f, "HEAD /v1/jobs", f->host, cookie, NULL, 200);
     expect(f, "POST /v1/jobs", f->own, cookie, "{}", 422);
-    /* Signed out is out, wherever the cookie has gone; the other browser stays in. */
-    ask(f, "DELETE /v1/session", f->own, cookie, NULL, 204, &reply);
+    /* A session that signed out is over for all copies of its cookie; the other browser's session
+     * stays. */
+    send_request(f, "DELETE /v1/session", f->own, cookie, NULL, 204, &reply);
     assert_non_null(strstr(reply_header(&reply, "Set-Cookie"), "=; "));
     assert_non_null(strstr(reply_header(&reply, "Set-Cookie"), "Max-Age=0"));
     reply_done(&reply);
@@ -176,9 +176,9 @@ static void test_no_way_in(void **state)
     expect(f, "POST /v1/session", f->own, "Authorization: Bearer oriel_wrong\r\n", "", 401);
     expect(f, "POST /v1/session", f->own, "Authorization: Basic YTpi\r\n", "", 401);
     sign_in(f, f->read, cookie);
-    expect(f, "POST /v1/session", f->own, cookie, "", 401); /* a cookie begets none */
-    expect(f, "POST /v1/jobs", f->own, cookie, "{}", 403);  /* its token may read alone */
-    /* A wrong token is not made good by a right cookie. */
+    expect(f, "POST /v1/session", f->own, cookie, "", 401); /* a cookie cannot create another */
+    expect(f, "POST /v1/jobs", f->own, cookie, "{}", 403);  /* its token is read-only */
+    /* A wrong token fails even with a valid cookie. */
     snprintf(line, sizeof line, "%sAuthorization: Bearer oriel_wrong\r\n", cookie);
     expect(f, "GET /v1/jobs", f->host, line, NULL, 401);
     char *value = strchr(cookie, '=') + 1;
@@ -190,7 +190,7 @@ static void test_no_way_in(void **state)
     expect(f, "GET /v1/jobs", f->host, line, NULL, 401);
 }
 
-/* What another page has the browser send with the cookie: a form, a fetch, a picture. */
+/* Requests that another page makes the browser send with the cookie: a form, a fetch, a picture. */
 static void test_forged_by_other_pages(void **state)
 {
     struct fixture *f = *state;
@@ -204,7 +204,7 @@ static void test_forged_by_other_pages(void **state)
         "Origin: https://evil.example\r\n",
         "Sec-Fetch-Site: cross-site\r\n",
         "Sec-Fetch-Site: same-site\r\n",
-        "" /* an old browser's form: no word of where it comes from */};
+        "" /* a form of an old browser, without an origin */};
     sign_in(f, f->submit, cookie);
     char cancel[120];
     snprintf(cancel, sizeof cancel, "POST %s/cancel", f->job);
@@ -219,15 +219,15 @@ static void test_forged_by_other_pages(void **state)
     }
     expect(f, "GET /v1/jobs", f->host, cookie, NULL, 200);
     snprintf(headers, sizeof headers, "%sSec-Fetch-Site: same-origin\r\n", f->own);
-    expect(f, cancel, headers, cookie, "", 409); /* the page of the daemon's own is heard */
-    /* With a token beside it nothing was forged: a browser sends none by itself. */
+    expect(f, cancel, headers, cookie, "", 409); /* the daemon's own page is served */
+    /* With a token the request is not forged: a browser never sends one by itself. */
     snprintf(headers, sizeof headers, "%s%s", cookie, f->submit);
-    ask(f, cancel, f->host, headers, "", 409, &reply);
+    send_request(f, cancel, f->host, headers, "", 409, &reply);
     reply_done(&reply);
 }
 
-/* Forms are posted in three ways, of which two may carry JSON or a zip whole: wherever they come
- * from, and whatever they ask for, the cookie that comes with them is not enough. */
+/* Forms have three encodings, two of which can carry JSON or a zip: whatever their origin and
+ * target, the cookie sent with them is not sufficient. */
 static void test_forms(void **state)
 {
     struct fixture *f = *state;
@@ -250,7 +250,8 @@ static void test_forms(void **state)
             for (size_t l = 0; l < sizeof lines / sizeof *lines; l++)
                 expect(f, lines[l], headers, cookie, json, 403);
         }
-    /* Signing in takes a token, which no form can send: nobody is signed in as someone else. */
+    /* Signing in needs a token, which no form can send: an attacker cannot sign a user in to
+     * another account. */
     snprintf(headers, sizeof headers, "%sOrigin: https://evil.example\r\n%s", f->host, ways[0]);
     expect(f, "POST /v1/session", headers, f->submit, "", 403);
     snprintf(headers, sizeof headers, "%s%s", f->host, ways[0]);
@@ -259,7 +260,7 @@ static void test_forms(void **state)
     expect(f, "POST /v1/plans", headers, cookie, json, 200); /* from the daemon's own page */
 }
 
-/* Restarts with those options; the ports are others then. */
+/* Restarts with those options; the ports change. */
 static void restart(struct fixture *f, const char *const *extra)
 {
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
@@ -273,21 +274,21 @@ static void test_sessions_end(void **state)
     char token[160], cookie[160], other[160], said[300], secret[64];
     sign_in(f, f->submit, cookie);
     restart(f, with_tokens);
-    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 200); /* not with the daemon */
-    /* Nothing on the disk would do for a cookie. */
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 200); /* not ended by the daemon's restart */
+    /* No stored data can serve as a cookie. */
     snprintf(secret, sizeof secret, "%.43s", strchr(cookie, '=') + 1);
     snprintf(said, sizeof said, "! grep -rqF -e '%s' %s %s.log", secret, f->daemon.root,
              f->daemon.root);
     assert_int_equal(system(said), 0);
     change(f, "UPDATE sessions SET expires_ms = 1 + created_ms - 1");
-    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401); /* its time is over */
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401); /* it has expired */
     make_token(&f->daemon, "guest", "read", token);
     sign_in(f, token, cookie);
     sign_in(f, f->submit, other);
     say(&f->daemon, "remove guest", said, sizeof said);
-    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401); /* with its token */
+    expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401); /* removed with its token */
     expect(f, "GET /v1/jobs", f->host, other, NULL, 200);
-    make_token(&f->daemon, "guest", "read", token); /* another token of that name is another */
+    make_token(&f->daemon, "guest", "read", token); /* a different token */
     expect(f, "GET /v1/jobs", f->host, cookie, NULL, 401);
 }
 
@@ -303,7 +304,7 @@ static int open_stream(struct fixture *f, const char *path, const char *credenti
     return fd;
 }
 
-/* Reads it to its end; false when that has not come after so many seconds. */
+/* Reads the stream to its end; returns false if that has not come after that many seconds. */
 static bool ends_within(int fd, int seconds)
 {
     struct pollfd wait = {fd, POLLIN, 0};
@@ -316,7 +317,7 @@ static bool ends_within(int fd, int seconds)
     return false;
 }
 
-/* What is streamed to whom is over with what opened the stream, and goes on for others. */
+/* A stream ends with the session that opened it, and others continue. */
 static void test_streams_end(void **state)
 {
     struct fixture *f = *state;
@@ -341,7 +342,7 @@ static void test_streams_end(void **state)
     close(fourth);
 }
 
-/* So many browsers of one token; with one more the oldest is out. */
+/* The number of browsers of a token is limited; one more ends the oldest session. */
 static void test_bounded(void **state)
 {
     struct fixture *f = *state;
@@ -360,7 +361,7 @@ static void test_bounded(void **state)
     expect(f, "GET /v1/jobs", f->host, reader, NULL, 200);
 }
 
-/* Pages that --allow-origin lets in have no use of the cookie; behind TLS it is Secure. */
+/* Pages of --allow-origin cannot use the cookie; behind TLS it is Secure. */
 static void test_elsewhere(void **state)
 {
     struct fixture *f = *state;
@@ -371,14 +372,14 @@ static void test_elsewhere(void **state)
     restart(f, open);
     sign_in(f, f->submit, cookie);
     snprintf(headers, sizeof headers, "%sOrigin: http://localhost:3000\r\n", f->host);
-    ask(f, "GET /v1/jobs", headers, cookie, NULL, 401, &reply);
+    send_request(f, "GET /v1/jobs", headers, cookie, NULL, 401, &reply);
     assert_null(reply_header(&reply, "Access-Control-Allow-Credentials"));
     reply_done(&reply);
     expect(f, "GET /v1/jobs", headers, f->submit, NULL, 200);
     snprintf(
         headers, sizeof headers,
         "Host: oriel.example\r\nOrigin: https://oriel.example\r\nX-Forwarded-Proto: https\r\n");
-    ask(f, "POST /v1/session", headers, f->submit, "", 201, &reply);
+    send_request(f, "POST /v1/session", headers, f->submit, "", 201, &reply);
     assert_int_equal(strncmp(reply_header(&reply, "Set-Cookie"), "__Host-oriel-", 13), 0);
     assert_non_null(strstr(reply_header(&reply, "Set-Cookie"), "; Secure"));
     reply_done(&reply);
@@ -409,7 +410,7 @@ static void test_cookie_over_tls(void **state)
 
 /* ---- Links ---------------------------------------------------------------------------------- */
 
-/* "GET /v1/...": a link to that file of the job. */
+/* Makes "GET /v1/...": a link to that file of the job. */
 static void make_link(struct fixture *f, const char *who, const char *file, int seconds,
                       char ret_line[400])
 {
@@ -417,7 +418,7 @@ static void make_link(struct fixture *f, const char *who, const char *file, int 
     char line[120], body[200];
     snprintf(line, sizeof line, "POST %s/links", f->job);
     snprintf(body, sizeof body, "{\"files\":[\"%s\"],\"seconds\":%d}", file, seconds);
-    ask(f, line, f->own, who, body, 201, &reply);
+    send_request(f, line, f->own, who, body, 201, &reply);
     snprintf(ret_line, 400, "GET %s", reply_text(&reply, "links.0.url"));
     assert_string_equal(reply_text(&reply, "links.0.file"), file);
     reply_done(&reply);
@@ -432,22 +433,22 @@ static void test_links(void **state)
     expect(f, link, f->host, "", NULL, 200);
     expect(f, link, f->host, "Range: bytes=0-9\r\n", NULL, 206);
     restart(f, with_tokens);
-    expect(f, link, f->host, "", NULL, 200); /* over a restart */
-    /* A page of another site may show it: that is what it is for. */
+    expect(f, link, f->host, "", NULL, 200); /* it survives a restart */
+    /* A page of another site may show it: this is its purpose. */
     snprintf(headers, sizeof headers, "%sSec-Fetch-Site: cross-site\r\n", f->host);
     expect(f, link, headers, "", NULL, 200);
-    /* Also where the browser sends the cookie along, as to another port of the same host. */
+    /* It also works if the browser sends the cookie along, as to another port of the same host. */
     snprintf(headers, sizeof headers, "%sSec-Fetch-Site: same-site\r\n", f->host);
     expect(f, link, headers, cookie, NULL, 200);
     expect(f, "GET /v1/jobs", headers, cookie, NULL, 403);
     make_link(f, f->submit, "absent.png", 3600, link);
     expect(f, link, f->host, "", NULL, 404);
     make_link(f, f->submit, "a b/\xc3\xa4?&#.png", 3600,
-              link); /* signed as it is, though not there */
+              link); /* a signed link to a missing file */
     expect(f, link, f->host, "", NULL, 404);
 }
 
-/* Nothing in it can be changed, and it opens nothing else. */
+/* Changing any part of a link makes it invalid, and it opens nothing else. */
 static void test_changed_links(void **state)
 {
     struct fixture *f = *state;
@@ -468,7 +469,7 @@ static void test_changed_links(void **state)
         reply_done(&reply);
     }
     for (const char *at = query + 1; *at; at++) { /* each character of it */
-        if (strchr("=&", *at) || (at[1] == '\0')) /* the last has bits to spare */
+        if (strchr("=&", *at) || (at[1] == '\0')) /* the last character has unused bits */
             continue;
         snprintf(changed, sizeof changed, "%s", link);
         changed[at - link] = *at == '1' ? '2' : '1';
@@ -488,7 +489,7 @@ static void test_changed_links(void **state)
              "00000000000000000000000000000000", query);
     expect(f, changed, f->host, "", NULL, 403);
     snprintf(changed, sizeof changed, "%s&until=99999999999", link);
-    expect(f, changed, f->host, "", NULL, 200); /* the first counts, which was signed */
+    expect(f, changed, f->host, "", NULL, 200); /* the first value counts, which was signed */
     snprintf(changed, sizeof changed, "%.*s?until=99999999999&%s", head, link, query + 1);
     expect(f, changed, f->host, "", NULL, 403);
 }
@@ -501,7 +502,7 @@ static void expect_until(const struct fixture *f, char *link)
         struct reply reply;
         over = time(NULL) > until_s;
         http_wire_ask(&f->daemon, link, f->host, NULL, &reply);
-        const bool valid = time(NULL) + 1 < until_s; /* it may be a tick behind */
+        const bool valid = time(NULL) + 1 < until_s; /* the clock may be a tick behind */
         if ((over && reply.status != 403) || (valid && reply.status != 200))
             fail_msg("%ld %s", reply.status, over ? "after the time" : "before the time");
         reply_done(&reply);
@@ -509,7 +510,7 @@ static void expect_until(const struct fixture *f, char *link)
     }
 }
 
-/* Whoever has taken a link has it for its time. */
+/* A stolen link works until it expires. */
 static void test_stolen_link(void **state)
 {
     struct fixture *f = *state;
@@ -521,8 +522,8 @@ static void test_stolen_link(void **state)
     say(&f->daemon, "remove thief", said, sizeof said);
     expect(f, link, f->host, "", NULL, 403); /* no longer than its token */
     expect_until(f, brief);
-    expect(f, brief, f->host, f->submit, NULL, 200); /* with a token it needs no link */
-    /* Its time cannot be put off. */
+    expect(f, brief, f->host, f->submit, NULL, 200); /* a token needs no link */
+    /* Its expiry cannot be changed. */
     char *until = strstr(brief, "until=") + 6;
     snprintf(longer, sizeof longer, "%.*s9%s", (int)(until - brief), brief, until);
     expect(f, longer, f->host, "", NULL, 403);
@@ -559,7 +560,7 @@ static void forge(const struct fixture *f, const char *id, const char *file, lon
     sqlite3_close(db);
 }
 
-/* The database signs nothing, and not even the key signs for longer than an hour. */
+/* The database alone cannot sign links, and even the key signs for at most an hour. */
 static void test_forged_links(void **state)
 {
     struct fixture *f = *state;
@@ -584,7 +585,7 @@ static void test_forged_links(void **state)
     forge(f, id, "north.png", now_s + 2 * 3600, key, line);
     expect(f, line, f->host, "", NULL, 403);
 
-    /* A backup does not have it; a folder without one makes another. */
+    /* A backup does not contain the key; a folder without one creates another. */
     const char *build = getenv("ORIEL_BUILD");
     snprintf(said, sizeof said,
              "%s/orield backup %s.copy --data %s >/dev/null && ! test -e %s.copy/oriel.key; "
@@ -633,16 +634,16 @@ static void test_refused_wishes(void **state)
     expect(f, line, f->own, "", "{\"files\":[\"a\"]}", 401);
 }
 
-/* Without tokens there is nothing to sign in to, and links are plain. */
+/* Without tokens there are no sessions, and links are plain. */
 static void test_without_tokens(void **state)
 {
     struct fixture *f = *state;
     struct reply reply;
     char line[120], link[400];
     restart(f, NULL);
-    ask(f, "POST /v1/session", f->own, "", "", 409, &reply);
+    send_request(f, "POST /v1/session", f->own, "", "", 409, &reply);
     reply_done(&reply);
-    ask(f, "GET /v1/session", f->own, "", NULL, 200, &reply);
+    send_request(f, "GET /v1/session", f->own, "", NULL, 200, &reply);
     assert_true(json_is_false(reply_at(&reply, "needed")));
     reply_done(&reply);
     snprintf(line, sizeof line, "POST %s/links", f->job);

@@ -1,4 +1,5 @@
-/* Commits that outlast a power cut, and who waits for that: by syncs counted, and made to fail. */
+/* Durable commits, and requests that wait for them: tested by counting syncs, and by making them
+ * fail. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,11 +21,12 @@
 
 /* ---- Syncs ---------------------------------------------------------------------------------- */
 
-static atomic_int syncs_of_log, failing; /* failing: so many syncs, of whatever file, from now on */
+static atomic_int syncs_of_log,
+    failing; /* failing: number of following syncs, of any file, that fail */
 static pthread_t loop_thread;
 static atomic_int syncs_on_loop;
 
-/* In place of the C library's. */
+/* Replaces the C library's fdatasync. */
 int fdatasync(int fd)
 {
     char link[64], path[ORL_PATH_MAX];
@@ -106,7 +108,7 @@ static void commit(struct fixture *f, int number)
     assert_int_equal(orl_bsdf_insert(&f->data.db, id, "b", 1, "{}", &created, &f->err), 0);
 }
 
-static struct waiter *ask(struct fixture *f, int i)
+static struct waiter *ask_for_sync(struct fixture *f, int i)
 {
     struct waiter *waiter = &f->waiters[i];
     *waiter = (struct waiter){.wait.settled = on_settled};
@@ -114,7 +116,7 @@ static struct waiter *ask(struct fixture *f, int i)
     return waiter;
 }
 
-static void settle(const struct fixture *f)
+static void wait_for_syncs(const struct fixture *f)
 {
     while (!orl_settling_is_quiet(f->settling))
         uv_run(uv_default_loop(), UV_RUN_ONCE);
@@ -125,16 +127,16 @@ static void settle(const struct fixture *f)
 static void test_told_once_it_is_safe(void **state)
 {
     struct fixture *f = *state;
-    commit(f, 1); /* its log is begun anew: SQLite syncs that */
+    commit(f, 1); /* the commit starts a new log, which SQLite syncs */
     syncs_on_loop = 0;
     syncs_of_log = 0;
     commit(f, 2);
     const uint64_t last = orl_settling_last(f->settling);
     assert_false(orl_settling_is_safe(f->settling, last));
     assert_int_equal(syncs_of_log, 0);
-    const struct waiter *waiter = ask(f, 0);
+    const struct waiter *waiter = ask_for_sync(f, 0);
     assert_int_equal(waiter->told, 0);
-    settle(f);
+    wait_for_syncs(f);
     assert_int_equal(waiter->told, 1);
     assert_int_equal(waiter->rc, 0);
     assert_true(orl_settling_is_safe(f->settling, last));
@@ -145,7 +147,7 @@ static void test_told_once_it_is_safe(void **state)
     assert_false(orl_settling_is_safe(f->settling, orl_settling_last(f->settling)));
 }
 
-/* Twenty that ask in one turn of the loop share what the thread has not begun. */
+/* Twenty requests in one turn of the loop share the syncs that the thread has not begun. */
 static void test_syncs_are_shared(void **state)
 {
     struct fixture *f = *state;
@@ -153,9 +155,9 @@ static void test_syncs_are_shared(void **state)
     syncs_of_log = 0;
     for (int i = 0; i < 20; i++) {
         commit(f, 1 + i);
-        ask(f, i);
+        ask_for_sync(f, i);
     }
-    settle(f);
+    wait_for_syncs(f);
     for (int i = 0; i < 20; i++) {
         assert_int_equal(f->waiters[i].told, 1);
         assert_int_equal(f->waiters[i].rc, 0);
@@ -164,31 +166,32 @@ static void test_syncs_are_shared(void **state)
     assert_true(orl_settling_is_safe(f->settling, orl_settling_last(f->settling)));
 }
 
-/* One sync fails: what is in the log is made safe in the other way, and so is what comes until the
- * log is begun anew, which is with the next commit. */
+/* One sync fails: the log's content is made durable in the other way, and so are commits until a
+ * new log starts, which is at the next commit. */
 static void test_a_sync_fails(void **state)
 {
     struct fixture *f = *state;
     for (int i = 0; i < 5; i++)
         commit(f, i);
     failing = 1;
-    const struct waiter *first = ask(f, 0);
-    settle(f);
+    const struct waiter *first = ask_for_sync(f, 0);
+    wait_for_syncs(f);
     assert_int_equal(failing, 0);
     assert_int_equal(first->rc, 0);
     commit(f, 10);
-    const struct waiter *second = ask(f, 1);
-    settle(f);
+    const struct waiter *second = ask_for_sync(f, 1);
+    wait_for_syncs(f);
     assert_int_equal(second->rc, 0);
     commit(f, 11);
     syncs_of_log = 0;
-    const struct waiter *third = ask(f, 2);
-    settle(f);
+    const struct waiter *third = ask_for_sync(f, 2);
+    wait_for_syncs(f);
     assert_int_equal(third->rc, 0);
-    assert_int_equal(syncs_of_log, 1); /* trusted again */
+    assert_int_equal(syncs_of_log, 1); /* syncs of the log are trusted again */
 }
 
-/* All fail: who asks is told, nothing is called safe, and when they succeed again all is. */
+/* All syncs fail: requests get errors, nothing is reported durable, and when they succeed again
+ * everything is. */
 static void test_a_disk_that_fails(void **state)
 {
     struct fixture *f = *state;
@@ -197,15 +200,15 @@ static void test_a_disk_that_fails(void **state)
     const uint64_t last = orl_settling_last(f->settling);
     failing = 1000;
     for (int i = 0; i < 3; i++) {
-        const struct waiter *waiter = ask(f, i);
-        settle(f);
+        const struct waiter *waiter = ask_for_sync(f, i);
+        wait_for_syncs(f);
         assert_true(waiter->rc < 0);
         assert_non_null(strstr(waiter->message, "database"));
         assert_false(orl_settling_is_safe(f->settling, last));
     }
     failing = 0;
-    const struct waiter *waiter = ask(f, 3);
-    settle(f);
+    const struct waiter *waiter = ask_for_sync(f, 3);
+    wait_for_syncs(f);
     assert_int_equal(waiter->rc, 0);
     assert_true(orl_settling_is_safe(f->settling, last));
 }

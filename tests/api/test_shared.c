@@ -70,7 +70,7 @@ static bool is_shared(struct daemon_room *f, const char *job)
     return shared;
 }
 
-/* Members in another order and another priority make no other job; another seed does. */
+/* Members in another order and another priority still share; another seed does not. */
 static void test_one_computation(void **state)
 {
     struct daemon_room *f = *state;
@@ -97,7 +97,7 @@ static void test_one_computation(void **state)
     reply_done(&reply);
 }
 
-/* One of two is cancelled while both run: the other goes on; with that, the work ends. */
+/* One of two is cancelled while both run: the other continues; cancelling it ends the work. */
 static void test_cancelling(void **state)
 {
     struct daemon_room *f = *state;
@@ -117,7 +117,7 @@ static void test_cancelling(void **state)
     }
 }
 
-/* The first is cancelled; the results are the second's. */
+/* The first is cancelled; the second gets the results. */
 static void test_leader_is_cancelled(void **state)
 {
     static const char text[] = "\"technique\":\"backward\",\"accuracy\":{\"deadline_s\":2}";
@@ -140,7 +140,7 @@ static void test_leader_is_cancelled(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
 }
 
-/* The one that others follow is cancelled while it waits. */
+/* The job that leads others is cancelled while it waits. */
 static void test_waiting_leader_is_cancelled(void **state)
 {
     struct daemon_room *f = *state;
@@ -157,7 +157,7 @@ static void test_waiting_leader_is_cancelled(void **state)
     expect_same_result(f, jobs[1], jobs[2]);
 }
 
-/* A stop and a crash: both are there again, and share again. */
+/* After a stop and a crash both exist again, and share again. */
 static void test_restarts(void **state)
 {
     struct daemon_room *f = *state;

@@ -1,4 +1,6 @@
-/* Jobs of several skies: each result is there as soon as it is done, and is not made again. */
+/*
+ * Jobs of several skies: each result is available as soon as it is done, and is not computed again.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -56,7 +58,7 @@ static void wait_for(struct daemon_room *f, const char *job, const char *state,
         fail_msg("%s", ret_reply->body);
 }
 
-static void run(struct daemon_room *f, const char *more, char ret_path[80])
+static void run_job(struct daemon_room *f, const char *more, char ret_path[80])
 {
     struct reply reply;
     submit(f, more, ret_path);
@@ -86,7 +88,7 @@ static void expect_same(struct daemon_room *f, const char *one, const char *file
     reply_done(&b);
 }
 
-/* Until so many skies are done. Does it run on? */
+/* Waits until that many skies are done. Returns true if the job still runs. */
 static bool wait_for_skies(struct daemon_room *f, const char *job, double count)
 {
     for (double until = patience_now_s() + 300; patience_nap(until);) {
@@ -103,7 +105,7 @@ static bool wait_for_skies(struct daemon_room *f, const char *job, double count)
     return false;
 }
 
-/* When a job's file was written, in nanoseconds; 0: there is none. */
+/* Returns the time at which a job's file was written, in nanoseconds; 0 if it is missing. */
 static int64_t written(const struct daemon_room *f, const char *folder, const char *job,
                        const char *file)
 {
@@ -132,7 +134,7 @@ static void test_a_day(void **state)
     struct daemon_room *f = *state;
     struct reply reply;
     char day[80], noon[80];
-    run(f, DAY VIEW("16"), day);
+    run_job(f, DAY VIEW("16"), day);
     daemon_get(&f->daemon, day, &reply);
     assert_true(reply_number(&reply, "skies.count") == 8 &&
                 reply_number(&reply, "skies.done") == 8);
@@ -151,7 +153,7 @@ static void test_a_day(void **state)
     }
     const double lx = reply_number(&reply, "skies.3.illuminance_lx.1");
     reply_done(&reply);
-    run(f, "\"sky\":" HOUR("11.5") VIEW("16"), noon);
+    run_job(f, "\"sky\":" HOUR("11.5") VIEW("16"), noon);
     expect_same(f, day, "files/0322-1130.v.hdr", noon, "files/v.hdr");
     get_below(f, noon, "result", &reply);
     assert_true(reply_number(&reply, "sensors.1.illuminance_lx") == lx);
@@ -160,7 +162,8 @@ static void test_a_day(void **state)
     reply_done(&reply);
 }
 
-/* Torn between skies it comes to the same, with what it had; unless that was spoilt. */
+/* A job interrupted between skies gives equal results and keeps its finished skies, unless they
+ * were damaged. */
 static void test_torn_between_skies(void **state)
 {
     static const char skies[] = "\"skies\":[" HOUR("9.5") "," HOUR("11.5") "," HOUR("15.5") "]";
@@ -178,7 +181,7 @@ static void test_torn_between_skies(void **state)
     daemon_restart(&f->daemon, NULL);
     assert_true(wait_for_skies(f, torn, 1));
     assert_true(written(f, "partial", torn, "0322-0930.json") == first);
-    /* A byte more in a file of a finished sky: it is not believed again. */
+    /* A file of a finished sky has one more byte: it is computed again. */
     daemon_end(&f->daemon, SIGKILL);
     snprintf(path, sizeof path, "%s/partial/%s/0322-0930.v.hdr", f->daemon.root,
              strrchr(torn, '/') + 1);
@@ -186,7 +189,7 @@ static void test_torn_between_skies(void **state)
     assert_non_null(file);
     fputc(0, file);
     fclose(file);
-    /* And a map that a round was killed over. */
+    /* Also a map whose round was killed. */
     snprintf(path, sizeof path, "%s/partial/%s/global-0.opm.part", f->daemon.root,
              strrchr(torn, '/') + 1);
     file = fopen(path, "wb");
@@ -200,12 +203,12 @@ static void test_torn_between_skies(void **state)
     assert_true(written(f, "results", torn, "+key") == 0);
     assert_true(written(f, "results", torn, "global-0.opm.part") == 0);
     assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
-    run(f, more, whole);
+    run_job(f, more, whole);
     expect_same(f, torn, "files/0322-0930.v.hdr", whole, "files/0322-0930.v.hdr");
     expect_same(f, torn, "files/0322-1530.v.error.hdr", whole, "files/0322-1530.v.error.hdr");
 }
 
-/* As if another program had made the folder. */
+/* Changes the first byte of a file, as if another program version had written the folder. */
 static void overwrite(const char *path)
 {
     FILE *file = fopen(path, "r+b");
@@ -223,7 +226,7 @@ static void wait_for_file(const struct daemon_room *f, const char *job, const ch
             fail_msg("no %s in five minutes", file);
 }
 
-/* What another program has left is not taken. */
+/* Results of another program version are not reused. */
 static void test_other_programs_leave_nothing(void **state)
 {
     struct daemon_room *f = *state;
@@ -246,7 +249,9 @@ static void test_other_programs_leave_nothing(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
 }
 
-/* What is done when a job is cancelled stays, as of one that has succeeded; over a restart too. */
+/*
+ * Finished skies of a cancelled job stay, as those of one that has succeeded; also over a restart.
+ */
 static void test_cancelled_between_skies(void **state)
 {
     static const char skies[] =
@@ -286,7 +291,7 @@ static void test_cancelled_between_skies(void **state)
     reply_done(&reply);
 }
 
-/* How many skies were seen done until the job ended. */
+/* Returns the number of skies seen done before the job ended. */
 static double skies_until_end(struct daemon_room *f, const char *job)
 {
     double done = 0;
@@ -306,8 +311,8 @@ static double skies_until_end(struct daemon_room *f, const char *job)
     return 0;
 }
 
-/* A job that has run for as long as any may has failed: nothing of it stays. The time is given that
- * a busy machine needs for some of its skies. */
+/* A job that exceeds the time limit fails, and none of its results stay. The limit is long enough
+ * for some skies on a busy machine. */
 static void test_timed_out_between_skies(void **state)
 {
     static const char *const limits[] = {"2", "8", "40", "240"};
@@ -339,7 +344,7 @@ static void test_timed_out_between_skies(void **state)
     daemon_restart(&f->daemon, NULL);
 }
 
-/* Of two that share, what is done belongs to whoever is cancelled last, first come or not. */
+/* The finished skies of two sharing jobs belong to the one cancelled last, in either order. */
 static void test_last_of_two_is_cancelled(void **state)
 {
     static const char skies[] =
@@ -394,7 +399,7 @@ static void test_mistakes_are_told_at_once(void **state)
             fail_msg("%s: %ld %s", cases[i].more, reply.status, reply.body);
         reply_done(&reply);
     }
-    /* An hour that the file does not have: before anything is rendered. */
+    /* An hour missing in the file is found before anything is rendered. */
     submit(f,
            "\"skies\":[" HOUR("9.5") ",{\"weather\":{\"file\":\"place.wea\",\"month\":7,"
                                      "\"day\":22,\"hour\":11.5}}]",
@@ -405,7 +410,7 @@ static void test_mistakes_are_told_at_once(void **state)
     reply_done(&reply);
 }
 
-/* The command does the same here and there. */
+/* The command gives the same results locally and by the daemon. */
 static void test_same_by_the_command(void **state)
 {
     struct daemon_room *f = *state;

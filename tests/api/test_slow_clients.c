@@ -1,4 +1,4 @@
-/* Clients that hold connections: nobody else notices, and they are cut off in the end. */
+/* Clients that hold connections do not affect others, and are cut off in the end. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,7 +27,7 @@ static void say(int fd, const char *text)
     (void)!send(fd, text, strlen(text), MSG_NOSIGNAL | MSG_DONTWAIT);
 }
 
-/* Has the other side hung up? What it says before is read and dropped. */
+/* Returns true if the peer has closed; reads and drops its data before. */
 static bool is_closed(int fd)
 {
     char dropped[4096];
@@ -37,13 +37,13 @@ static bool is_closed(int fd)
     return n == 0 || (errno != EAGAIN && errno != EWOULDBLOCK);
 }
 
-/* Silent, or in the middle of its headers, or of its body. */
+/* Silent, or stalled in the middle of the headers, or of the body. */
 static const char *const beginnings[] = {
     "", "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX-Slow: ",
     "POST /v1/bsdfs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n<"};
 enum { KINDS = 3 };
 
-/* A byte from each of the slow that are not silent; how many are still let in. */
+/* Sends a byte on each slow connection that is not silent; returns the number still open. */
 static size_t trickle(const int fds[SLOW])
 {
     size_t open = 0;
@@ -78,7 +78,9 @@ static void print_polls(struct daemon *daemon, const char *what)
                   ms[POLLS * 99 / 100 - 1]);
 }
 
-/* The slow outlast the idle time-out by a byte now and then, but not the daemon's patience. */
+/*
+ * Slow clients outlast the idle timeout with a byte now and then, but not the daemon's total limit.
+ */
 static void test_slow_clients(void **state)
 {
     const struct timespec moment = {0, 250000000};
@@ -106,7 +108,7 @@ static void test_slow_clients(void **state)
     daemon_remove(&daemon);
 }
 
-/* A client that is slow within bounds gets its answer. */
+/* A client that is slow within the limits gets its answer. */
 static void test_patience(void **state)
 {
     const struct timespec moment = {0, 200000000};
@@ -129,8 +131,8 @@ static void test_patience(void **state)
     daemon_remove(&daemon);
 }
 
-/* Requests whose answers take the pool, and with them the loop's turn for what the pool has done.
- * Where others have all turns none is answered; the limit is to detect that. */
+/* Expects answers to requests that use the pool, and so need the loop to handle its results. If
+ * others starve the loop none is answered; the limit detects that. */
 static void expect_posts_answered(struct daemon *daemon)
 {
     enum { POSTS = 20 };
@@ -146,8 +148,8 @@ static void expect_posts_answered(struct daemon *daemon)
     assert_true(longest_s < 60);
 }
 
-/* A chunk's first line that is longer than the daemon has room for, with more to come or not: the
- * loop turns on, and the connections are cut off although they are not silent. */
+/* A chunk's first line longer than the daemon's buffer, complete or not: the loop continues, and
+ * the connections are cut off although they are not silent. */
 static void test_endless_chunk_lines(void **state)
 {
     enum { LINES = 4 };
@@ -178,8 +180,8 @@ static void test_endless_chunk_lines(void **state)
     daemon_remove(&daemon);
 }
 
-/* Until all have been cut off, the loop would do nothing but read them again: that is not left to
- * the sweeps, of which it takes three. */
+/* Until all are cut off, the loop would only read them again, so they are closed at once, not by
+ * three sweeps. */
 static void test_endless_chunk_lines_go_at_once(void **state)
 {
     enum { TIMES = 5, ROUNDS = 2000 };
@@ -208,7 +210,8 @@ static void test_endless_chunk_lines_go_at_once(void **state)
     daemon_remove(&daemon);
 }
 
-/* Until it is killed: requests on so many connections, as fast as they are answered. */
+/* Floods the daemon with requests on that many connections, as fast as they are answered, until the
+ * process is killed. */
 static void flood(const struct daemon *daemon)
 {
     enum { CONNECTIONS = 16, AT_ONCE = 64 };
@@ -222,7 +225,7 @@ static void flood(const struct daemon *daemon)
         fds[i] = (struct pollfd){.fd = daemon_dial(daemon), .events = POLLIN | POLLOUT};
     while (poll(fds, CONNECTIONS, -1) > 0)
         for (int i = 0; i < CONNECTIONS; i++) {
-            (void)is_closed(fds[i].fd); /* reads what there is */
+            (void)is_closed(fds[i].fd); /* reads the available bytes */
             (void)!send(fds[i].fd, gets, length, MSG_NOSIGNAL | MSG_DONTWAIT);
         }
 }
@@ -236,7 +239,7 @@ static void test_floods_leave_turns_to_others(void **state)
     struct reply reply;
     (void)state;
     daemon_start(&daemon, NULL);
-    daemon_get(&daemon, "/healthz", &reply); /* the first of those that are counted */
+    daemon_get(&daemon, "/healthz", &reply); /* the first counted one */
     reply_done(&reply);
     const pid_t pid = fork();
     assert_true(pid >= 0);
@@ -247,7 +250,7 @@ static void test_floods_leave_turns_to_others(void **state)
     daemon_metric_wait(&daemon, answered, FLOOD);
     const double before = daemon_metric(&daemon, answered);
     expect_posts_answered(&daemon);
-    assert_true(daemon_metric(&daemon, answered) > before); /* the flood went on meanwhile */
+    assert_true(daemon_metric(&daemon, answered) > before); /* the flood continued meanwhile */
     kill(pid, SIGKILL);
     waitpid(pid, NULL, 0);
     daemon_remove(&daemon);
@@ -272,7 +275,9 @@ static void test_headers_are_bounded(void **state)
     daemon_remove(&daemon);
 }
 
-/* Is a new connection's request answered? A connection that is one too many is closed. */
+/*
+ * Returns true if a new connection's request is answered; a connection above the limit is closed.
+ */
 static bool is_served(const struct daemon *daemon)
 {
     const int fd = daemon_dial(daemon);

@@ -1,6 +1,6 @@
 /*
- * Jobs whose parts are tasks of a real Slurm on loopback, of two nodes: the same results as in one
- * piece; and what goes wrong on clusters, each without a loss.
+ * Jobs whose parts are tasks of a real Slurm on loopback, with two nodes: results equal to those in
+ * one process; and cluster failures, none of which loses data.
  */
 #include <setjmp.h>
 #include <signal.h>
@@ -19,8 +19,8 @@
 
 static const char *const by_slurm[] = {"--slurm", "--parts", "4", NULL};
 
-/* And each of its tasks had a limit of time. */
-static void compare(struct cli_desk *desk, const char *document)
+/* Also asserts that each task had a time limit. */
+static void compare_parts(struct cli_desk *desk, const char *document)
 {
     parted_compare(desk, document, by_slurm);
     assert_true(cluster_tasks_ever() > 0);
@@ -29,27 +29,27 @@ static void compare(struct cli_desk *desk, const char *document)
 
 static void test_a_render(void **state)
 {
-    compare(*state, parted_render);
+    compare_parts(*state, parted_render);
 }
 
 static void test_skies(void **state)
 {
-    compare(*state, parted_skies);
+    compare_parts(*state, parted_skies);
 }
 
 static void test_rounds(void **state)
 {
-    compare(*state, parted_goal);
+    compare_parts(*state, parted_goal);
 }
 
 static void test_a_year(void **state)
 {
-    compare(*state, parted_annual);
+    compare_parts(*state, parted_annual);
 }
 
 static void test_a_study(void **state)
 {
-    compare(*state, parted_study);
+    compare_parts(*state, parted_study);
 }
 
 /* ---- Faults ---------------------------------------------------------------------------------- */
@@ -77,7 +77,7 @@ static void assert_ends_the_same(struct cli_desk *f, struct cli_child *child, co
     parted_assert_same(f, "whole", "slurm");
 }
 
-/* Tasks that are cancelled from outside leave nothing behind: they are handed in once more. */
+/* Tasks cancelled from outside are submitted again. */
 static void test_tasks_are_killed(void **state)
 {
     struct cli_desk *f = *state;
@@ -87,7 +87,7 @@ static void test_tasks_are_killed(void **state)
     assert_ends_the_same(f, &child, parted_skies, true);
 }
 
-/* A node that vanishes, and comes back. */
+/* A node vanishes, and returns. */
 static void test_a_node_vanishes(void **state)
 {
     struct cli_desk *f = *state;
@@ -99,7 +99,7 @@ static void test_a_node_vanishes(void **state)
     assert_ends_the_same(f, &child, parted_skies, false);
 }
 
-/* Its controller does not answer for a while: in the long form for 30 s. */
+/* Slurm's controller does not answer for a while: in the long form for 30 s. */
 static void test_the_controller_is_away(void **state)
 {
     struct cli_desk *f = *state;

@@ -1,6 +1,6 @@
 /*
- * orield --runner slurm on a real Slurm on loopback: large jobs go as its tasks, with the results
- * of a daemon that does all by itself; small ones stay.
+ * orield --runner slurm on a real Slurm on loopback: large jobs run as its tasks, with the results
+ * of a daemon without Slurm; small ones run in the daemon.
  */
 #include <setjmp.h>
 #include <signal.h>
@@ -59,7 +59,7 @@ static void test_bsdfs(void **state)
     parted_compare_daemons(*state, parted_panel, path);
 }
 
-/* How its parts stand: in its status, its events and the daemon's figures. */
+/* The state of its parts is in the job's status, its events and the daemon's metrics. */
 static void test_parts_are_told_of(void **state)
 {
     struct parted_daemon *f = *state;
@@ -73,7 +73,7 @@ static void test_parts_are_told_of(void **state)
     assert_true(reply_number(&reply, "runner.parts.running") > 0);
     reply_done(&reply);
     snprintf(events, sizeof events, "%s/events", path);
-    daemon_get(&f->daemon, events, &reply); /* all of them, until the job ends */
+    daemon_get(&f->daemon, events, &reply); /* all events, until the job ends */
     assert_non_null(strstr(reply.body, "\"parts\":{\"waiting\":"));
     reply_done(&reply);
     daemon_get(&f->daemon, path, &reply);
@@ -83,7 +83,7 @@ static void test_parts_are_told_of(void **state)
     assert_true(daemon_metric(&f->daemon, "oriel_parts_done_total") == done);
 }
 
-/* Lines of the daemon's log that have all of these. */
+/* Counts the lines of the daemon's log that contain all of these. */
 static int count_in_log(const struct parted_daemon *f, const char *const words[3])
 {
     char path[80];
@@ -97,8 +97,8 @@ static int count_in_log(const struct parted_daemon *f, const char *const words[3
     return n;
 }
 
-/* How far the job is goes on while its one wave runs; and each part has its lines in the log, by
- * which a cluster's user finds its task. */
+/* A job's progress advances while its one wave runs; and each part has log lines that lead a
+ * cluster's user to its task. */
 static void test_a_wave_moves(void **state)
 {
     struct parted_daemon *f = *state;
@@ -151,7 +151,7 @@ static void test_cancel_ends_all_tasks(void **state)
     parted_assert_cleared(f);
 }
 
-/* What is less work than a queue is worth. */
+/* A job with less work than a queue is worth runs in the daemon. */
 static void test_small_jobs_stay(void **state)
 {
     struct parted_daemon *f = *state;

@@ -1,6 +1,6 @@
 /*
- * What goes wrong between orield --runner slurm and a real Slurm on loopback, each without a loss:
- * the same results, and nothing computed twice.
+ * Failures between orield --runner slurm and a real Slurm on loopback, without any loss: equal
+ * results, and nothing computed twice.
  */
 #include <dirent.h>
 #include <setjmp.h>
@@ -21,7 +21,7 @@
 #include "support/parted_daemon.h"
 #include "support/patience.h"
 
-/* Parts of the wave that is under way. */
+/* Counts the parts of the current wave. */
 static int count_parts(const struct parted_daemon *f, const char *path)
 {
     char folder[256], wave[256] = "";
@@ -43,7 +43,7 @@ static int count_parts(const struct parted_daemon *f, const char *path)
     return n;
 }
 
-/* Asserts that no part ran twice: those of the wave that was under way at the restart keep their
+/* Asserts that no part ran twice: those of the wave that was running at the restart keep their
  * tasks. If that wave had ended, no parts were left. */
 static void assert_nothing_twice(struct parted_daemon *f, const char *path, int tasks_then,
                                  int wave)
@@ -56,7 +56,7 @@ static void assert_nothing_twice(struct parted_daemon *f, const char *path, int 
     reply_done(&reply);
 }
 
-/* Killed in the middle: it goes on with what is done, and waits for what is under way. */
+/* A killed daemon continues with the finished parts, and waits for the running ones. */
 static void test_the_daemon_is_killed(void **state)
 {
     struct parted_daemon *f = *state;
@@ -72,7 +72,7 @@ static void test_the_daemon_is_killed(void **state)
     parted_compare_daemons(f, parted_middle, path);
 }
 
-/* Stopped in good order its tasks go on, too. */
+/* After an orderly stop its tasks continue, too. */
 static void test_the_daemon_is_stopped(void **state)
 {
     struct parted_daemon *f = *state;
@@ -86,8 +86,7 @@ static void test_the_daemon_is_stopped(void **state)
     parted_assert_cleared(f);
 }
 
-/* What a killed daemon has left of a job that is cancelled before it goes on: its tasks end, too.
- */
+/* Tasks that a killed daemon left end when their job is cancelled before it continues. */
 static void test_what_nobody_wants_is_swept(void **state)
 {
     struct parted_daemon *f = *state;
@@ -98,7 +97,7 @@ static void test_what_nobody_wants_is_swept(void **state)
     daemon_end(&f->daemon, SIGKILL);
     f->options[1] = "local";
     f->options[2] = NULL;
-    parted_restart(f); /* which knows nothing of Slurm: the job is done here, and its tasks go on */
+    parted_restart(f); /* a daemon without Slurm: the job runs in it, and its tasks continue */
     daemon_cancel(&f->daemon, path, &reply);
     reply_done(&reply);
     daemon_wait(&f->daemon, path, 240, &reply);
@@ -113,7 +112,7 @@ static void test_what_nobody_wants_is_swept(void **state)
     for (double until = patience_until(); rmdir(f->shared) != 0 && patience_nap(until);)
         continue;
     assert_int_equal(mkdir(f->shared, 0700), 0);
-    parted_submit(f, parted_render, first); /* it goes on as ever */
+    parted_submit(f, parted_render, first); /* it continues as before */
     parted_wait(f, first);
 }
 
@@ -126,8 +125,8 @@ static double held(struct parted_daemon *f, const char *path)
     return n;
 }
 
-/* No byte more fits into the shared folder for a while: parts wait until there is room. Where the
- * test may not mount a small disk it is left out. */
+/* The shared folder is full for a while: parts wait until there is space. The test is skipped
+ * without the right to mount a small disk. */
 static void test_the_shared_disk_is_full(void **state)
 {
     struct parted_daemon *f = *state;
@@ -157,7 +156,7 @@ static void test_the_shared_disk_is_full(void **state)
     parted_compare_fetched(f, parted_middle);
 }
 
-/* What a part has written is cut short before it is read: it is made once more. */
+/* A part's output is truncated before it is read: the part runs again. */
 static void test_output_is_truncated(void **state)
 {
     struct parted_daemon *f = *state;
@@ -177,8 +176,8 @@ static void test_output_is_truncated(void **state)
     parted_compare_daemons(f, parted_middle, path);
 }
 
-/* A program in oriel's place, beside a copy of the daemon: where there is a file "hungry" its part
- * takes 700 MiB and waits. Each hunger is stilled once. */
+/* Installs a program in oriel's place, beside a copy of the daemon: if a file "hungry" exists its
+ * part allocates 700 MiB and waits. Each such file is used once. */
 static void set_up_hunger(struct parted_daemon *f, char ret_folder[160])
 {
     const char *build = getenv("ORIEL_BUILD");
@@ -201,8 +200,7 @@ static void set_up_hunger(struct parted_daemon *f, char ret_folder[160])
     cluster_command(command);
 }
 
-/* Slurm kills a part that takes more memory than it was given: it gets twice as much, and twice
- * that. */
+/* Slurm kills a part that exceeds its memory: it gets twice as much, and then twice that. */
 static void test_a_part_runs_out_of_memory(void **state)
 {
     struct parted_daemon *f = *state;
@@ -226,7 +224,7 @@ static void test_a_part_runs_out_of_memory(void **state)
     parted_compare_daemons(f, parted_skies, path);
 }
 
-/* There is no slurmctld when the job is to be handed in, and none for a while. */
+/* No slurmctld runs when the job is submitted, nor for a while after. */
 static void test_slurmctld_is_killed(void **state)
 {
     struct parted_daemon *f = *state;
@@ -239,7 +237,7 @@ static void test_slurmctld_is_killed(void **state)
     parted_compare_daemons(f, parted_skies, path);
 }
 
-/* Of the daemon: none of its tasks, and nothing in its folder, is left within 10 s. */
+/* Cancels by the daemon: within 10 s none of its tasks, and no file in its folder, is left. */
 static void cancel_after(struct parted_daemon *f, double moment_s)
 {
     char path[80];
@@ -252,12 +250,12 @@ static void cancel_after(struct parted_daemon *f, double moment_s)
     daemon_wait(&f->daemon, path, 240, &reply);
     assert_string_equal(reply_text(&reply, "state"), "cancelled");
     reply_done(&reply);
-    assert_int_equal(cluster_tasks(false), 0); /* what was being handed in then, too */
+    assert_int_equal(cluster_tasks(false), 0); /* includes tasks that were being submitted then */
     parted_assert_cleared(f);
 }
 
-/* At moments over the time that the job takes, or most of it: one in each of four parts of it, or
- * of ten in the long form. */
+/* Cancels at moments over most of the job's time: one in each of four parts of it, or of ten in the
+ * long form. */
 static void test_cancels_at_any_moment(void **state)
 {
     const int cancels = cluster_long_form() ? 10 : 4;
@@ -267,7 +265,7 @@ static void test_cancels_at_any_moment(void **state)
         cancel_after(*state, until_s * (i + orl_random_uniform(&random)) / cancels);
 }
 
-/* Also where the test has failed before it came to that. */
+/* Runs also if the test failed before it unmounted. */
 static int unmount(void **state)
 {
     const struct parted_daemon *f = *state;
@@ -294,7 +292,8 @@ int main(void)
                                         parted_daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_a_part_runs_out_of_memory, parted_daemon_set_up,
                                         parted_daemon_tear_down),
-        /* The last one: what Slurm had not noted down then it takes for under way for a while. */
+        /* The last test: afterwards Slurm treats tasks that it had not recorded as running for a
+           while. */
         cmocka_unit_test_setup_teardown(test_slurmctld_is_killed, parted_daemon_set_up,
                                         parted_daemon_tear_down),
     };

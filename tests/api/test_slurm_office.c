@@ -1,8 +1,7 @@
 /*
  * The example's office by orield --runner slurm, on a real Slurm on loopback: sensors, two views
- * and photon maps; a day of 24 skies; sensors to 2 %; a year. Maps, pictures and numbers are those
- * of a daemon that does all by itself, byte for byte. With $ORIEL_SLURM_LONG in the example's own
- * size.
+ * and photon maps; a day of 24 skies; sensors to 2 %; a year. Maps, pictures and numbers equal,
+ * byte for byte, those of a daemon without Slurm. With $ORIEL_SLURM_LONG in the example's own size.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -48,7 +47,7 @@
     " {\"name\": \"desks\", \"sensors\": {\"file\": \"some.pts\"}}],"                              \
     " \"targets\": [\"sDA300/50 >= 55 %\"]}"
 
-/* Short, and long. */
+/* Short form, and long form. */
 static const struct {
     const char *name, *texts[2];
 } documents[] = {
@@ -76,7 +75,7 @@ static int set_up(void **state)
     return code;
 }
 
-static void compare(struct parted_daemon *f, const char *document)
+static void compare_results(struct parted_daemon *f, const char *document)
 {
     char path[80];
     parted_submit(f, document, path);
@@ -86,22 +85,22 @@ static void compare(struct parted_daemon *f, const char *document)
 
 static void test_sensors_views_and_maps(void **state)
 {
-    compare(*state, documents[0].name);
+    compare_results(*state, documents[0].name);
 }
 
 static void test_a_day_of_24_skies(void **state)
 {
-    compare(*state, documents[1].name);
+    compare_results(*state, documents[1].name);
 }
 
 static void test_sensors_to_2_per_cent(void **state)
 {
-    compare(*state, documents[2].name);
+    compare_results(*state, documents[2].name);
 }
 
 static void test_a_year(void **state)
 {
-    compare(*state, documents[3].name);
+    compare_results(*state, documents[3].name);
 }
 
 int main(void)

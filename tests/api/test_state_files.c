@@ -1,5 +1,5 @@
-/* Files that a job's document names, and their work for the daemon: bombs are refused before a job
- * is accepted, and what they take is counted in its memory. */
+/* Files that a job's document names, and their cost for the daemon: bombs are refused before a job
+ * is accepted, and the files' memory is counted. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -60,7 +60,7 @@ static int set_up(void **state)
     return 0;
 }
 
-/* The answer and what its detail says; "": whatever it says. */
+/* Expects the status and a text in the detail; "": any. */
 static void expect(struct year_room *f, const char *members, long status, const char *says)
 {
     struct reply reply;
@@ -70,8 +70,8 @@ static void expect(struct year_room *f, const char *members, long status, const 
     reply_done(&reply);
 }
 
-/* Three million spheres by 400 bytes: more memory than a check may take, and none of the daemon's.
- */
+/* Three million spheres by 400 bytes: more memory than a check may use; the daemon's memory does
+ * not grow. */
 static void test_bombs(void **state)
 {
     struct year_room *f = *state;
@@ -83,7 +83,7 @@ static void test_bombs(void **state)
     assert_true(daemon_memory_mb(&f->daemon, "VmHWM") < before_mb + 50);
 }
 
-/* Surfaces of states are counted: 100 000 of them, where there is room for some 40 000. */
+/* Surfaces of states are counted: 100 000 of them, with memory for some 40 000. */
 static void test_states_are_counted(void **state)
 {
     static const char *const little[] = {"--memory", "64M", "--check-memory", "512M", NULL};
@@ -95,7 +95,7 @@ static void test_states_are_counted(void **state)
     expect(f, WEATHER SHADES("{\"name\":\"shut\",\"files\":[\"many.rad\"]}"), 413, "surfaces");
 }
 
-/* The request for the job is answered with each mistake; no job is created. */
+/* The job's request is refused with each mistake; no job is created. */
 static void test_mistakes(void **state)
 {
     struct year_room *f = *state;
@@ -117,7 +117,7 @@ static void test_mistakes(void **state)
     reply_done(&reply);
 }
 
-/* A mask is read with its view: one of another size, and one that ends early. */
+/* A mask is read with its view: one of another size, and a truncated one. */
 static void test_masks(void **state)
 {
     struct year_room *f = *state;

@@ -1,4 +1,4 @@
-/* A thread that is blocked for good: SIGTERM ends the daemon all the same, and nothing is lost. */
+/* A thread blocked for ever: SIGTERM still ends the daemon, and nothing is lost. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,14 +19,16 @@
 #include "support/patience.h"
 #include "support/scene_text.h"
 
-/* The folder that the hanging thread makes, by which one knows that it hangs. */
+/* Returns the path of the folder that the hanging thread makes as a sign that it hangs. */
 static const char *note_of(const struct daemon *daemon, char path[96])
 {
     snprintf(path, 96, "%.64s.hangs", daemon->root);
     return path;
 }
 
-/* Restarts the daemon with a thread that hangs when it moves a job's results to their place. */
+/*
+ * Restarts the daemon with a thread that hangs when it moves a job's results to their final place.
+ */
 static void restart_hanging(struct daemon *daemon, const char *const *extra)
 {
     char shim[256], path[96];
@@ -55,7 +57,7 @@ static size_t count_in_log(const struct daemon *daemon, const char *text)
     return count;
 }
 
-/* Waits until the job is all done but for moving its results. */
+/* Waits until the job is complete except for moving its results. */
 static void wait_hanging(const struct daemon *daemon)
 {
     char path[96];
@@ -65,7 +67,7 @@ static void wait_hanging(const struct daemon *daemon)
     assert_int_equal(rmdir(path), 0);
 }
 
-/* Signals that go on coming do not put the limit off. */
+/* Further signals do not extend the limit. */
 static int end_by_many_signals(struct daemon *daemon)
 {
     siginfo_t info = {.si_pid = 0};
@@ -84,7 +86,7 @@ static void test_blocked_thread(void **state)
     struct reply reply;
     char job[80], other[80];
     if (ORL_SANITIZED)
-        skip(); /* which has to be loaded first */
+        skip(); /* the sanitizer's library has to be loaded first */
     restart_hanging(&f->daemon, one);
     daemon_submit(&f->daemon, f->scene, 1000, 5, "blocked", job);
     wait_hanging(&f->daemon);
@@ -101,7 +103,7 @@ static void test_blocked_thread(void **state)
     assert_int_equal(count_in_log(&f->daemon, "blamed=yes"), 0);
 }
 
-/* Whose daemon was told to stop is not to blame. */
+/* A job of a daemon that was asked to stop is not blamed. */
 static void test_no_blame(void **state)
 {
     const struct orl_past stopped = {.signum = ORL_PAST_STOPPED, .resident = 9, .capacity = 10};

@@ -1,4 +1,4 @@
-/* The byte budget: what goes to make room, what is refused, how sizes are written, what is told. */
+/* The byte budget: removal to free space, refusals, sizes in options, and messages. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +23,7 @@ static void restart_with_budget(struct daemon *daemon, double budget)
     daemon_restart(daemon, extra);
 }
 
-/* Of three jobs that were fetched the budget leaves the one used last, its map included. */
+/* The budget keeps only the last used one of three fetched jobs, and its map. */
 static void test_longest_unused_goes_first(void **state)
 {
     struct daemon_room *f = *state;
@@ -38,7 +38,7 @@ static void test_longest_unused_goes_first(void **state)
                  kept = storage_bytes(&f->daemon);
     const size_t maps = storage_count_maps(&f->daemon);
     assert_true(maps >= 3);
-    /* Room for a third of maps and results. */
+    /* Space for a third of maps and results. */
     restart_with_budget(&f->daemon, uploads + (kept - uploads) / 3);
     assert_true(storage_bytes(&f->daemon) <= uploads + (kept - uploads) / 3);
     assert_true(storage_bytes_of(&f->daemon, "uploads") == uploads);
@@ -50,7 +50,7 @@ static void test_longest_unused_goes_first(void **state)
     assert_true(gone == !*reply_text(&reply, "links.result"));
     reply_done(&reply);
     storage_fetch(&f->daemon, jobs[1], gone ? 410 : 200);
-    /* All that may go: the next start has room for uploads alone. */
+    /* All removable data goes: the next start has space only for uploads. */
     restart_with_budget(&f->daemon, uploads);
     for (int i = 0; i < 3; i++) {
         storage_fetch(&f->daemon, jobs[i], 410);
@@ -64,7 +64,7 @@ static void test_longest_unused_goes_first(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "results"), 0);
 }
 
-/* Results that nobody has asked for stay, and what is new is refused. */
+/* Results that have not been fetched stay, and new jobs are refused. */
 static void test_full(void **state)
 {
     static const char bsdf[] = "<WindowElement/>";
@@ -94,7 +94,7 @@ static void test_full(void **state)
     assert_int_equal(reply.status, 507);
     reply_done(&reply);
     assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
-    /* What was accepted before is here, and once it has been fetched makes room. */
+    /* An accepted job's result exists, and is removable once fetched. */
     storage_fetch(&f->daemon, job, 200);
     daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
     assert_int_equal(reply.status, 202);
@@ -102,7 +102,7 @@ static void test_full(void **state)
     storage_fetch(&f->daemon, job, 410);
 }
 
-/* Jobs are accepted as long as there is room for what all that wait are to leave. */
+/* Jobs are accepted as long as there is space for the results of all waiting jobs. */
 static void test_queue_of_results(void **state)
 {
     struct daemon_room *f = *state;
@@ -123,7 +123,7 @@ static void test_queue_of_results(void **state)
         reply_done(&reply);
     }
     assert_int_equal(accepted, 3);
-    /* Over a restart they still count; cancelled, they do not. */
+    /* They still count after a restart; cancelled jobs do not. */
     restart_with_budget(&f->daemon, storage_bytes_of(&f->daemon, "uploads") + 300000);
     daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
     assert_int_equal(reply.status, 507);
@@ -141,7 +141,7 @@ static void test_queue_of_results(void **state)
     reply_done(&reply);
 }
 
-/* What could never be kept takes nothing else away. */
+/* A request too large for the budget removes nothing else. */
 static void test_too_large(void **state)
 {
     struct daemon_room *f = *state;
@@ -162,7 +162,7 @@ static void test_too_large(void **state)
     reply_done(&reply);
     free(text);
     assert_true(maps > 0 && storage_count_maps(&f->daemon) == maps);
-    /* Asking about results is not asking for them. */
+    /* Reading a job's status does not count as fetching its results. */
     char other[80], path[96];
     storage_run_job(&f->daemon, f->scene, 2, NULL, other);
     snprintf(path, sizeof path, "%.80s/result", other);

@@ -1,4 +1,4 @@
-/* Lists of scenes and BSDFs: their pages, their sizes, when they were of use, and to whom. */
+/* Lists of scenes and BSDFs: pages, sizes, times of last use, and access. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,7 +31,7 @@ static void upload(struct daemon *daemon, const char *text, char ret_id[65])
     nap();
 }
 
-/* Ids of the list, page by page of so many; how many pages it took. */
+/* Reads the list's ids with that page size; returns the number of pages. */
 static int pages(struct daemon *daemon, const char *name, int limit, char (*ret_ids)[65],
                  size_t most, size_t *ret_count)
 {
@@ -87,7 +87,8 @@ static void test_scenes(void **state)
     snprintf(before, sizeof before, "%s", reply_text(&reply, "scenes.0.last_used"));
     assert_string_equal(before, reply_text(&reply, "scenes.0.created_at"));
     reply_done(&reply);
-    /* Of use while a job waits or runs, and known for that afterwards, also after a restart. */
+    /* A scene is in use while a job waits or runs, and that time is kept as its last use, also over
+     * a restart. */
     daemon_submit(daemon, ids[3], 100000000, 1, NULL, path);
     daemon_get(daemon, "/v1/scenes?limit=1", &reply);
     assert_true(reply_number(&reply, "scenes.0.jobs_under_way") == 1);

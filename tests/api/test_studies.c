@@ -1,4 +1,4 @@
-/* Studies through a real daemon: their life and files, refusals, cancelling, restarts. */
+/* Studies through a real daemon: states and files, refusals, cancelling, restarts. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,7 +27,7 @@ enum { PATIENCE = 8 };
 #define REFERENCE "\"reference\":{\"samples\":2048,\"runs\":2}"
 enum { PATIENCE = 1 };
 #endif
-/* Minutes; to be cancelled. */
+/* Takes minutes; the test cancels it. */
 #define LONG "\"photons\":[50000000],\"gather_samples\":[64],\"repeats\":9,"
 #define SENSORS "\"sensors\":[[2,1,0.8,0,0,1],[2,4,0.8,0,0,1]],"
 
@@ -63,13 +63,13 @@ static void expect_state(struct daemon_room *f, const char *job, const char *sta
 static const char small[] =
     "\"title\":\"A room\"," SENSORS "\"techniques\":[\"gather\"]," SMALL REFERENCE;
 
-/* A backward technique that takes its time, so that polls see it run. */
+/* A slow backward technique, so that polls see it run. */
 static const char seen[] = SENSORS "\"techniques\":[\"direct\",\"backward\"],\"photons\":[2000],"
                                    "\"gather_samples\":[4000000],\"repeats\":9," REFERENCE;
 
 static const char endless[] = SENSORS "\"techniques\":[\"gather\"]," LONG REFERENCE;
 
-/* ---- What comes of a study ------------------------------------------------------------------ */
+/* ---- Results of a study --------------------------------------------------------------------- */
 
 static void check_file(struct daemon_room *f, const char *job, const char *name, const char *type,
                        const char *begins)
@@ -157,7 +157,7 @@ static void test_life_of_a_study(void **state)
     check_file(f, job, "study.csv", "text/csv", "technique,photons,samples,");
     check_file(f, job, "study.svg", "image/svg+xml", "<svg ");
     check_file(f, job, "study.png", "image/png", "\x89PNG");
-    /* A study measures what building maps takes: it keeps none, and finds none. */
+    /* A study measures the cost of building maps: it stores none, and reuses none. */
     daemon_get(&f->daemon, "/v1/maps", &reply);
     assert_int_equal(json_array_size(reply_at(&reply, "maps")), 0);
     reply_done(&reply);
@@ -207,7 +207,7 @@ static void cancel(struct daemon_room *f, const char *job, long status)
     reply_done(&reply);
 }
 
-/* `oriel status` of a study that runs. */
+/* Checks `oriel status` for a running study. */
 static void check_status(const struct daemon_room *f, const char *job)
 {
     static struct cli_result result;
@@ -275,7 +275,7 @@ static void test_killed_in_the_middle(void **state)
     daemon_restart(&f->daemon, NULL);
     check_file(f, kept, "study.png", "image/png", "\x89PNG");
     wait_until_under_way(f, torn);
-    /* In good order, which is no attempt. */
+    /* An orderly stop does not count as an attempt. */
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
     daemon_restart(&f->daemon, NULL);
     wait_until_under_way(f, torn);
@@ -361,7 +361,7 @@ static void test_other_kinds_and_scenes_are_refused(void **state)
 
 /* ---- The command ---------------------------------------------------------------------------- */
 
-/* `oriel submit --wait` and `oriel fetch`: scene and sensors travel by themselves. */
+/* `oriel submit --wait` and `oriel fetch`: scene and sensors are uploaded automatically. */
 static void test_the_command_submits_studies(void **state)
 {
     struct daemon_room *f = *state;

@@ -1,5 +1,5 @@
-/* Topping up through a real daemon: the maps a job leaves are those of a daemon that never had
- * less. */
+/* Topping up maps through a real daemon: the resulting maps equal those of a daemon that never had
+ * smaller ones. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,8 +19,8 @@ enum { FEW = 5000, MORE = 20000, MOST = 60000, MOST_MAPS = 3 };
 static const char *const two_at_once[] = {"--threads", "2", "--jobs", "2", NULL};
 
 struct fixture {
-    struct daemon daemon, fresh; /* fresh: never has a smaller map */
-    char scene[65];              /* the same in both: it is a digest */
+    struct daemon daemon, fresh; /* fresh: a daemon that never has a smaller map */
+    char scene[65];              /* equal in both, since it is a digest */
 };
 
 static int setup(void **state)
@@ -42,8 +42,8 @@ static int teardown(void **state)
     return 0;
 }
 
-/* Waits for a job; its document is the caller's. */
-static struct reply finish(struct daemon *daemon, const char *job)
+/* Waits for a job; the caller owns its document. */
+static struct reply wait_for_job(struct daemon *daemon, const char *job)
 {
     struct reply reply;
     daemon_wait(daemon, job, 120, &reply);
@@ -52,14 +52,14 @@ static struct reply finish(struct daemon *daemon, const char *job)
     return reply;
 }
 
-static struct reply run(struct fixture *f, struct daemon *daemon, long photons)
+static struct reply run_job(struct fixture *f, struct daemon *daemon, long photons)
 {
     char job[80];
     daemon_submit(daemon, f->scene, photons, 1, NULL, job);
-    return finish(daemon, job);
+    return wait_for_job(daemon, job);
 }
 
-/* Every map of the job is, byte for byte, in the other daemon. */
+/* Expects that every map of the job is, byte for byte, in the other daemon. */
 static void expect_same_maps(const struct fixture *f, const struct reply *job)
 {
     const size_t count = json_array_size(reply_at(job, "maps"));
@@ -86,19 +86,19 @@ static void expect_same_maps(const struct fixture *f, const struct reply *job)
 static void test_topped_up(void **state)
 {
     struct fixture *f = *state;
-    struct reply first = run(f, &f->daemon, FEW);
+    struct reply first = run_job(f, &f->daemon, FEW);
     assert_true(reply_number(&first, "maps.0.reused") == 0);
-    /* What a map continues is in the database, too. */
+    /* The database also records which map another continues. */
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
     daemon_restart(&f->daemon, two_at_once);
-    struct reply second = run(f, &f->daemon, MORE);
+    struct reply second = run_job(f, &f->daemon, MORE);
     assert_true(json_is_false(reply_at(&second, "maps.0.cached")));
     assert_true(reply_number(&second, "maps.0.reused") == reply_number(&first, "maps.0.stored"));
     assert_true(reply_number(&second, "maps.0.seconds") > reply_number(&first, "maps.0.seconds"));
-    struct reply whole = run(f, &f->fresh, MORE);
+    struct reply whole = run_job(f, &f->fresh, MORE);
     assert_true(reply_number(&whole, "maps.0.reused") == 0);
     expect_same_maps(f, &second);
-    struct reply again = run(f, &f->daemon, MORE);
+    struct reply again = run_job(f, &f->daemon, MORE);
     assert_true(json_is_true(reply_at(&again, "maps.0.cached")));
     assert_true(reply_number(&again, "maps.0.reused") == 0);
     reply_done(&first);
@@ -107,28 +107,28 @@ static void test_topped_up(void **state)
     reply_done(&again);
 }
 
-/* Jobs of one family at the same time: each ends with the maps it would have alone. */
+/* Jobs of one family at the same time: each ends with the maps that it would have alone. */
 static void test_family_at_once(void **state)
 {
     static const long photons[] = {MORE, MOST, MOST, FEW, MORE};
     enum { JOBS = sizeof photons / sizeof *photons };
     struct fixture *f = *state;
     char jobs[JOBS][80];
-    struct reply first = run(f, &f->daemon, FEW);
+    struct reply first = run_job(f, &f->daemon, FEW);
     reply_done(&first);
     for (int i = 0; i < JOBS; i++)
         daemon_submit(&f->daemon, f->scene, photons[i], 1, NULL, jobs[i]);
     for (int i = 0; i < JOBS; i++) {
-        struct reply job = finish(&f->daemon, jobs[i]);
+        struct reply job = wait_for_job(&f->daemon, jobs[i]);
         reply_done(&job);
     }
-    for (int i = 0; i < 3; i++) { /* the most first, so that none is topped up */
-        struct reply whole = run(f, &f->fresh, i == 0 ? MOST : i == 1 ? MORE : FEW);
+    for (int i = 0; i < 3; i++) { /* the largest first, so that none is topped up */
+        struct reply whole = run_job(f, &f->fresh, i == 0 ? MOST : i == 1 ? MORE : FEW);
         assert_true(reply_number(&whole, "maps.0.reused") == 0);
         reply_done(&whole);
     }
     for (int i = 0; i < JOBS; i++) {
-        struct reply job = finish(&f->daemon, jobs[i]);
+        struct reply job = wait_for_job(&f->daemon, jobs[i]);
         expect_same_maps(f, &job);
         reply_done(&job);
     }

@@ -1,5 +1,4 @@
-/* What is kept is looked through, and copied, while the daemon runs; and a copy is a data folder.
- */
+/* Stored data is verified and backed up while the daemon runs; a backup is a data folder. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +19,7 @@
 struct fixture {
     struct daemon daemon;
     char scene[65], bsdf[65], job[80], result[100];
-    char *bytes; /* of the result */
+    char *bytes; /* bytes of the result */
     size_t size;
 };
 
@@ -81,8 +80,8 @@ static int teardown(void **state)
     return 0;
 }
 
-/* The command's status, and what it says. */
-static int run(const char *arguments, const char *folder, char *ret_said, size_t size)
+/* Runs the command; returns its status and its output. */
+static int run_orield(const char *arguments, const char *folder, char *ret_said, size_t size)
 {
     char command[600];
     const char *build = getenv("ORIEL_BUILD");
@@ -95,7 +94,9 @@ static int run(const char *arguments, const char *folder, char *ret_said, size_t
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/* One byte of each kind of file is another: each is named, and what can be mended is. */
+/*
+ * One byte of each kind of file is changed: each file is named, and repairable ones are repaired.
+ */
 static void damage(const struct fixture *f, const char *pattern)
 {
     char command[500];
@@ -110,30 +111,30 @@ static void test_damage_is_found(void **state)
 {
     struct fixture *f = *state;
     char said[8000], blob[80], name[64];
-    assert_int_equal(run("scrub", f->daemon.root, said, sizeof said), 0);
+    assert_int_equal(run_orield("scrub", f->daemon.root, said, sizeof said), 0);
     assert_non_null(strstr(said, ", 0 damaged"));
     snprintf(blob, sizeof blob, "blobs/%.2s/%s", f->bsdf, f->bsdf);
     damage(f, blob);
     damage(f, "maps/*.opm");
     snprintf(name, sizeof name, "results/%.32s/v.hdr", strrchr(f->job, '/') + 1);
     damage(f, name);
-    assert_int_equal(run("scrub", f->daemon.root, said, sizeof said), 1);
+    assert_int_equal(run_orield("scrub", f->daemon.root, said, sizeof said), 1);
     if (!strstr(said, blob) || !strstr(said, name) || !strstr(said, "maps/global-") ||
         strstr(said, ", 0 damaged"))
         fail_msg("%s", said);
     upload_bsdf(f, 200);
-    assert_int_equal(run("scrub", f->daemon.root, said, sizeof said), 1);
+    assert_int_equal(run_orield("scrub", f->daemon.root, said, sizeof said), 1);
     assert_null(strstr(said, blob));
-    /* Gone altogether. */
+    /* A missing file. */
     char path[200];
     snprintf(path, sizeof path, "%s/%s", f->daemon.root, blob);
     assert_int_equal(unlink(path), 0);
-    assert_int_equal(run("scrub", f->daemon.root, said, sizeof said), 1);
+    assert_int_equal(run_orield("scrub", f->daemon.root, said, sizeof said), 1);
     assert_non_null(strstr(said, blob));
     upload_bsdf(f, 200);
 }
 
-/* The daemon looks by itself, tells, and drops damaged maps. */
+/* The daemon scrubs by itself, logs, and drops damaged maps. */
 static void test_daemon_scrubs(void **state)
 {
     struct fixture *f = *state;
@@ -180,7 +181,7 @@ static void check_restored(struct fixture *f, struct daemon *copy)
     reply_done(&reply);
 }
 
-/* While a job runs, and another waits; both go on in the copy. */
+/* Backup while a job runs and another waits; both continue in the copy. */
 static void test_backup(void **state)
 {
     struct fixture *f = *state;
@@ -192,10 +193,10 @@ static void test_backup(void **state)
     daemon_submit(&f->daemon, f->scene, 1000, 6, NULL, waiting);
     snprintf(copy.root, sizeof copy.root, "%.50s-copy", f->daemon.root);
     snprintf(arguments, sizeof arguments, "backup %s", copy.root);
-    if (run(arguments, f->daemon.root, said, sizeof said) != 0)
+    if (run_orield(arguments, f->daemon.root, said, sizeof said) != 0)
         fail_msg("%s", said);
-    assert_int_equal(run(arguments, f->daemon.root, said, sizeof said), 1); /* it is there */
-    assert_int_equal(run("scrub", copy.root, said, sizeof said), 0);
+    assert_int_equal(run_orield(arguments, f->daemon.root, said, sizeof said), 1); /* it exists */
+    assert_int_equal(run_orield("scrub", copy.root, said, sizeof said), 0);
     daemon_cancel(&f->daemon, running, &reply);
     reply_done(&reply);
     daemon_restart(&copy, NULL);
@@ -209,7 +210,8 @@ static void test_backup(void **state)
     daemon_remove(&copy);
 }
 
-/* What is damaged is left out: the copy says so, and has no row that promises it. */
+/* Damaged files are left out: the command reports them, and the copy has no row that refers to
+ * them. */
 static void test_backup_of_damage(void **state)
 {
     struct fixture *f = *state;
@@ -221,10 +223,10 @@ static void test_backup_of_damage(void **state)
     damage(f, "results/*/v.hdr");
     snprintf(copy.root, sizeof copy.root, "%.50s-copy", f->daemon.root);
     snprintf(arguments, sizeof arguments, "backup %s", copy.root);
-    assert_int_equal(run(arguments, f->daemon.root, said, sizeof said), 1);
+    assert_int_equal(run_orield(arguments, f->daemon.root, said, sizeof said), 1);
     assert_non_null(strstr(said, blob));
     assert_non_null(strstr(said, "2 damaged"));
-    assert_int_equal(run("scrub", copy.root, said, sizeof said), 0);
+    assert_int_equal(run_orield("scrub", copy.root, said, sizeof said), 0);
     daemon_restart(&copy, NULL);
     snprintf(path, sizeof path, "/v1/bsdfs/%s", f->bsdf);
     daemon_get(&copy, path, &reply);

@@ -1,4 +1,4 @@
-/* Uploads: what is taken, under which id, and what is refused without leaving a trace. */
+/* Uploads: accepted files, their ids, and refusals that leave nothing behind. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -121,7 +121,7 @@ static void test_scene_and_its_id(void **state)
     struct reply reply;
     struct orl_bundle bundle = {0};
     char sha[ORL_SHA_HEX], id[ORL_SHA_HEX], path[128];
-    /* The id is what the header says a client may compute. */
+    /* The id is the digest that the header describes for clients. */
     orl_sha256_hex(room_scene, strlen(room_scene), sha);
     orl_bundle_add(&bundle, "b.rad", false, "", 1, sha, false, NULL);
     orl_sha256_hex(room_sky, strlen(room_sky), sha);
@@ -191,7 +191,7 @@ static void test_bsdf_by_id(void **state)
     assert_string_equal(reply_text(&reply, "summary.referenced.0"), "panel.xml");
     snprintf(first, sizeof first, "%s", reply_text(&reply, "id"));
     reply_done(&reply);
-    /* Sent along, it is the same scene. */
+    /* Uploaded together, it is the same scene. */
     daemon_upload(*state, both, 2, NULL, &reply);
     assert_int_equal(reply.status, 200);
     assert_string_equal(reply_text(&reply, "id"), first);
@@ -203,7 +203,8 @@ static void test_bsdf_by_id(void **state)
     reply_done(&reply);
 }
 
-/* Each bad scene: its second file's text (the first is sound), and what the problem must name. */
+/* Invalid scenes: the second file's text (the first is valid), and the text that the problem must
+ * contain. */
 static const struct {
     const char *what, *text;
     long status;
@@ -249,7 +250,7 @@ static void test_bad_scenes_leave_nothing(void **state)
     assert_int_equal(daemon_count_files(*state, "tmp"), 0);
 }
 
-/* A BSDF that is cut short is told by its own name and line. */
+/* The error of a truncated BSDF has its own name and line. */
 static void test_bad_bsdf_in_scene(void **state)
 {
     struct reply reply;
@@ -379,7 +380,7 @@ static bool tmp_is_empty_soon(struct daemon *daemon)
 }
 
 /*
- * A client that promises much, sends some, and hangs up: what it sent goes with it, at the latest
+ * A client announces a large body, sends some, and hangs up: the bytes are removed, at the latest
  * after the idle timeout.
  */
 static void test_broken_off_upload(void **state)
@@ -404,7 +405,7 @@ static void test_broken_off_upload(void **state)
     reply_done(&reply);
 }
 
-/* More than one buffer of the daemon's, so that it goes through the disk; and byte for byte. */
+/* Larger than the daemon's buffer, so that it passes through the disk; expects equal bytes. */
 static void test_large_upload(void **state)
 {
     enum { LINES = 400000 };

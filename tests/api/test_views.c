@@ -1,4 +1,4 @@
-/* Jobs of several views: each is there as soon as it is done, and is not rendered again. */
+/* Jobs of several views: each is available as soon as it is done, and is not rendered again. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +18,7 @@
 #define VIEW(name, side)                                                                           \
     "{\"name\":\"" name "\",\"view\":\"-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vu 0 0 1 -vh 70 -vv "        \
     "55\",\"width\":" side ",\"height\":" side "}"
-/* The last takes minutes, or is as quick as the others. */
+/* The last view takes minutes, or is as quick as the others. */
 #define VIEWS(last) "\"views\":[" VIEW("a", "24") "," VIEW("b", "48") "," VIEW("c", last) "]"
 
 static void submit(struct daemon_room *f, const char *technique, const char *views,
@@ -37,7 +37,7 @@ static void submit(struct daemon_room *f, const char *technique, const char *vie
     reply_done(&reply);
 }
 
-/* Until so many files are there to fetch. Does it run on? */
+/* Waits until that many files are available. Returns true if the job still runs. */
 static bool wait_for_files(struct daemon_room *f, const char *job, size_t count)
 {
     for (double until = patience_now_s() + 300; patience_nap(until);) {
@@ -70,7 +70,7 @@ static void expect_status(struct daemon_room *f, const char *job, const char *wh
     reply_done(&reply);
 }
 
-/* When a job's file was written, in nanoseconds. */
+/* Returns the time at which a job's file was written, in nanoseconds. */
 static int64_t written(const struct daemon_room *f, const char *folder, const char *job,
                        const char *file)
 {
@@ -92,7 +92,8 @@ static void cancel(struct daemon_room *f, const char *job)
     reply_done(&reply);
 }
 
-/* While the last view is rendered, over kills and stops; gone when the job is cancelled. */
+/* Finished views are available while the last one is rendered, over kills and stops; removed when
+ * the job is cancelled. */
 static void test_views_before_the_end(void **state)
 {
     struct daemon_room *f = *state;
@@ -128,10 +129,11 @@ static void expect_same(struct daemon_room *f, const char *one, const char *othe
     reply_done(&b);
 }
 
-/* A job torn between views comes to the same bytes as one that is not, with the views it had. */
+/* A job interrupted between views gives the bytes of an uninterrupted one, and keeps its finished
+ * views. */
 static void test_torn_job_ends_the_same(void **state)
 {
-    /* With sizes of the last view that leave time to tear the job. */
+    /* Sizes of the last view that leave time to interrupt the job. */
     static const struct {
         const char *technique, *views;
     } cases[] = {{"backward", VIEWS("64")}, {"gather", VIEWS("64")}, {"direct", VIEWS("200")}};
@@ -167,8 +169,8 @@ static void test_torn_job_ends_the_same(void **state)
     assert_true(n_torn > 0);
 }
 
-/* Two that share a computation, with two of three views done. Returns when the first was written.
- */
+/* Submits two jobs that share a computation, with two of three views done. Returns the time at
+ * which the first view was written. */
 static int64_t submit_both(struct daemon_room *f, char ret_leader[80], char ret_follower[80])
 {
     submit(f, "backward", VIEWS("4000"), ret_leader);
@@ -177,8 +179,8 @@ static int64_t submit_both(struct daemon_room *f, char ret_leader[80], char ret_
     return written(f, "partial", ret_leader, "a.hdr");
 }
 
-/* The first of the two is cancelled, the daemon ends: the other goes on with the views that are
- * done. */
+/* The first of the two is cancelled and the daemon ends: the other continues with the finished
+ * views. */
 static void test_leader_is_cancelled(void **state)
 {
     struct daemon_room *f = *state;
@@ -195,7 +197,7 @@ static void test_leader_is_cancelled(void **state)
     }
 }
 
-/* It is cancelled while both wait, after the daemon has ended. */
+/* The leader is cancelled while both wait, after the daemon has ended. */
 static void test_waiting_leader_is_cancelled(void **state)
 {
     struct daemon_room *f = *state;
@@ -214,7 +216,7 @@ static void test_waiting_leader_is_cancelled(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
 }
 
-/* What a killed daemon left of jobs that nobody waits for goes at the start. */
+/* Files that a killed daemon left of jobs without waiting clients are removed at the start. */
 static void test_leftovers_go(void **state)
 {
     struct daemon_room *f = *state;

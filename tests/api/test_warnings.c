@@ -1,5 +1,5 @@
-/* Warnings and darkness reach whoever waits: the job's document, its events, `oriel submit --wait`.
- */
+/* Warnings and darkness errors reach every client: the job's document, its events, `oriel submit
+ * --wait`. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 #include "support/cli.h"
 #include "support/daemon.h"
 
-/* One sensor lies inside a ball, where no light is; the other above the roof. */
+/* One sensor is inside a ball, without light; the other above the roof. */
 #define WITHIN "[20,20,1,0,0,1]"
 #define ABOVE "[2,2,50,0,0,1]"
 static const char dark_sensor[] = "1 of 2 sensors is at 0 lx, the first of them sensors[1]";
@@ -104,7 +104,7 @@ static void test_all_dark(void **state)
     reply_done(&reply);
 }
 
-/* Says each once, although it is told by every document it polls. */
+/* The command prints each warning once, although every polled document contains it. */
 static void test_on_the_command_line(void **state)
 {
     static const char job[] = "{\"scene\":\"%s\",\"technique\":\"gather\",\"gather_samples\":64,"

@@ -1,4 +1,4 @@
-/* Scenes sent as zips of their folders: the same scene as by parts, and what is refused. */
+/* Scenes uploaded as zips of their folders: equal to scenes uploaded by parts, and refusals. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -36,7 +36,8 @@ static void expect_created(struct reply *reply, bool created, char ret_id[65])
     reply_done(reply);
 }
 
-/* A folder with its name in front or without, in any order, with what desktops add: one scene. */
+/* A folder with or without its name as prefix, in any order, with files that desktops add: one
+ * scene. */
 static void test_same_scene_as_by_parts(void **state)
 {
     const struct upload_file files[] = {
@@ -83,7 +84,7 @@ static void test_same_scene_as_by_parts(void **state)
     assert_string_equal(within, by_zip);
 }
 
-/* Names of entries in UTF-8, by the flag that says so and without it, as by older programs. */
+/* Entry names in UTF-8, with its flag or without it, as from older programs. */
 static void test_names_of_many_scripts(void **state)
 {
     enum { IN_UTF8 = 1 << 11 };
@@ -105,8 +106,8 @@ static void test_names_of_many_scripts(void **state)
     }
 }
 
-/* Without one at the top it is those of the one folder that has some, as with a zip of a folder
- * within a folder; of several the answer asks which. */
+/* Without a scene file at the top, the scene is in the only folder that has some, as in a zip of a
+ * nested folder; for several folders the answer asks for a choice. */
 static void test_scene_in_a_folder(void **state)
 {
     static const char hut[] = "void plastic grey\n0\n0\n5 0.4 0.4 0.4 0 0\n"
@@ -134,8 +135,7 @@ static void test_scene_in_a_folder(void **state)
     reply_done(&reply);
 }
 
-/* Materials are read first, whatever they are called; the answer, and an error, say what was read.
- */
+/* Materials are read first, whatever their names; the answer and errors list the files read. */
 static void test_order_of_reading(void **state)
 {
     static const char grey[] = "void plastic grey\n0\n0\n5 0.4 0.4 0.4 0 0\n";
@@ -158,7 +158,7 @@ static void test_order_of_reading(void **state)
     reply_done(&reply);
 }
 
-/* Who needs another order than that of names says so. */
+/* A client can set another order than that of the names. */
 static void test_main_files(void **state)
 {
     static const struct zip_entry entries[] = {

@@ -1,15 +1,17 @@
 /*
- * A year of daylight in the office, with clear glass and with its panel, at its 57 sensors, beside
- * hours of it by backward: a table, and build/annual.json. By environment, each after ORIEL_ANNUAL:
- * _WEATHER (an EPW or WEA file; a made-up year otherwise), _SCENES ("glass panel"), _SAMPLES (paths
- * a sensor, a list: "512 2048"), _SEED, _RUNS (3), _TRUTH_SAMPLES (8192), _TRUTH_HOURS (24), _ROWS
- * ("sensors precomputed glare reuse"), _EYE_SIDE (400 pixels), _EYE_SAMPLES (32), _EYE_HOURS (24).
- * What backward has is kept in build/bench.
+ * Annual daylight of the office, with clear glass and with its panel, at its 57 sensors, compared
+ * with backward for some hours. Writes a table and build/annual.json.
  *
- * Errors are relative, over sensors and hours: rms, median, 95 % of them, bias of the sum; z is the
- * rms of error over what both say is theirs, cover the share within 2.13 of that, which is 95 % of
- * Student's law of 15 degrees of freedom; own the rms of
- * the years' standard errors. Ray-times as in make bench.
+ * Environment, each name after ORIEL_ANNUAL: _WEATHER (an EPW or WEA file; default: a made-up
+ * year), _SCENES ("glass panel"), _SAMPLES (paths per sensor, a list: "512 2048"), _SEED, _RUNS
+ * (3), _TRUTH_SAMPLES (8192), _TRUTH_HOURS (24), _ROWS ("sensors precomputed glare reuse"),
+ * _EYE_SIDE (400 pixels), _EYE_SAMPLES (32), _EYE_HOURS (24). Backward's results are stored in
+ * build/bench.
+ *
+ * Errors are relative, over sensors and hours: rms, median, 95th percentile, bias of the sum. z is
+ * the rms error over the stated errors of both. cover is the share within 2.13 of these, 95 % for
+ * Student's t with 15 degrees of freedom. own is the rms of the years' standard errors. Ray-times
+ * are as in make bench.
  */
 #include "bench/annual.h"
 
@@ -28,7 +30,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static struct errors compare(const struct annual_truth *truth, const struct orl_annual_result *year)
+static struct errors compare_year(const struct annual_truth *truth,
+                                  const struct orl_annual_result *year)
 {
     const size_t n = truth->n_hours * OFFICE_SENSORS;
     double *sizes = malloc(n * sizeof *sizes);
@@ -104,7 +107,7 @@ static void print_stages(const struct orl_annual_result *year)
            year->n_nodes, (double)year->health.rays / 1e6);
 }
 
-/* A row: the median of some runs of the bench's technique. */
+/* Prints a row: the median of several runs of the bench's technique. */
 static void print_samples(struct annual_bench *bench, FILE *json, double rate, bool *first,
                           uint32_t samples, struct orl_annual_result *ret_year)
 {
@@ -115,13 +118,13 @@ static void print_samples(struct annual_bench *bench, FILE *json, double rate, b
         seconds[k] = annual_run(bench, samples, ret_year);
     }
     annual_need_truth(bench, ret_year);
-    const struct errors e = compare(&bench->truth, ret_year);
+    const struct errors e = compare_year(&bench->truth, ret_year);
     print_row(json, *first, bench, ret_year, &e, bench_median(seconds, runs), rate);
     *first = false;
     print_stages(ret_year);
 }
 
-/* Of the last of a list of numbers of paths; the year is the caller's. */
+/* Prints the rows of all path counts. Returns the year of the last one; the caller owns it. */
 static void print_sensors(struct annual_bench *bench, FILE *json, double rate, bool *first,
                           struct orl_annual_result *ret_year)
 {

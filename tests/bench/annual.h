@@ -1,6 +1,6 @@
 /*
- * The office's year: its files, with its panel or with clear glass instead, a weather file, what
- * backward says of some of its hours, and the rows of the table that are not of sensors' errors.
+ * The annual run of the office: its files (with its panel or clear glass), a weather file,
+ * backward's reference for some hours, and the table rows other than sensor errors.
  */
 #ifndef ORL_TESTS_BENCH_ANNUAL_H
 #define ORL_TESTS_BENCH_ANNUAL_H
@@ -12,9 +12,10 @@
 
 #include "bench/office.h"
 
-/* Some hours of a year, by backward: bright ones and dull ones, evenly drawn. */
+/* Reference illuminances by backward for some hours of a year: bright and dull ones, evenly
+ * sampled. */
 struct annual_truth {
-    size_t *steps; /* of the year */
+    size_t *steps; /* indices of the year's steps */
     size_t n_hours;
     double *lx, *error_lx; /* [hour][sensor] */
 };
@@ -22,10 +23,10 @@ struct annual_truth {
 enum annual_scene { ANNUAL_GLASS, ANNUAL_PANEL, ANNUAL_SCENES };
 
 struct annual_bench {
-    enum annual_scene scene; /* to be set between runs; the truth is then to be forgotten */
+    enum annual_scene scene; /* set between runs; the caller then clears the truth */
     enum orl_annual_technique technique;
     struct office office;
-    struct orl_files files; /* the office's, and the weather */
+    struct orl_files files; /* the office's files and the weather file */
     struct orl_file weather;
     struct orl_sensor *sensors;
     struct orl_crew *crew;
@@ -35,44 +36,46 @@ struct annual_bench {
 void annual_open(struct annual_bench *bench);
 void annual_close(struct annual_bench *bench);
 
-/* The year's request, of the sensors given; borrowed of the bench and of them. */
+/*
+ * Fills the year's request for the given sensors; it borrows from the bench and from the sensors.
+ */
 struct orl_annual_request annual_request(const struct annual_bench *bench, uint32_t samples,
                                          struct orl_sensor *sensors, size_t n_sensors);
-/* What a job or a year of the office has about it. */
+/* Returns the run environment of a job or an annual run of the office. */
 struct orl_run_env annual_run_env(struct annual_bench *bench, const struct orl_map_store *store);
-/* An hour as a job by backward; owns nothing. */
+/* Fills a backward job of one hour; the job owns nothing. */
 void annual_job(const struct annual_bench *bench, const struct orl_annual_step *step,
                 struct orl_job *ret_job);
-/* That job, run; the result is the caller's. */
+/* Runs that job; the caller owns the result. */
 void annual_run_job(struct annual_bench *bench, const struct orl_job *job,
                     struct orl_result *ret_result);
 
-/* A year by so many paths a sensor; returns the seconds that it takes one thread. */
+/* Computes a year with that many paths per sensor. Returns the seconds on one thread. */
 double annual_run(struct annual_bench *bench, uint32_t samples, struct orl_annual_result *ret_year);
 
-/* A word that tells the weather file from others. */
+/* A short hash that identifies the weather file. */
 enum { ANNUAL_WORD = 9 };
 void annual_name_weather(const struct annual_bench *bench, char ret_word[ANNUAL_WORD]);
 
-/* So many hours, two of three bright, into the truth. */
+/* Selects n hours, two of three bright, and stores them in the truth. */
 void annual_choose_hours(struct annual_truth *truth, const struct orl_annual_result *year,
                          size_t n);
 void annual_forget_truth(struct annual_bench *bench);
-/* What backward says, made once for that year and kept in the build folder. */
+/* Reads backward's reference for that year from the build folder, or computes and stores it. */
 void annual_need_truth(struct annual_bench *bench, const struct orl_annual_result *year);
 
-/* What backward says, into the build folder for annual_radiance.py: of the sensors, after
- * annual_need_truth; of a seat's pictures. */
+/* Writes backward's results into the build folder for annual_radiance.py: those of the sensors
+ * (after annual_need_truth), and those of a viewpoint's pictures. */
 void annual_tell_hours(const struct annual_bench *bench, double rate);
 void annual_tell_seat(const struct annual_bench *bench, const struct orl_seat *seat,
                       const struct annual_truth *hours, const double *dgp);
 
-/* A seat's DGP over the year beside pictures: prints a row for each seat (annual_glare.c). json: an
- * open list; first: nothing is in it yet. */
+/* Compares DGP over the year with pictures; prints a row for each viewpoint (annual_glare.c). json:
+ * an open list; *first: true while it is empty. */
 void annual_print_glare(struct annual_bench *bench, FILE *json, bool *first, const char *title,
                         double rate, const struct orl_annual_result *year);
 
-/* The year with another weather file beside the first, likewise (annual_reuse.c). */
+/* Measures the year with another weather file after the first, in the same way (annual_reuse.c). */
 void annual_print_reuse(struct annual_bench *bench, FILE *json, bool *first, const char *title,
                         const struct orl_annual_result *year);
 

@@ -1,6 +1,6 @@
 /*
- * Glare of seats in the office, over the year: DGP of every lit hour, and what it costs, beside
- * pictures of some of the hours by view jobs of their own.
+ * Annual glare at viewpoints in the office: DGP of every lit hour and its cost, compared with
+ * pictures of some hours by view jobs.
  */
 #include <math.h>
 #include <stdio.h>
@@ -10,7 +10,7 @@
 #include "bench/annual.h"
 
 enum { SEATS = 2 };
-/* At the desk, looking half way to the window; and in the middle, looking at it. */
+/* One viewpoint at the desk, looking half way to the window; one in the middle, looking at it. */
 static char desk[] = "desk", middle[] = "middle";
 static struct orl_seat seats[SEATS] = {{desk, {1.3, 2, 1.2}, {1, -1, 0}},
                                        {middle, {1.3, 2.5, 1.2}, {0, -1, 0}}};
@@ -74,7 +74,7 @@ static void keep_pictures(const char *path, const struct picture *pictures, size
         bench_fail("DGP of pictures cannot be kept", NULL);
 }
 
-/* Of the hours, made once and kept. */
+/* Reads the pictures of the hours from the build folder, or renders and stores them. */
 static struct picture *need_pictures(struct annual_bench *bench,
                                      const struct orl_annual_result *year,
                                      const struct annual_truth *hours, int seat)
@@ -133,9 +133,10 @@ static void tell_pictures(const struct annual_bench *bench, const struct orl_sea
     free(dgp);
 }
 
-static struct dgp_errors compare(const struct orl_annual_result *year,
-                                 const struct annual_truth *hours, const struct picture *pictures,
-                                 const struct orl_seat_hours *seat)
+static struct dgp_errors compare_dgp(const struct orl_annual_result *year,
+                                     const struct annual_truth *hours,
+                                     const struct picture *pictures,
+                                     const struct orl_seat_hours *seat)
 {
     struct dgp_errors e = {.n = hours->n_hours};
     for (size_t i = 0; i < hours->n_hours; i++) {
@@ -171,7 +172,7 @@ void annual_print_glare(struct annual_bench *bench, FILE *json, bool *first, con
         struct orl_seat_hours *found = NULL;
         const double seconds = run_seat(bench, year, i, &found);
         struct picture *pictures = need_pictures(bench, year, &hours, i);
-        const struct dgp_errors e = compare(year, &hours, pictures, found);
+        const struct dgp_errors e = compare_dgp(year, &hours, pictures, found);
         printf("%8s %8.2f %9.1f %8.4f %8.4f %10.3f +- %8.4f %3zu of %zu\n", seats[i].name, seconds,
                seconds * rate / 1e6, e.rms, e.worst, e.worst_dgp, e.stated, e.covered, e.n);
         fprintf(json,

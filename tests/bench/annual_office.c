@@ -35,8 +35,7 @@ static void close_file(void *ctx, struct orl_file *file)
         bench->office.files.close(bench->office.files.ctx, file);
 }
 
-/* A made-up year at 38 degrees north: the sun by its declination, clouds by the day and the hour.
- */
+/* Builds a made-up year at 38 degrees north: the sun by its declination, clouds by day and hour. */
 static char *make_year(size_t *ret_size)
 {
     char *text = NULL;
@@ -174,7 +173,7 @@ void annual_run_job(struct annual_bench *bench, const struct orl_job *job,
 
 /* ---- The truth ------------------------------------------------------------------------------- */
 
-/* Hours with much sun and hours with little, two of three bright: each the middle of its class. */
+/* Selects bright hours and dull hours, two of three bright; each is the middle of its class. */
 void annual_choose_hours(struct annual_truth *truth, const struct orl_annual_result *year, size_t n)
 {
     const size_t bright = n * 2 / 3;
@@ -213,7 +212,7 @@ static bool read_kept(const char *path, struct annual_truth *truth)
     return n == truth->n_hours * OFFICE_SENSORS;
 }
 
-static void keep(const char *path, const struct annual_truth *truth)
+static void store_truth(const char *path, const struct annual_truth *truth)
 {
     char part[BENCH_PATH + 8];
     snprintf(part, sizeof part, "%s.part", path);
@@ -278,5 +277,5 @@ void annual_need_truth(struct annual_bench *bench, const struct orl_annual_resul
     fprintf(stderr, "  %zu hours by backward are computed, once\n", truth->n_hours);
     for (size_t i = 0; i < truth->n_hours; i++)
         run_hour(bench, &year->steps[truth->steps[i]], i);
-    keep(path, truth);
+    store_truth(path, truth);
 }

@@ -1,13 +1,13 @@
 /*
- * Another weather file of the same place and times: what of the first year's time it takes, what is
- * kept of that being there, and how many rays.
+ * A second weather file of the same place and times: its time as a share of the first year's, with
+ * the cache of the first year in place, and the number of rays.
  */
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "bench/annual.h"
 
-/* The same rows, with less sun and more of the sky. */
+/* Writes the same rows with less sun and more sky. */
 static char *make_other(const struct orl_annual_result *year, size_t *ret_size)
 {
     char *text = NULL;

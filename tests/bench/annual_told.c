@@ -1,4 +1,6 @@
-/* What backward says of some hours, for annual_radiance.py: the office's files, hours, light. */
+/*
+ * Writes backward's results of some hours for annual_radiance.py: the office's files, hours, light.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 

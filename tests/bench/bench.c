@@ -50,7 +50,7 @@ double bench_own_s(void *ctx)
     return bench_wall_s(ctx) - 1e-9 * (double)queued;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_doubles(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -58,12 +58,12 @@ static int compare(const void *a, const void *b)
 
 double bench_median(double *values, int n)
 {
-    qsort(values, (size_t)n, sizeof *values, compare);
+    qsort(values, (size_t)n, sizeof *values, compare_doubles);
     return values[n / 2];
 }
 
-/* A median's error is 1.25 times a mean's, and the median deviation 1 / 1.4826 of a standard one.
- */
+/* The standard error of a median is 1.25 times that of a mean; the median deviation is 1 / 1.4826
+ * of a standard deviation. */
 double bench_median_error(double *values, int n, double *ret_error)
 {
     const double median = bench_median(values, n);
@@ -136,7 +136,7 @@ void bench_remove_folder(const char *folder)
     bench_spawn(argv, NULL, NULL, NULL, NULL);
 }
 
-/* In the child: a file in place of a standard stream. */
+/* Runs in the child: replaces a standard stream by a file. */
 static void redirect(const char *path, int flags, int stream)
 {
     const int file = open(path, flags, 0644);

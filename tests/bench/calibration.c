@@ -1,11 +1,12 @@
 /*
- * The tables of calibration.h, those that ORIEL_CALIBRATION names ("coverage pixels goals deadlines
- * next", all by default), on the scenes of _SCENES ("lcp glass sphere klems"). By environment, each
- * after ORIEL_CALIBRATION: _SEEDS (of coverage, 30), _GOAL_SEEDS (10), _DEADLINE_SEEDS (1),
- * _NEXT_SEEDS (10 jobs), _PHOTONS (of maps), _BACKWARD_SAMPLES, _GATHER_SAMPLES (of a sensor),
- * _REFERENCE_RUNS, _REFERENCE_SAMPLES, _WIDTH (of views), _PIXEL_SAMPLES, _PIXEL_RUNS, _ERRORS
- * ("0.10 0.05 0.02"), _DEADLINES ("5 15 60", seconds), _THREADS, _CPU=1 (seconds of the processor,
- * all threads together, but for deadlines: for busy machines).
+ * Prints the tables of calibration.h that ORIEL_CALIBRATION names ("coverage pixels goals deadlines
+ * next", default: all), on the scenes of _SCENES ("lcp glass sphere klems").
+ *
+ * Environment, each name after ORIEL_CALIBRATION: _SEEDS (of coverage, 30), _GOAL_SEEDS (10),
+ * _DEADLINE_SEEDS (1), _NEXT_SEEDS (10 jobs), _PHOTONS (of maps), _BACKWARD_SAMPLES,
+ * _GATHER_SAMPLES (per sensor), _REFERENCE_RUNS, _REFERENCE_SAMPLES, _WIDTH (of views),
+ * _PIXEL_SAMPLES, _PIXEL_RUNS, _ERRORS ("0.10 0.05 0.02"), _DEADLINES ("5 15 60", seconds),
+ * _THREADS, _CPU=1 (processor seconds of all threads, for busy machines; deadlines keep wall time).
  */
 #include "bench/calibration.h"
 

@@ -1,15 +1,16 @@
 /*
- * `make calibration`: whether errors that Oriel states are the errors that it makes. Five tables:
- *   coverage   how often interval_95_lx holds the reference, by scene and technique
- *   pixels     the error maps of views, against a converged picture
- *   goals      jobs by relative error: how often they keep to it, and what they cost beside the
- *              best of fixed settings
- *   deadlines  jobs by deadline: total time and error
- *   next       predicted seconds to halve the error, and what it then takes
+ * `make calibration`: compares the errors that Oriel states with its actual errors. Five tables:
+ *
+ * coverage   how often interval_95_lx holds the reference, by scene and technique
+ * pixels     the error maps of views, against a converged picture
+ * goals      jobs by relative error: how often they meet it, and their cost compared with the
+ *            best of fixed settings
+ * deadlines  jobs by deadline: total time and error
+ * next       predicted seconds to halve the error, and the actual ones
  *
  * The reference of a scene is a closed form, or the mean of several long runs of backward with
- * seeds of their own, whose spread gives its standard error. Errors are relative, over max(r, 0.1 %
- * of the mean reference), as in oriel/study.h.
+ * separate seeds, whose spread gives its standard error. Errors are relative, over max(r, 0.1 % of
+ * the mean reference), as in oriel/study.h.
  */
 #ifndef ORL_TESTS_BENCH_CALIBRATION_H
 #define ORL_TESTS_BENCH_CALIBRATION_H
@@ -22,28 +23,29 @@ enum { CALIBRATION_SCENES = 4, CALIBRATION_MOST_SENSORS = 64 };
 struct calibration_knobs {
     uint32_t seeds, goal_seeds, deadline_seeds, next_seeds;
     uint64_t photons;
-    uint32_t backward_samples, gather_samples; /* of a sensor */
+    uint32_t backward_samples, gather_samples; /* per sensor */
     uint32_t reference_runs, reference_samples;
-    uint32_t width, pixel_samples, pixel_runs; /* of the views; runs of their reference */
+    uint32_t width, pixel_samples,
+        pixel_runs; /* pixels; samples per pixel; runs of the views' reference */
     struct bench_list errors, deadlines_s;
     uint32_t threads;
-    bool by_cpu; /* seconds are the processor's, but for deadlines */
+    bool by_cpu; /* processor seconds, except for deadlines */
 };
 
 struct calibration_scene {
     const char *name;
     const struct orl_files *files;
-    char *const *names; /* of the main files */
+    char *const *names; /* names of the main files */
     size_t n_names;
-    char *sensors_file; /* or else: */
+    char *sensors_file; /* NULL: use `sensors` */
     const struct orl_sensor *sensors;
-    size_t n_sensors; /* either way */
-    const char *view; /* 4 to 3; NULL: none */
-    double known_lx;  /* of every sensor; 0: there is no closed form */
-    /* Made when they are first asked for: */
+    size_t n_sensors; /* number of sensors in either case */
+    const char *view; /* aspect ratio 4 to 3; NULL: none */
+    double known_lx;  /* illuminance of every sensor; 0: no closed form */
+    /* Reference, computed on first use: */
     bool referred;
     double reference_lx[CALIBRATION_MOST_SENSORS], error_lx[CALIBRATION_MOST_SENSORS];
-    double mean_lx; /* of the reference */
+    double mean_lx; /* mean of the reference over the sensors */
 };
 
 struct calibration {
@@ -57,30 +59,30 @@ struct calibration {
     char output[BENCH_PATH], maps[BENCH_PATH + 8];
 };
 
-/* In place. Scenes: the office with its panel, with glass, an integrating sphere, a room behind a
- * pane of a matrix in Klems' manner. */
+/* Opens in place. Scenes: the office with its panel, the office with glass, an integrating sphere,
+ * and a room behind a pane with a Klems matrix. */
 void calibration_open(struct calibration *calibration);
 void calibration_close(struct calibration *calibration);
 
-/* Whether the scene's name was asked for. */
+/* Returns true if the scene was requested by name. */
 bool calibration_wants(const struct calibration *calibration, size_t scene);
 
-/* A job of the scene's sensors, nothing else asked; owns nothing: not for orl_job_done. */
+/* Fills a job of the scene's sensors only. The job owns nothing: do not call orl_job_done. */
 void calibration_job(const struct calibration_scene *scene, struct orl_job *ret_job);
 
-/* Pixels of a view as a run has them: luminance and its standard error, cd/m2. */
+/* Pixels of a view as a run reports them: luminance and its standard error, cd/m2. */
 struct calibration_pixels {
-    double *values, *errors; /* owned; errors NULL: not known */
+    double *values, *errors; /* owned; errors is NULL if unknown */
     size_t n;
 };
 void calibration_pixels_done(struct calibration_pixels *pixels);
 
-/* Runs a job without maps from before. ret_pixels: of the job's first view; may be NULL. */
+/* Runs a job without cached maps. ret_pixels: those of the job's first view; may be NULL. */
 void calibration_run(const struct calibration *calibration, const struct calibration_scene *scene,
                      const struct orl_job *job, struct orl_result *ret_result,
                      struct calibration_pixels *ret_pixels);
 
-/* Fills in the scene's reference, and says so on stderr. */
+/* Fills in the scene's reference and reports this on stderr. */
 void calibration_refer(const struct calibration *calibration, struct calibration_scene *scene);
 
 /* Relative errors of a result's sensors. */
@@ -90,10 +92,10 @@ struct calibration_error {
 struct calibration_error calibration_judge(const struct calibration_scene *scene,
                                            const double *illuminance_lx);
 
-/* The share of values at which `share` of them lie below or there. Reorders values. */
+/* Returns the value at the quantile `share`. Reorders values. */
 double calibration_percentile(double *values, size_t n, double share);
 
-/* The tables. */
+/* Print the tables. */
 void calibration_coverage(struct calibration *calibration);
 void calibration_pixel_errors(struct calibration *calibration);
 void calibration_goals(struct calibration *calibration);

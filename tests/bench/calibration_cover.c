@@ -1,4 +1,6 @@
-/* Coverage: how often intervals hold the reference, and errors of pixels against a long picture. */
+/*
+ * Coverage: how often intervals hold the reference, and pixel errors against a converged picture.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,18 +11,21 @@ static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECH
                                                 ORL_TECHNIQUE_PRECOMPUTED};
 enum { TECHNIQUES = sizeof techniques / sizeof *techniques };
 
-/* Over sensors and seeds. */
+/* Sums over sensors and seeds. */
 struct coverage {
     uint32_t runs;
     double covered, covered2; /* shares of a run's sensors, and their squares */
-    double stated2, rms2;     /* mean squares: relative standard error, relative error */
+    double stated2, rms2;     /* mean squares of relative standard error and relative error */
     double bias, reference2;
-    double sums[CALIBRATION_MOST_SENSORS], squares[CALIBRATION_MOST_SENSORS]; /* of values */
+    double sums[CALIBRATION_MOST_SENSORS],
+        squares[CALIBRATION_MOST_SENSORS]; /* sums over the values of each sensor */
     double seconds;
     bool known;
 };
 
-/* One run's share of intervals that hold the reference; these are widened by its own error. */
+/*
+ * Returns the share of a run's intervals that hold the reference, widened by the reference's error.
+ */
 static double share_covered(const struct calibration_scene *scene, const struct orl_result *r)
 {
     double covered = 0;
@@ -58,8 +63,8 @@ static void book(const struct calibration_scene *scene, const struct orl_result 
     }
 }
 
-/* What a sensor's values do between seeds, rms over sensors. */
-static double spread(const struct coverage *c, size_t n_sensors)
+/* Returns the standard deviation of sensor values between seeds, rms over sensors. */
+static double seed_deviation(const struct coverage *c, size_t n_sensors)
 {
     double sum = 0;
     for (size_t i = 0; i < n_sensors; i++)
@@ -78,7 +83,7 @@ static void print_coverage(const struct calibration_scene *scene, enum orl_techn
                share >= 0.92 && share <= 0.98 ? "yes" : "no", 100 * sqrt(c->stated2 / n));
     else
         printf(" %14s  %-3s %8s", "-", "-", "-");
-    printf(" %8.2f %8.2f %+8.2f %8.3f %8.2f\n", 100 * spread(c, scene->n_sensors),
+    printf(" %8.2f %8.2f %+8.2f %8.3f %8.2f\n", 100 * seed_deviation(c, scene->n_sensors),
            100 * sqrt(c->rms2 / n), 100 * c->bias / n, 100 * sqrt(c->reference2 / n),
            c->seconds / n);
 }

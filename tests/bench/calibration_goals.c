@@ -1,4 +1,4 @@
-/* Jobs that say what they want: by accuracy, by deadline, and half the error again. */
+/* Jobs with a goal: by accuracy, by deadline, and to half of an earlier error. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,18 +7,18 @@
 
 /* ---- Fixed settings -------------------------------------------------------------------------- */
 
-/* What a fixed setting costs, and what it is good to: in the mean over seeds, and in nine of ten.
- */
+/* Cost and error of a fixed setting: the mean over seeds, and the 90th percentile. */
 struct rung {
     double total_s, mean, nine;
 };
 enum { RUNGS = 6, RUNG_SEEDS = 10 };
 
-/* From coarse to fine, each four times the rays of the one before and, of gather, the photons. */
+/* Rungs from coarse to fine: each has four times the rays of the one before and, for gather, four
+ * times the photons. */
 struct ladder {
     enum orl_technique technique;
     uint32_t first_samples;
-    uint64_t first_photons; /* 0: by the plan */
+    uint64_t first_photons; /* 0: chosen by the plan */
     struct rung rungs[RUNGS];
     int n;
 };
@@ -57,7 +57,8 @@ static struct rung measure_rung(const struct calibration *c, const struct calibr
     return rung;
 }
 
-/* Seconds at which a ladder comes to that error, between rungs as powers go; or infinite. */
+/* Returns the seconds at which a ladder reaches that error, by a power law between rungs; or
+ * infinity. */
 static double seconds_at(const struct ladder *ladder, double error, bool in_the_mean)
 {
     double before = INFINITY;
@@ -75,8 +76,8 @@ static double seconds_at(const struct ladder *ladder, double error, bool in_the_
 }
 
 /*
- * Up to the rung that is good to the least error asked for, or the last, or to one that takes
- * longer than another ladder does to that error: what comes after cannot be the best.
+ * Climbs until a rung meets the least requested error, the ladder ends, or a rung takes longer than
+ * another ladder does to that error; later rungs cannot be the best.
  */
 static void climb(const struct calibration *c, const struct calibration_scene *scene,
                   struct ladder *ladder, const struct ladder *other)
@@ -204,8 +205,8 @@ void calibration_deadlines(struct calibration *c)
 
 /* ---- Half the error -------------------------------------------------------------------------- */
 
-/* Predicts from a first job, for another error with every seed, then asks for half of what it has.
- * Returns whether the time is within the factor. */
+/* Predicts, from a first job, the time to another error with every seed, then runs to half the
+ * first job's error. Returns true if the time is within the factor. */
 static bool print_next(const struct calibration *c, const struct calibration_scene *scene,
                        uint64_t seed)
 {

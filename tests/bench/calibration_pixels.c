@@ -1,7 +1,7 @@
 /*
- * Error maps against a converged picture: of every pixel, z = (x - r) / sqrt(s^2 + s_r^2) with s
- * the error it states and s_r that of the reference. Were errors normal and rightly stated, the
- * median of |z| would be 0.674, and |z| below 2 at 95.4 % of pixels.
+ * Error maps against a converged picture. For every pixel, z = (x - r) / sqrt(s^2 + s_r^2), with s
+ * its stated error and s_r that of the reference. For normal and correctly stated errors the median
+ * of |z| is 0.674, and |z| is below 2 at 95.4 % of pixels.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@ static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECH
                                                 ORL_TECHNIQUE_DIRECT, ORL_TECHNIQUE_PRECOMPUTED};
 static char view_name[] = "view";
 
-/* A picture that is known better than others: means, and standard errors of the means. */
+/* A converged picture: means, and standard errors of the means. */
 struct picture {
     double *means, *errors; /* cd/m2; owned */
     size_t n;

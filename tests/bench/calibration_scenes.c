@@ -12,8 +12,8 @@ static char *const glass_names[] = {materials, room, ground, sky, glazing, upper
 static char *const text_names[] = {scene_name};
 
 /*
- * A lamp of radius a = 0.1 and radiance 100 in a sphere of radius 1 and reflectance 0.5:
- * E = pi L a^2 / (1 - rho (1 - a^2)), for a share a^2 of what the wall sends back falls on the lamp
+ * A lamp of radius a = 0.1 and radiance 100 in a sphere of radius 1 and reflectance 0.5: E = pi L
+ * a^2 / (1 - rho (1 - a^2)), because a share a^2 of the light that the wall reflects hits the lamp
  * and is lost.
  */
 static const char sphere_text[] =
@@ -29,7 +29,7 @@ static const struct orl_sensor sphere_sensors[] = {
 
 static const char klems_text[] = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE;
 static const char klems_source[] = "tests/fixtures", klems_file[] = "bsdf_klems41.xml";
-/* On the floor, a shelf's height above it, on walls and ceiling. */
+/* On the floor, at a shelf's height above it, on walls and ceiling. */
 static const struct orl_sensor klems_sensors[] = {
     {{1, 1, 0}, {0, 0, 1}},    {{2, 1, 0}, {0, 0, 1}},   {{3, 1, 0}, {0, 0, 1}},
     {{1, 3, 0}, {0, 0, 1}},    {{2, 3, 0}, {0, 0, 1}},   {{3, 3, 0}, {0, 0, 1}},
@@ -39,7 +39,7 @@ static const struct orl_sensor klems_sensors[] = {
     {{2, 5, 1.5}, {0, -1, 0}}, {{2, 3, 3}, {0, 0, -1}},  {{2, 1, 3}, {0, 0, -1}},
 };
 
-/* A scene of one text, and a file that it mentions under a name of its own. */
+/* Opens a scene of one text, and a file that it mentions under a separate name. */
 static void open_text(struct calibration *c, int which, const char *text, const char *mentioned,
                       const struct orl_file *file)
 {
@@ -177,9 +177,9 @@ void calibration_run(const struct calibration *c, const struct calibration_scene
 
 /* ---- References ------------------------------------------------------------------------------ */
 
-/* Means and standard errors of the means, of sums and sums of squares over n runs. */
-static void settle(struct calibration_scene *scene, const double *sums, const double *squares,
-                   uint32_t n)
+/* Computes means and standard errors of the means from sums and sums of squares over n runs. */
+static void compute_means(struct calibration_scene *scene, const double *sums,
+                          const double *squares, uint32_t n)
 {
     for (size_t i = 0; i < scene->n_sensors; i++) {
         const double mean = sums[i] / n;
@@ -205,7 +205,7 @@ static void run_reference(const struct calibration *c, struct calibration_scene 
         }
         orl_result_done(&r);
     }
-    settle(scene, sums, squares, c->knobs.reference_runs);
+    compute_means(scene, sums, squares, c->knobs.reference_runs);
 }
 
 void calibration_refer(const struct calibration *c, struct calibration_scene *scene)
@@ -228,7 +228,7 @@ void calibration_refer(const struct calibration *c, struct calibration_scene *sc
             bench_wall_s(NULL) - started, 100 * sqrt(squares));
 }
 
-static int compare(const void *a, const void *b)
+static int compare_doubles(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -236,7 +236,7 @@ static int compare(const void *a, const void *b)
 
 double calibration_percentile(double *values, size_t n, double share)
 {
-    qsort(values, n, sizeof *values, compare);
+    qsort(values, n, sizeof *values, compare_doubles);
     const double at = ceil(share * (double)n) - 1;
     return values[at > 0 ? (size_t)at : 0];
 }

@@ -35,7 +35,7 @@ static int falling(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-/* Of squares, reordered, without the largest n_without. */
+/* Returns the root mean of the squares without the largest n_without. Reorders squares. */
 static double root_mean(double *squares, size_t n, size_t n_without)
 {
     double sum = 0;
@@ -86,7 +86,7 @@ double bench_reference_noise(const struct bench_reference *reference, double dar
     return n > 0 ? sqrt(squares / n) : 0;
 }
 
-/* The mean of the pixels about one. */
+/* Returns the mean of the pixels around one. */
 static double local_mean(const struct bench_reference *r, int width, int x, int y)
 {
     enum { ABOUT = 2 };

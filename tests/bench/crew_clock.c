@@ -1,10 +1,11 @@
-/* The clock of a crew's work: loops are told apart by wrapping what runs them (ld --wrap). */
+/* The clock of a crew's work. Wrapping the functions that run loops (ld --wrap) separates loops
+ * from the rest. */
 #include <time.h>
 
 #include "bench/bench.h"
 
 static uint32_t crew_members = 1;
-static double in_loops_s; /* of the lead */
+static double in_loops_s; /* the lead's seconds in loops */
 
 static double read_clock(clockid_t clock)
 {

@@ -1,11 +1,11 @@
 /*
- * The course of one job by its own processor time, shared by its threads: what it thought to have
- * left, and how much of it was done, whenever it told. Other work on the machine does not show.
+ * Predicted remaining time and fraction of one job over its own processor time, shared by its
+ * threads. Other work on the machine has no influence.
  *
- * Usage: eta_course FOLDER [THREADS [curve]], where the job is in FOLDER/job.json. Prints a line of
- * each report, "report seconds stage stage_fraction fraction left_s", of what is said twenty times
- * a second, "poll seconds fraction eta_s", and at last "end seconds"; with curve, before all else,
- * what its plan says that accuracies take, "curve seconds error".
+ * Usage: eta_course FOLDER [THREADS [curve]], where the job is in FOLDER/job.json. Prints a line
+ * for each report, "report seconds stage stage_fraction fraction left_s"; a line for each poll,
+ * twenty times a second, "poll seconds fraction eta_s"; and finally "end seconds". With curve it
+ * first prints the plan's cost of accuracies, "curve seconds error".
  */
 #include <jansson.h>
 #include <stdio.h>
@@ -29,7 +29,7 @@ static double own_s(void *ctx)
     return bench_cpu_s(NULL) / course->threads;
 }
 
-/* Those that are due before the next report. */
+/* Prints the polls that are due before the next report. */
 static void poll_until(struct course *course, double now)
 {
     const double every_s = 0.05;

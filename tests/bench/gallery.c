@@ -1,11 +1,14 @@
 /*
  * `make gallery`: scenes that provoke artefacts, by every technique, below <build>/gallery:
- * <scene>-<technique>.hdr and .png as a job writes them; <scene>.png, the techniques side by side
- * above their relative differences from the backward reference; index.html, to look at it all.
  *
- * The reference is two independent halves. Under it stands its own noise, half the difference of
- * the two; the figures are those of compare.h. ORIEL_GALLERY_SAMPLES: samples a pixel of each half;
- * ORIEL_GALLERY_SCENE: only that one.
+ * <scene>-<technique>.hdr and .png as a job writes them;
+ * <scene>.png, the techniques side by side above their relative differences from the backward
+ * reference;
+ * index.html, which shows all of it.
+ *
+ * The reference is two independent halves. Its own noise, half the difference of the two, is shown
+ * below it; the figures are those of compare.h. ORIEL_GALLERY_SAMPLES: samples per pixel of each
+ * half; ORIEL_GALLERY_SCENE: renders only that scene.
  */
 #include <math.h>
 #include <stdio.h>
@@ -22,7 +25,7 @@
 #include "support/hdr.h"
 
 enum { TECHNIQUES = 4, GAP = 4, PATH_BYTES = 1024 };
-/* A difference that is fully red or blue. */
+/* relative difference shown as full red or blue */
 static const double full = 0.25;
 static const char scenes_folder[] = "tests/bench/scenes";
 
@@ -54,14 +57,14 @@ enum { SCENES = sizeof scenes / sizeof *scenes };
 struct picture {
     double (*rgb)[3];
     double *luminances;
-    double seconds; /* of the view, all cores */
+    double seconds; /* render time of the view on all cores */
 };
 
 struct gallery {
     struct office office;
     struct orl_crew *crew;
     char folder[BENCH_PATH];
-    uint32_t samples; /* a pixel, of each half of the reference */
+    uint32_t samples; /* samples per pixel of each half of the reference */
     FILE *index;
 };
 
@@ -70,7 +73,7 @@ static size_t pixels(const struct scene *s)
     return (size_t)s->width * (size_t)s->height;
 }
 
-/* Renders into the gallery's folder, as <name>.hdr and .png, and reads it back. */
+/* Renders into the gallery's folder, as <name>.hdr and .png, and reads the picture back. */
 static struct picture render(const struct gallery *g, const struct scene *s, char *name,
                              enum orl_technique technique, uint64_t seed)
 {
@@ -118,7 +121,7 @@ static void picture_done(struct picture *p)
     free(p->luminances);
 }
 
-/* The radiance that comes out grey. */
+/* Returns the log average, the radiance that is shown grey. */
 static double log_average(const struct picture *p, size_t n)
 {
     double sum = 0, lit = 0;
@@ -131,7 +134,7 @@ static double log_average(const struct picture *p, size_t n)
     return lit > 0 ? exp(sum / lit) : 1;
 }
 
-/* One column of the sheet: the picture, and below it what it differs by. */
+/* Draws one column of the sheet: the picture, and its differences below. */
 static void draw_column(struct bench_canvas *sheet, const struct scene *s, int column,
                         const struct picture *p, double average, const double *differences)
 {
@@ -145,7 +148,9 @@ static void draw_column(struct bench_canvas *sheet, const struct scene *s, int c
     }
 }
 
-/* Relative to the reference; where that is all but black, to a thousandth of its mean. */
+/*
+ * Differences relative to the reference, or to a thousandth of its mean where it is nearly black.
+ */
 static void find_differences(const struct bench_reference *r, const double *values,
                              double *ret_differences)
 {

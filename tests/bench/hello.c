@@ -1,6 +1,6 @@
 /*
- * The least that libmicrohttpd can do, for `make load` to compare the daemon with: one thread,
- * epoll, one answer. Prints its port and serves until its standard input ends.
+ * Minimal libmicrohttpd server, the baseline for `make load`: one thread, epoll, one answer. Prints
+ * its port and serves until its standard input ends.
  */
 #include <microhttpd.h>
 #include <stdint.h>

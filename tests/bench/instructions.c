@@ -1,6 +1,6 @@
 /*
- * Fixed small jobs whose instructions `make check-perf` counts (tests/bench/check_perf): on one
- * thread, from files of the project's own, with nothing in them that a clock or a core decides.
+ * Fixed small jobs for `make check-perf`, which counts their instructions (tests/bench/check_perf).
+ * They run on one thread, read only the project's files, and depend on no clock or core count.
  * Usage: instructions photons | view | sensors
  */
 #include <stdio.h>
@@ -10,7 +10,7 @@
 
 static char view_name[] = "view", view_text[] = OFFICE_VIEW;
 
-/* Photons of both kinds, traced, sorted and written; next to nothing asked of them. */
+/* Requests photons of both kinds, traced, sorted and written, with almost no use of them. */
 static void ask_photons(struct orl_job *job)
 {
     static struct orl_sensor sensor = {{1, 3, 1}, {0, 0, 1}};
@@ -20,7 +20,7 @@ static void ask_photons(struct orl_job *job)
     job->photons_global = job->photons_caustic = 60000;
 }
 
-/* Irradiance precomputed, and a view that reads it. */
+/* Requests precomputed irradiance and a view that reads it. */
 static void ask_view(struct orl_job *job)
 {
     static struct orl_view_request view = {
@@ -31,7 +31,7 @@ static void ask_view(struct orl_job *job)
     job->n_views = 1;
 }
 
-/* Hemispheres that look photons up. */
+/* Requests sensors by final gathering that look photons up. */
 static void ask_gather(struct orl_job *job)
 {
     job->sensors_file = office_sensors;
@@ -48,12 +48,12 @@ static void ask_backward(struct orl_job *job)
 
 static const struct {
     const char *name;
-    void (*ask[2])(struct orl_job *job); /* one after the other */
+    void (*ask[2])(struct orl_job *job); /* jobs run one after the other */
 } jobs[] = {
     {"photons", {ask_photons}}, {"view", {ask_view}}, {"sensors", {ask_gather, ask_backward}}};
 enum { JOBS = sizeof jobs / sizeof *jobs };
 
-static void run(const struct office *office, void (*ask)(struct orl_job *job))
+static void run_request(const struct office *office, void (*ask)(struct orl_job *job))
 {
     struct orl_crew *crew = orl_crew_start(1);
     char maps[BENCH_PATH + 8];
@@ -88,7 +88,7 @@ int main(int argc, char **argv)
     }
     office_open(&office, "tests/fixtures/bsdf_lcp8.xml");
     for (int i = 0; i < 2 && jobs[found].ask[i]; i++)
-        run(&office, jobs[found].ask[i]);
+        run_request(&office, jobs[found].ask[i]);
     office_close(&office);
     return 0;
 }

@@ -43,22 +43,22 @@ struct cell {
     struct orl_sensor sensors[PATH_SENSORS];
 };
 
-/* Sums over all cells of a technique. */
+/* Sums over all cells for one technique. */
 struct tally {
     size_t values, held,
-        off;               /* sensors; those whose interval holds the truth; cells that are off */
-    double squares, worst; /* of z */
+        off; /* sensors; sensors whose interval holds the truth; cells with |z| above the limit */
+    double squares, worst; /* sum of squares and largest size of z */
 };
 
-/* A technique in one cell. */
+/* Result of a technique in one cell. */
 struct outcome {
-    double z, ratio; /* of the sensor furthest off */
+    double z, ratio; /* those of the sensor furthest off */
     size_t warnings;
 };
 
-/* One run against the truth, but for sensors of which that is not known. */
-static void compare(const struct orl_result *result, const struct brute_value *truth,
-                    struct tally *tally, struct outcome *outcome)
+/* Compares one run with the truth, without sensors whose truth is unknown. */
+static void compare_result(const struct orl_result *result, const struct brute_value *truth,
+                           struct tally *tally, struct outcome *outcome)
 {
     for (size_t i = 0; i < PATH_SENSORS; i++) {
         const double lx = result->illuminance_lx[i];
@@ -77,8 +77,8 @@ static void compare(const struct orl_result *result, const struct brute_value *t
     outcome->warnings += result->n_warnings;
 }
 
-/* The truths of a cell, kept in the build folder from one run to the next under the digest of the
- * scene's text and the number of paths. */
+/* Reads the truths of a cell from the build folder, or computes and stores them, under the digest
+ * of the scene's text and the number of paths. */
 static void find_truth(const struct cell *cell, uint64_t paths, struct orl_crew *crew,
                        struct brute_value truth[PATH_SENSORS])
 {
@@ -130,7 +130,7 @@ static void run_cell(const struct cell *cell, const struct brute_value *truth, u
                                                             .caustic = 200000,
                                                             .bounded = true,
                                                             .threads = 2});
-        compare(&r, truth, tally, &outcome);
+        compare_result(&r, truth, tally, &outcome);
         for (int i = 0; i < PATH_SENSORS && getenv("ORIEL_PATHS_SENSORS"); i++)
             printf("\n    %-12s sensor %d: %.5g +- %.2g [%.5g, %.5g], truth %.5g +- %.2g",
                    techniques[t].name, i, r.illuminance_lx[i], r.standard_error_lx[i],
@@ -148,7 +148,7 @@ static void run_cell(const struct cell *cell, const struct brute_value *truth, u
     fflush(stdout);
 }
 
-/* Prints a line of a cell: the truth of its first sensor, the largest error of truths, and each
+/* Prints a cell's line: the truth of its first sensor, the largest error of truths, and each
  * technique's outcome. */
 static void print_cell(const struct cell *cell, uint64_t paths, uint64_t seeds,
                        struct orl_crew *crew, struct tally tallies[TECHNIQUES])
@@ -166,7 +166,7 @@ static void print_cell(const struct cell *cell, uint64_t paths, uint64_t seeds,
     printf("\n");
 }
 
-/* Fills in a cell of the paths, or a rare room; false where there is none of that number. */
+/* Fills in a cell of the paths, or a rare room; returns false if that number does not exist. */
 static bool find_cell(bool rooms, size_t number, struct cell *ret_cell)
 {
     const size_t source = number % path_source_count(), chain = number / path_source_count();

@@ -1,12 +1,13 @@
 /*
- * `make bench-polygons`: what a scene of five million polygons takes to load and to keep. Polygons
- * that share their corners, and such as share none (support/polygons.h): parsed a second, by
- * processor time and by the clock; resident bytes a polygon once it is loaded, and at most; and a
- * job by orl_run, stage by stage, that keeps what it has read, with a second one that finds the
- * scene on the shelf, and a third, in another process, that finds what was kept
- * (scene/keep/scene_bytes.h).
+ * `make bench-polygons`: time and memory of loading a scene of five million polygons.
  *
- * ORIEL_POLYGONS: how many, 5000000. ORIEL_POLYGONS_KINDS: of "shared", "apart".
+ * Two kinds: polygons that share their corners, and polygons that share none (support/polygons.h).
+ * It prints polygons parsed per second, by processor time and by wall time; resident bytes per
+ * polygon once loaded, and at peak; and the stages of three jobs by orl_run. The first stores the
+ * parsed scene, the second finds it in the memory cache, the third, in another process, reads the
+ * stored scene (scene/keep/scene_bytes.h).
+ *
+ * ORIEL_POLYGONS: number of polygons, 5000000. ORIEL_POLYGONS_KINDS: "shared", "apart".
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -152,7 +153,7 @@ static void run_another(const struct files *files)
     run_some(files, which, 1);
 }
 
-/* Each in a process of its own. */
+/* Runs the work in a child process. */
 static void in_child(void (*work)(const struct files *files), const struct files *files)
 {
     int status = 0;

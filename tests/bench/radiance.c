@@ -12,18 +12,18 @@
 
 enum { MOST_ARGUMENTS = 64, COMMAND_BYTES = 1024 };
 
-/* The last three are started by oconv, for the scene's command lines. */
+/* oconv starts the last three for the scene's command lines. */
 static const char *const programs[] = {"oconv", "mkpmap", "rtrace",   "rpict",
                                        "xform", "genbox", "gendaylit"};
 enum { PROGRAMS = sizeof programs / sizeof *programs };
 
-/* What the scene's panes are made of: its photon ports. Their panes face the room. */
+/* mkpmap options for the photon ports, the materials of the panes. The panes face the room. */
 static const char ports[] = "-apo0 panel_mat -apo0 clear_glass";
 static const char sensors_name[] = "sensors.pts", results_name[] = "sensors.out",
                   image_name[] = "image.hdr", scene_name[] = "office.oct";
 
 static const struct {
-    const char *file, *make, *read, *more; /* more: options of mkpmap */
+    const char *file, *make, *read, *more; /* more: further options of mkpmap */
 } maps[RADIANCE_MAPS] = {
     {"global.pm", "-apg", "-ap global.pm 50", ""},
     {"caustic.pm", "-apc", "-ap caustic.pm 50", ""},
@@ -72,7 +72,7 @@ struct bench_use radiance_run(const struct radiance *r, const char *input, const
     return use;
 }
 
-/* rtrace reads no comments: the sensors again, in bare numbers. */
+/* Writes the sensors as bare numbers, since rtrace reads no comments. */
 static void write_sensors(const struct radiance *r)
 {
     const struct orl_files *files = &r->office->files;
@@ -151,7 +151,7 @@ void radiance_use_maps(const bool uses[RADIANCE_MAPS], char ret_options[256])
                      maps[map].read);
 }
 
-/* Irradiance in three channels a line, to lux. */
+/* Reads irradiance, three channels per line, and converts it to lux. */
 static void read_lux(const struct radiance *r, double lx[OFFICE_SENSORS])
 {
     char path[BENCH_PATH + 64];

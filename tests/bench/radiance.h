@@ -1,6 +1,6 @@
 /*
  * Radiance's programs on the office: the same files, photon counts, view and sensors. They are
- * looked for on PATH, and need their library on RAYPATH.
+ * searched on PATH, and need their library on RAYPATH.
  */
 #ifndef ORL_TESTS_BENCH_RADIANCE_H
 #define ORL_TESTS_BENCH_RADIANCE_H
@@ -14,34 +14,35 @@ struct radiance {
     char folder[BENCH_PATH + 16]; /* the scene's files, maps and results */
 };
 
-/* A program that is missing; NULL: all are there. */
+/* Returns the name of a missing program; NULL if all exist. */
 const char *radiance_missing(void);
 
-/* Whether another one is on PATH. */
+/* Returns true if the program is on PATH. */
 bool radiance_has(const char *program);
 
-/* Copies the office, with its panel, to a folder in the office's, called name. */
+/* Copies the office with its panel into a subfolder of the office's folder, called name. */
 void radiance_open(struct radiance *radiance, const struct office *office, const char *name);
 
-/* An octree of the scene's files, ending in that one for the panel's panes, as NAME.oct. */
+/* Builds NAME.oct from the scene's files; the last one, for the panel's panes, is `panes`. */
 void radiance_octree(const struct radiance *radiance, const char *panes, const char *name);
 
 /*
- * A command in words, none of which holds a blank; no shell reads it. Input and output as
- * bench_spawn takes them, in the folder.
+ * Runs a command, split at blanks, without a shell. Input and output are files of the folder, as
+ * for bench_spawn.
  */
 struct bench_use radiance_run(const struct radiance *radiance, const char *input,
                               const char *output, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* Photons of a kind (records are a quarter of them) from the panes as ports. */
+/* Shoots photons of a kind from the panes as photon ports; the map stores a quarter of them. */
 struct bench_use radiance_make_map(const struct radiance *radiance, enum radiance_map map,
                                    uint64_t photons);
 
-/* The options that read those maps, each after a blank. */
+/* Returns the options that read those maps, each after a blank. */
 void radiance_use_maps(const bool uses[RADIANCE_MAPS], char ret_options[256]);
 
-/* The sensors by rtrace, in lux; the view by rpict, as cd/m2, for the caller to free. */
+/* Compute the sensors by rtrace, in lux, and the view by rpict, in cd/m2; the caller frees the
+ * latter. */
 struct bench_use radiance_sensors(const struct radiance *radiance, const char *options,
                                   double ret_lx[OFFICE_SENSORS]);
 struct bench_use radiance_image(const struct radiance *radiance, const char *options,

@@ -13,8 +13,8 @@ struct measurement {
     double rates[BENCH_MOST_THREADS];
 };
 
-/* A member each, all at once: who is there first waits for the others. */
-static void measure(void *arg, size_t index, uint32_t member)
+/* Measures one member; the members wait for each other, so that all run at once. */
+static void measure_member(void *arg, size_t index, uint32_t member)
 {
     const struct timespec pause = {0, 20000};
     struct measurement *m = arg;
@@ -32,7 +32,7 @@ double bench_embree_rate(const struct orl_geometry *geometry, struct orl_crew *c
     double rate = 0;
     if (members > BENCH_MOST_THREADS)
         bench_fail("too many threads", NULL);
-    orl_crew_for(crew, members, measure, &m);
+    orl_crew_for(crew, members, measure_member, &m);
     for (uint32_t i = 0; i < members; i++)
         rate += m.rates[i];
     if (!isfinite(rate))

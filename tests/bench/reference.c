@@ -13,7 +13,7 @@ static size_t pixels(const struct office_reference *reference)
     return (size_t)reference->width * reference->height;
 }
 
-/* What a half is made of; its values: sensors, and then pixels. */
+/* Settings of a half; its values are the sensors, then the pixels. */
 struct halves {
     const struct office *office;
     const struct office_reference *reference;
@@ -61,7 +61,7 @@ static void render_half(const void *ctx, uint64_t seed, double *ret_values)
     orl_crew_stop(crew);
 }
 
-/* The digest of the scene tells the panel too. */
+/* The digest of the scene also depends on the panel. */
 static void name_file(const struct office *office, const struct office_reference *reference,
                       char ret_name[BENCH_PATH])
 {

@@ -1,8 +1,8 @@
 /*
- * `make bench-scale`: the tables of scale.h, and the same as JSON. By environment, each after
- * ORIEL_SCALE: _PHOTONS ("1 2 5 10 20 50", millions; "0.1 0.2 0.5" to try it out), _THREADS (1, 2,
- * and 4 where there are as many cores), _LIMIT (of memory, in MB; four fifths of the largest map,
- * and 100 at least).
+ * `make bench-scale`: prints the tables of scale.h, and writes them as JSON. Environment, each name
+ * after ORIEL_SCALE: _PHOTONS ("1 2 5 10 20 50", millions; "0.1 0.2 0.5" for a trial), _THREADS (1,
+ * 2, and 4 on machines with as many cores), _LIMIT (memory in MB; default four fifths of the
+ * largest map, at least 100).
  */
 #include "bench/scale.h"
 
@@ -15,22 +15,22 @@
 
 struct scale {
     struct bench_list millions, threads;
-    double limit_bytes; /* 0: by the largest map */
+    double limit_bytes; /* 0: derived from the largest map */
     struct office office;
-    char maps[BENCH_PATH + 16]; /* one map at a time */
+    char maps[BENCH_PATH + 16]; /* folder of one map at a time */
     struct scale_build by_photons[BENCH_MOST_NUMBERS], by_threads[BENCH_MOST_NUMBERS];
     double search_s[BENCH_MOST_NUMBERS];
     struct scale_view free_view, limited_view;
     bool same;
 };
 
-/* Of the largest map: about what a view's texels and leaves take beside it, and less than the map.
- */
+/* Share of the largest map: about the size of a view's texels and leaves beside it, and less than
+ * the map. */
 static const double limit_share = 0.8;
 
-enum { TURNS = 5 }; /* of numbers of threads */
+enum { TURNS = 5 }; /* turns for each number of threads */
 
-/* Where a sheet of surface has fewer photons than are looked for, a look-up goes that far. */
+/* Maximum radius of a look-up, used where a sheet of surface has fewer photons than requested. */
 #define EXTENT_M 1.0
 
 static uint64_t photons_at(const struct scale *s, int at)
@@ -45,8 +45,8 @@ static double ray_times(const struct scale_build *b)
     return b->seconds * b->rays_per_s / b->stored;
 }
 
-/* The last map stays. */
-static void grow(struct scale *s)
+/* Builds maps of increasing size; the last one remains. */
+static void build_maps(struct scale *s)
 {
     printf("\n  %9s %8s %9s %9s %9s %8s %8s %9s %10s\n", "photons", "s", "M/s", "rays each",
            "to first", "MB", "bytes", "peak MB", "look-up us");
@@ -83,7 +83,8 @@ static double fit(const double *x, const double *y, int n, double *ret_a)
     return xx > 0 ? xy / xx : 0;
 }
 
-/* By log N: how far off a straight line is at worst; and, were it a power of N, which. */
+/* Fits look-up time against log N: prints the largest deviation from a straight line, and the
+ * exponent of a power law in N. */
 static void fit_searches(const struct scale *s)
 {
     double x[BENCH_MOST_NUMBERS] = {0}, y[BENCH_MOST_NUMBERS] = {0}, logs[BENCH_MOST_NUMBERS] = {0};
@@ -102,7 +103,8 @@ static void fit_searches(const struct scale *s)
 
 /* ---- Threads --------------------------------------------------------------------------------- */
 
-/* The median of one number of threads' turns, and its gain over the first, turn by turn. */
+/* Prints the median over the turns of one number of threads, and its gain over the first, turn by
+ * turn. */
 static void print_gain(struct scale *s, int at, struct scale_build (*turns)[TURNS])
 {
     double seconds[TURNS], rates[TURNS], each[TURNS], gains[TURNS], error;
@@ -231,7 +233,7 @@ int main(int argc, char **argv)
     office_open(&scale.office, NULL);
     snprintf(scale.maps, sizeof scale.maps, "%s/maps", scale.office.folder);
     printf("Scaling: the office, its panel of 2^6\n");
-    grow(&scale);
+    build_maps(&scale);
     fit_searches(&scale);
     spread_out(&scale);
     squeeze(&scale);

@@ -11,7 +11,7 @@
 
 #include "bench/scale.h"
 
-/* One of the group's files; false when it is not there or takes no such value. */
+/* Writes one of the group's files; returns false if it is missing or rejects the value. */
 static bool write_file(const char *group, const char *name, const char *text)
 {
     char path[2 * BENCH_PATH];
@@ -37,8 +37,8 @@ static double read_file(const char *group, const char *name)
 }
 
 /*
- * Where a group of ours may be: of version 1 within this process's own, of version 2, where only
- * groups without processes of their own are divided, beside it.
+ * Finds the parent folder of a new group. Version 1: within this process's group. Version 2: beside
+ * it, since only groups without processes can be divided.
  */
 static bool find_place(char ret_place[BENCH_PATH])
 {

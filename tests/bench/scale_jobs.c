@@ -1,4 +1,4 @@
-/* Builds and views, each in a process of its own, and what they tell. */
+/* Builds and views, each in a separate process, and their results. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +16,7 @@ struct child {
     const char *maps;
 };
 
-static void run(struct child *c, struct orl_job *job, struct orl_result *ret_result)
+static void run_job(struct child *c, struct orl_job *job, struct orl_result *ret_result)
 {
     const struct bench_env env = {.files = &c->office.files,
                                   .crew = c->crew,
@@ -38,7 +38,7 @@ static void build(struct child *c)
     job.sensors = &sensor;
     job.n_sensors = 1;
     job.gather_samples = 1;
-    run(c, &job, &r);
+    run_job(c, &job, &r);
     printf("%.9g %.9g %.9g %.9g\n", r.timings_s[ORL_STAGE_PHOTONS] + r.timings_s[ORL_STAGE_MAPS],
            rate, (double)r.maps[0].stored, (double)r.maps[0].bytes);
     orl_result_done(&r);
@@ -58,7 +58,7 @@ static void render(struct child *c, double limit_bytes, const char *group, const
     office_job(&job);
     job.views = &view;
     job.n_views = 1;
-    run(c, &job, &r);
+    run_job(c, &job, &r);
     if (!r.maps[0].cached)
         bench_fail("the map was made again", NULL);
     snprintf(path, sizeof path, "%s/%s.hdr", c->office.folder, view_name);
@@ -69,7 +69,7 @@ static void render(struct child *c, double limit_bytes, const char *group, const
     orl_result_done(&r);
 }
 
-/* build PANEL MAPS PHOTONS THREADS, or render PANEL MAPS PHOTONS LIMIT GROUP IMAGE */
+/* Arguments: build PANEL MAPS PHOTONS THREADS, or render PANEL MAPS PHOTONS LIMIT GROUP IMAGE. */
 int scale_child(int argc, char **argv)
 {
     static struct child c;
@@ -94,9 +94,9 @@ int scale_child(int argc, char **argv)
 
 /* ---- From outside ---------------------------------------------------------------------------- */
 
-/* Runs a child and reads the numbers that it writes. Returns its peak of memory. */
-static double ask(const struct office *office, const char *const *argv, double *ret_numbers, int n,
-                  const char *group)
+/* Runs a child and reads the numbers that it writes. Returns its peak memory. */
+static double run_child(const struct office *office, const char *const *argv, double *ret_numbers,
+                        int n, const char *group)
 {
     char path[BENCH_PATH + 16];
     struct bench_use use;
@@ -124,7 +124,7 @@ void scale_build(const struct office *office, const char *maps, uint64_t photons
     snprintf(count, sizeof count, "%llu", (unsigned long long)photons);
     snprintf(crew, sizeof crew, "%u", threads);
     const char *const argv[] = {"/proc/self/exe", "build", office->panel, maps, count, crew, NULL};
-    const double peak = ask(office, argv, numbers, 4, "");
+    const double peak = run_child(office, argv, numbers, 4, "");
     *ret_build = (struct scale_build){numbers[0], numbers[1], numbers[2], numbers[3], peak};
 }
 
@@ -141,7 +141,7 @@ void scale_render(const struct office *office, const char *maps, uint64_t photon
     scale_forget_maps(maps);
     const char *const argv[] = {
         "/proc/self/exe", "render", office->panel, maps, count, most, group, image, NULL};
-    double peak = ask(office, argv, numbers, 2, group);
+    double peak = run_child(office, argv, numbers, 2, group);
     if (by_kernel) {
         peak = scale_group_peak(group);
         scale_group_remove(group);

@@ -1,4 +1,4 @@
-/* A thread that keeps mapped photon maps from being resident. */
+/* A thread that limits the resident memory of mapped photon maps. */
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
@@ -24,7 +24,7 @@ static double resident(void)
     return (double)sysconf(_SC_PAGESIZE) * (double)pages;
 }
 
-/* Sends the pages of every photon map that is mapped back to where they came from. */
+/* Pages out every mapped photon map. */
 static void page_out(void)
 {
     FILE *in = fopen("/proc/self/maps", "r");

@@ -1,7 +1,7 @@
 /*
- * How long a look-up takes in a map that is mapped and warm. The median: some places have fewer
- * photons on their sheet of surface than are looked for, and what these few take depends on how far
- * they may look, not on how many photons there are.
+ * Time of a look-up in a mapped, warm map. Uses the median: some places have fewer photons on their
+ * sheet of surface than requested, and these look-ups depend on the maximum radius, not on the
+ * number of photons.
  */
 #include <dirent.h>
 #include <stdio.h>
@@ -64,7 +64,7 @@ double scale_search(const char *maps, double extent)
     double *seconds = malloc(QUERIES * sizeof *seconds);
     if (!search || !seconds)
         bench_fail("out of memory", NULL);
-    look_up(map, extent, search, seconds); /* pages come in */
+    look_up(map, extent, search, seconds); /* loads the pages */
     look_up(map, extent, search, seconds);
     const double median = bench_median(seconds, QUERIES);
     orl_photon_map_free(map);

@@ -1,9 +1,10 @@
 /*
- * `make bench`: the table of speed.h, and the same as JSON. By environment, each after ORIEL_BENCH:
- * _ROWS ("global caustic precomputed image_precomputed image_gather sensors_5 sensors_1 maps bsdf
- * edges glare", all by default), _RUNS (5, the table is of medians), _THREADS ("1 2", the first is
- * what targets are about), _PHOTONS (2000000), _RADIANCE=0 to leave its works out, _REFERENCE,
- * _REFERENCE_EDGES and _REFERENCE_SENSORS (samples a pixel, twice, and a sensor of each half).
+ * `make bench`: prints the table of speed.h, and writes it as JSON. Environment, each name after
+ * ORIEL_BENCH: _ROWS ("global caustic precomputed image_precomputed image_gather sensors_5
+ * sensors_1 maps bsdf edges glare", default: all), _RUNS (5; the table shows medians), _THREADS ("1
+ * 2"; targets apply to the first), _PHOTONS (2000000), _RADIANCE=0 to skip Radiance's rows,
+ * _REFERENCE, _REFERENCE_EDGES and _REFERENCE_SENSORS (samples per pixel, twice, and per sensor, of
+ * each half).
  */
 #include "bench/speed.h"
 
@@ -71,7 +72,7 @@ struct speed_fact *speed_add_fact(struct speed *speed, const char *key, const ch
     return fact;
 }
 
-/* From here on, works are done by that number of threads. */
+/* Sets the number of threads of the following work. */
 static void set_threads(struct speed *speed, int at)
 {
     const uint32_t threads = (uint32_t)speed->threads.values[at];
@@ -80,7 +81,7 @@ static void set_threads(struct speed *speed, int at)
     bench_set_crew(threads);
 }
 
-/* One run of a row's work, the rate of rays measured before it and after it. */
+/* Runs a row's work once; measures the ray rate before and after it. */
 static struct speed_figure run_once(struct speed *speed, enum speed_row_id id, int run, int at)
 {
     set_threads(speed, at);
@@ -91,10 +92,10 @@ static struct speed_figure run_once(struct speed *speed, enum speed_row_id id, i
 }
 
 /*
- * A row by every number of threads, in turns, so that what else the machine does comes upon all of
- * them alike. Gains are medians of those of single turns.
+ * Measures a row with every number of threads, in turns, so that other load on the machine affects
+ * all alike. Gains are medians over single turns.
  */
-static void measure(struct speed *speed, enum speed_row_id id)
+static void measure_row(struct speed *speed, enum speed_row_id id)
 {
     struct speed_row *row = &speed->rows[id];
     struct speed_figure figures[SPEED_MOST_THREADS][BENCH_MOST_RUNS];
@@ -120,7 +121,7 @@ static void measure(struct speed *speed, enum speed_row_id id)
     }
 }
 
-/* All rows; what is no row by the first number of threads. */
+/* Measures all rows; the facts use the first number of threads. */
 static void measure_all(struct speed *speed)
 {
     for (int at = 0; at < speed->threads.n; at++) {
@@ -134,7 +135,7 @@ static void measure_all(struct speed *speed)
         fprintf(stderr, "  %s\n", speed->rows[id].name);
         set_threads(speed, 0);
         speed_prepare(speed, (enum speed_row_id)id);
-        measure(speed, (enum speed_row_id)id);
+        measure_row(speed, (enum speed_row_id)id);
         set_threads(speed, 0);
         if (speed->rows[id].judge == SPEED_BY_SENSORS)
             speed_measure_goal(speed, &speed->rows[id]);

@@ -1,11 +1,11 @@
 /*
- * `make bench`: what the office costs, in ray-times: seconds times the rate R at which Embree alone
- * answers incoherent single rays in the same scene, on as many threads. R is measured anew beside
- * every run, so that a busy or a throttled machine distorts both alike, and figures hold on any.
- * Each is a median of several runs.
+ * `make bench`: costs of the office in ray-times: seconds times the rate R at which Embree alone
+ * answers incoherent single rays in the same scene, on as many threads. R is measured beside every
+ * run, so that a busy or throttled machine distorts both alike, and figures are portable. Each is a
+ * median of several runs.
  *
- * Time is what the work takes on an idle machine, by processor time (bench_crew_s). Radiance's is
- * processor time, and each of its works is done once.
+ * Times are those of an idle machine, by processor time (bench_crew_s). Radiance's rows use
+ * processor time, and run once each.
  */
 #ifndef ORL_TESTS_BENCH_SPEED_H
 #define ORL_TESTS_BENCH_SPEED_H
@@ -32,17 +32,17 @@ enum speed_row_id {
     SPEED_SENSORS_1
 };
 
-/* How a row's errors are measured. */
+/* Method that measures a row's error. */
 enum speed_judge { SPEED_NO_ERROR, SPEED_BY_SENSORS, SPEED_BY_IMAGE };
 
-/* Settings of a job for sensors; 0: the technique takes no notice. */
+/* Settings of a job for sensors; 0: the technique does not use it. */
 struct speed_setting {
     enum orl_technique technique;
-    uint64_t photons; /* of each kind */
+    uint64_t photons; /* photons of each kind */
     uint32_t samples;
 };
 
-/* What a setting was found to take, and to be good to, by a few seeds. */
+/* Measured cost and error of a setting, from a few seeds. */
 struct speed_trial {
     struct speed_setting setting;
     double seconds, rms;
@@ -56,29 +56,29 @@ struct speed_figure {
 struct speed_row {
     const char *key, *name;
     double target;       /* ray-times */
-    double wanted_error; /* rms; 0: no matter */
+    double wanted_error; /* rms; 0: no requirement */
     enum speed_judge judge;
     struct speed_figure by_threads[SPEED_MOST_THREADS];
-    /* How many times the rays of the first number of threads, with every thread's rays counted in
-     * full: 2 where two threads do twice as much; and its standard error. */
+    /* Gain over the first number of threads in rays per time, counting every thread's rays in full:
+     * 2 if two threads do twice as much; and its standard error. */
     double gains[SPEED_MOST_THREADS], gain_errors[SPEED_MOST_THREADS];
-    struct bench_deviation error; /* of the runs of the first number of threads, pooled */
-    char note[SPEED_NOTE];        /* what was chosen, or is to be known */
-    struct speed_setting setting; /* of sensors */
+    struct bench_deviation error; /* pooled over the runs of the first number of threads */
+    char note[SPEED_NOTE];        /* the choice made, or a remark */
+    struct speed_setting setting; /* settings of sensors */
     struct speed_figure radiance;
     double radiance_error; /* rms */
 };
 
-/* A figure that is no work of photons or rays: milliseconds, bytes, ratios. */
+/* A figure that is not work of photons or rays: milliseconds, bytes, ratios. */
 struct speed_fact {
     const char *key, *unit;
     char name[SPEED_NOTE];
-    double value, target; /* at most; 0: for information */
-    double radiance;      /* the same of Radiance; 0: not measured */
+    double value, target; /* target: upper limit; 0: for information */
+    double radiance;      /* Radiance's value; 0: not measured */
 };
 
 struct speed {
-    /* Knobs. */
+    /* Settings. */
     uint64_t photons;
     int runs;
     struct bench_list threads;
@@ -86,18 +86,19 @@ struct speed {
     struct office_reference reference;
 
     struct office office;
-    char maps[BENCH_PATH + 16]; /* photon maps that images find ready */
+    char maps[BENCH_PATH + 16]; /* photon maps prepared for images */
     struct speed_row rows[SPEED_ROWS];
     struct speed_fact facts[SPEED_FACTS];
     int n_facts;
     struct speed_trial trials[SPEED_TRIALS];
     int n_trials;
-    struct orl_crew *crews[SPEED_MOST_THREADS], *crew; /* crew: of the threads at hand */
-    struct orl_shelf *shelf;                           /* between jobs; or NULL */
+    struct orl_crew *crews[SPEED_MOST_THREADS],
+        *crew;               /* crew: the one of the current number of threads */
+    struct orl_shelf *shelf; /* shared by successive jobs; or NULL */
     double (*now_s)(void *ctx);
 };
 
-/* Whether ORIEL_BENCH_ROWS names it. */
+/* Returns true if ORIEL_BENCH_ROWS names the row. */
 bool speed_wants(const char *key);
 
 /* Runs a job of the office with its maps in a folder. */
@@ -105,39 +106,39 @@ void speed_run(const struct speed *speed, const char *maps, const struct orl_job
                struct orl_result *ret_result);
 
 /*
- * Once before a row's runs, and the runs: returns seconds; judges the result, as the merged-th of
- * the row, where it is not negative.
+ * Prepare a row once before its runs; run it: returns seconds, and judges the result as number
+ * `merged` of the row unless it is negative.
  */
 void speed_prepare(struct speed *speed, enum speed_row_id id);
 double speed_work(struct speed *speed, enum speed_row_id id, uint64_t seed, int merged);
 
-/* The cheapest setting whose sensors keep to the row's error, by three seeds. */
+/* Finds the cheapest setting whose sensors meet the row's error, by three seeds. */
 void speed_choose(struct speed *speed, struct speed_row *row);
 double speed_sensors(struct speed *speed, const struct speed_setting *setting, uint64_t seed,
                      struct bench_deviation *ret_error);
-/* What a job takes that asks for that error itself, as a fact. */
+/* Measures, as a fact, the cost of a job with that error as its goal. */
 void speed_measure_goal(struct speed *speed, const struct speed_row *row);
 
-/* Adds a deviation as the (before + 1)-th to pooled ones. */
+/* Adds a deviation to pooled ones as number before + 1. */
 void speed_merge(struct bench_deviation *pool, const struct bench_deviation *error, int before);
 
-/* The same works by Radiance, once each. */
+/* Runs the same work with Radiance, once each. */
 void speed_add_radiance(struct speed *speed);
 
-/* Second views, bytes of maps; files of BSDF. */
+/* Second views, bytes of maps; BSDF files. */
 struct speed_fact *speed_add_fact(struct speed *speed, const char *key, const char *unit,
                                   double value, double target, const char *name, ...)
     __attribute__((format(printf, 6, 7)));
 void speed_measure_maps(struct speed *speed);
 void speed_measure_bsdf(struct speed *speed);
-/* Pixels that stand out of pictures, against long computations of their own. */
+/* Measures outlier pixels of pictures against long references. */
 void speed_measure_edges(struct speed *speed);
-/* What DGP to 0.01 takes. */
+/* Measures the cost of DGP to 0.01. */
 void speed_measure_glare(struct speed *speed);
-/* In a process of its own: plans a job of the office with that panel, with what a store keeps, and
- * writes the seconds of its load stage; with digests of files known or not. */
+/* Runs in a separate process: plans a job of the office with that panel and a store's cached data,
+ * and writes the seconds of its load stage. known: the digests of files are known. */
 int speed_load_bsdf(const char *panel, const char *store_folder, bool known);
-/* Likewise: runs a program, and writes its peak of memory, in bytes, to a file. */
+/* Runs in a separate process: runs a program, and writes its peak memory, in bytes, to a file. */
 int speed_measure_peak(const char *result, const char *input, const char *output,
                        const char *const *argv);
 

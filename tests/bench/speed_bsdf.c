@@ -1,4 +1,4 @@
-/* A large BSDF: what loading it takes, from its XML and from what an earlier job has kept of it. */
+/* A large BSDF: time to load it from its XML, and from the data that an earlier job stored. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -39,7 +39,7 @@ int speed_load_bsdf(const char *panel, const char *store_folder, bool known)
     return 0;
 }
 
-/* The load stage of a job in a process of its own, and that process's peak of memory. */
+/* Runs the load stage of a job in a separate process, and measures that process's peak memory. */
 static double load(const struct speed *s, const char *panel, const char *store, bool known,
                    double *ret_peak_bytes)
 {
@@ -58,7 +58,8 @@ static double load(const struct speed *s, const char *panel, const char *store, 
     return seconds;
 }
 
-/* What a program is started from counts as its own peak (bench.h): this process is a small one. */
+/* The peak of a spawned program includes its parent's memory (bench.h), so this parent is a small
+ * process. */
 int speed_measure_peak(const char *result, const char *input, const char *output,
                        const char *const *argv)
 {
@@ -69,7 +70,8 @@ int speed_measure_peak(const char *result, const char *input, const char *output
     return out && fprintf(out, "%.0f\n", use.peak_bytes) > 0 && fclose(out) == 0 ? 0 : 1;
 }
 
-/* By Radiance: one ray that meets the panel, less the same where there is glass in its place. */
+/* Measures Radiance: one ray that meets the panel, less the same ray with glass in place of the
+ * panel. */
 static double load_by_radiance(const struct radiance *r)
 {
     const struct bench_use glass =
@@ -102,8 +104,8 @@ static void write_ray(const struct radiance *r)
         bench_fail("cannot write a ray for Radiance", NULL);
 }
 
-static void compare(struct speed *s, const char *panel, struct speed_fact *seconds,
-                    struct speed_fact *peak)
+static void compare_loads(struct speed *s, const char *panel, struct speed_fact *seconds,
+                          struct speed_fact *peak)
 {
     double of_runs[BENCH_MOST_RUNS];
     struct radiance radiance;
@@ -151,5 +153,5 @@ void speed_measure_bsdf(struct speed *s)
     struct speed_fact *peak = speed_add_fact(s, "bsdf_peak_mb", "MB", first_peak / 1e6, 0,
                                              "the peak of memory of a job that plans with it");
     speed_add_fact(s, "bsdf_later_peak_mb", "MB", later_peak / 1e6, 0, "the same of a later job");
-    compare(s, panel, time, peak);
+    compare_loads(s, panel, time, peak);
 }

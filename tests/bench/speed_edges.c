@@ -1,7 +1,7 @@
 /*
- * Stitches and specks: how far the worst thousandth of the pixels of pictures at default settings
- * lie off what is about them (bench_worst_pixels), in scenes that provoke them: where surfaces
- * meet, on tops of faint gloss, and in a floor that mirrors windows.
+ * Stitches and specks: the deviation of the worst thousandth of pixels from their neighbourhood
+ * (bench_worst_pixels), in pictures at default settings. The scenes provoke them: seams of
+ * surfaces, tops of faint gloss, and a floor that mirrors windows.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,9 +15,9 @@ static const char scenes_folder[] = "tests/bench/scenes";
 struct picture {
     const char *key, *file; /* NULL: the office */
     const char *view, *about;
-    double wanted; /* per cent: half of what it was when they were first looked at */
+    double wanted; /* per cent: half of the first measured value */
 };
-/* More pixels that the reference does not know than these leave a thousandth undecided. */
+/* The thousandth is undecided if a larger share of pixels is unknown to the reference. */
 static const double most_unsure = 0.002;
 static const struct picture pictures[] = {
     {"edges_office", NULL, OFFICE_VIEW, "the office", 15.2},
@@ -28,7 +28,7 @@ static const struct picture pictures[] = {
 };
 enum { PICTURES = sizeof pictures / sizeof *pictures };
 
-/* A picture, and who asks for it. */
+/* A picture and its request. */
 struct sitting {
     struct speed *speed;
     const struct picture *picture;
@@ -36,7 +36,7 @@ struct sitting {
     char *names[1];
 };
 
-/* Renders it; pixel_samples: by backward, else as it is by default. Returns seconds. */
+/* Renders the picture; pixel_samples: by backward; 0: default settings. Returns seconds. */
 static double render(const struct sitting *sitting, uint64_t seed, uint32_t pixel_samples,
                      double *ret_luminances)
 {
@@ -83,7 +83,7 @@ static void render_half(const void *ctx, uint64_t seed, double *ret_values)
     render(sitting, seed, sitting->speed->reference.edge_samples, ret_values);
 }
 
-/* Like the office's: the digest tells the scene. */
+/* As for the office, the digest identifies the scene. */
 static void name_file(const struct sitting *sitting, char ret_name[BENCH_PATH])
 {
     const bool is_office = !sitting->picture->file;
@@ -98,7 +98,7 @@ static void name_file(const struct sitting *sitting, char ret_name[BENCH_PATH])
     orl_scene_summary_done(&summary);
 }
 
-static void measure(struct speed *s, const struct picture *picture)
+static void measure_picture(struct speed *s, const struct picture *picture)
 {
     struct sitting sitting = {.speed = s,
                               .picture = picture,
@@ -133,5 +133,5 @@ static void measure(struct speed *s, const struct picture *picture)
 void speed_measure_edges(struct speed *speed)
 {
     for (int i = 0; i < PICTURES; i++)
-        measure(speed, &pictures[i]);
+        measure_picture(speed, &pictures[i]);
 }

@@ -1,7 +1,7 @@
 /*
- * Glare at a desk of the office, the sun on its laser cut panel: a fisheye of 400 x 400 whose DGP
- * is known to 0.01, as a job asks for it, beside rpict with an ambient cache, and evalglare. (With
- * the sun itself in view DGP is 1 whatever is sampled, which would measure nothing.)
+ * Glare at a desk of the office with the sun on its laser cut panel: a job requests DGP to 0.01 of
+ * a 400 x 400 fisheye. Compared with rpict with an ambient cache, and evalglare. (With the sun in
+ * view DGP is 1 regardless of sampling, so that would measure nothing.)
  */
 #include <math.h>
 #include <stdio.h>
@@ -16,13 +16,13 @@ static const double wanted_error = 0.01, wanted_share = 0.1;
 /* As for sensors (speed_radiance.c). */
 static const char rpict_options[] = "-ps 1 -ab 4 -aa .1 -ar 128 -ad 4096 -as 2048 -lw 1e-4";
 
-/* What the runs found. */
+/* Results of the runs. */
 struct sightings {
     double ray_times[BENCH_MOST_RUNS], seconds[BENCH_MOST_RUNS], dgp[BENCH_MOST_RUNS];
-    double stated; /* half an interval, the widest */
+    double stated; /* half width of the widest interval */
 };
 
-static void look(struct speed *s, int run, struct sightings *found)
+static void render_glare(struct speed *s, int run, struct sightings *found)
 {
     static char name[] = "eye", view_text[] = EYE;
     struct orl_view_request view = {.name = name,
@@ -66,7 +66,7 @@ static double spread_of(const double *values, int n)
     return n > 1 ? sqrt(squares / (n - 1)) : 0;
 }
 
-/* evalglare's DGP of the picture in the folder: the first number of its line. */
+/* Returns evalglare's DGP of the picture in the folder: the first number of its line. */
 static double rate_picture(const struct radiance *radiance)
 {
     char path[BENCH_PATH + 64], line[512];
@@ -106,7 +106,7 @@ void speed_measure_glare(struct speed *s)
     struct sightings found = {.stated = 0};
     for (int run = 0; run < s->runs; run++) {
         fprintf(stderr, "  glare, seed %d\n", run + 1);
-        look(s, run, &found);
+        render_glare(s, run, &found);
     }
     const double ray_times = bench_median(found.ray_times, s->runs);
     struct speed_fact *fact = speed_add_fact(

@@ -1,4 +1,4 @@
-/* The same works by Radiance, as its own measurements have them (tests/README.md). */
+/* Radiance does the work of these rows, measured as Oriel is (tests/README.md). */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -7,13 +7,13 @@
 static const char sensors_options[] = "-ab 4 -aa .1 -ar 128 -ad 4096 -as 2048 -lw 1e-4";
 static const char image_options[] = "-ab 1 -aa .15 -ar 64 -ad 512 -as 256";
 
-/* The row that is mkpmap's own work. */
+/* The row of each mkpmap run. */
 static const enum speed_row_id rows_of_maps[RADIANCE_MAPS] = {[RADIANCE_GLOBAL] = SPEED_GLOBAL,
                                                               [RADIANCE_CAUSTIC] = SPEED_CAUSTIC,
                                                               [RADIANCE_PRECOMPUTED] =
                                                                   SPEED_PRECOMPUTED};
 
-/* What images read. */
+/* The maps that images read. */
 static const struct {
     enum speed_row_id row;
     bool uses[RADIANCE_MAPS];

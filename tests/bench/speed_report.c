@@ -26,7 +26,7 @@ static bool meets(const struct speed_row *row)
            (row->judge == SPEED_NO_ERROR || row->error.rms <= row->wanted_error);
 }
 
-/* Bytes and the like come with a rounding. */
+/* Allows for rounding, for bytes and similar values. */
 static bool fact_meets(const struct speed_fact *fact)
 {
     return fact->value <= fact->target * (1 + 1e-4);
@@ -83,7 +83,7 @@ static void print_rows(const struct speed *s)
            100 * bench_reference_noise(&s->reference.sensors, 0));
 }
 
-/* 0.95 a thread. */
+/* Returns the required gain, 0.95 per thread. */
 static double gain_wanted(const struct speed *s, int at)
 {
     return 0.95 * s->threads.values[at] / s->threads.values[0];
@@ -144,7 +144,7 @@ void speed_print(const struct speed *s)
 
 /* ---- As JSON --------------------------------------------------------------------------------- */
 
-/* What holds on any machine. */
+/* Returns the figures that do not depend on the machine. */
 static json_t *ratios_json(const struct speed *s)
 {
     json_t *ratios = json_object();

@@ -1,4 +1,4 @@
-/* The works of `make bench`, and what is known of maps beside their making. */
+/* The rows of `make bench`, and facts about maps other than the cost of their build. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #include "bench/speed.h"
 #include "photon/map/map.h"
 
-/* A job must ask for something: a sensor that costs nothing. */
+/* A cheap sensor, since a job needs a request. */
 static struct orl_sensor sensor = {{1, 3, 1}, {0, 0, 1}};
 
 void speed_run(const struct speed *s, const char *maps, const struct orl_job *job,
@@ -82,7 +82,7 @@ static void image_job(const struct speed *s, enum speed_row_id id, struct orl_vi
     ret_job->n_views = 1;
 }
 
-/* The maps of its seed are ready; where they were not, that is another stage's time. */
+/* The maps of the seed must exist before; building missing ones belongs to another stage's time. */
 static double render_image(struct speed *s, enum speed_row_id id, uint64_t seed, int merged)
 {
     char path[BENCH_PATH + 16];
@@ -134,7 +134,7 @@ double speed_work(struct speed *s, enum speed_row_id id, uint64_t seed, int merg
 
 /* ---- Maps that are there --------------------------------------------------------------------- */
 
-/* Bytes a photon, of records alone and of the whole file. */
+/* Measures bytes per photon, of the records alone and of the whole file. */
 static void measure_bytes(struct speed *s, const char *maps, const struct orl_map_info *info)
 {
     char path[2 * BENCH_PATH];
@@ -153,9 +153,9 @@ static void measure_bytes(struct speed *s, const char *maps, const struct orl_ma
 }
 
 /*
- * A second view of a cached scene, by gather: all that a job does about maps before it renders,
- * texels included, when a job before it has left what it worked out on the daemon's shelf, and in a
- * process that has none.
+ * A second view of a cached scene by gather: the time of all map stages before rendering, texels
+ * included. Measured with the results of an earlier job in the daemon's memory cache, and in a
+ * process without one.
  */
 void speed_measure_maps(struct speed *s)
 {

@@ -1,15 +1,15 @@
-/* Sensors to a given error from nothing: which settings get there at the least cost. */
+/* Sensors to a given error without cached maps: searches for the cheapest settings. */
 #include <math.h>
 #include <stdio.h>
 
 #include "bench/speed.h"
 
 enum { SEEDS = 3, RUNGS = 9 };
-/* A setting chosen by a few seeds is judged by others: it is to be so much better than is wanted.
- */
+/* Margin: a setting is selected with a few seeds and judged with others, so it must be this much
+ * better than required. */
 static const double chosen_below = 0.85;
 
-/* From coarse to fine: both numbers grow by their factor from one rung to the next. */
+/* Rungs from coarse to fine: both numbers grow by their factor at each rung. */
 static const struct ladder {
     struct speed_setting first;
     uint32_t photons_factor, samples_factor;
@@ -43,7 +43,7 @@ double speed_sensors(struct speed *s, const struct speed_setting *setting, uint6
     return seconds;
 }
 
-/* Of three seeds; one that another row has asked for is not measured again. */
+/* Tries a setting with three seeds; reuses a trial of another row. */
 static const struct speed_trial *try_setting(struct speed *s, const struct speed_setting *setting)
 {
     struct bench_deviation pool = {0}, error;
@@ -67,7 +67,7 @@ static const struct speed_trial *try_setting(struct speed *s, const struct speed
     return trial;
 }
 
-/* Up the ladder until the error is met, or a rung takes longer than the best so far. */
+/* Climbs the ladder until the error is met, or a rung takes longer than the best so far. */
 static void climb(struct speed *s, const struct ladder *ladder, struct speed_row *row,
                   double *best_s)
 {

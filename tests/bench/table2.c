@@ -1,8 +1,8 @@
 /*
- * `make table2`: the paper's table 2 on the office, one thread; what each technique takes and what
- * it misses. By environment: ORIEL_TABLE2_PHOTONS, _WIDTH, _SENSOR_SAMPLES, _PIXEL_SAMPLES (of
- * backward), _REFERENCE (samples a pixel of each half), _REFERENCE_SENSORS, _RUNS (means of so
- * many seeds), _RADIANCE=0 to leave its rows out, _XXX=1 for Radiance's row that takes longest.
+ * `make table2`: the paper's table 2 on the office, one thread: cost and error of each technique.
+ * Environment: ORIEL_TABLE2_PHOTONS, _WIDTH, _SENSOR_SAMPLES, _PIXEL_SAMPLES (of backward),
+ * _REFERENCE (samples per pixel of each half), _REFERENCE_SENSORS, _RUNS (number of seeds
+ * averaged), _RADIANCE=0 to skip its rows, _XXX=1 for Radiance's slowest row.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,7 @@ struct technique {
     enum orl_technique technique;
     bool caustics;
 };
-/* The first is the yardstick. */
+/* The first row is the baseline. */
 static const struct technique techniques[] = {
     {"backward", "xxx", ORL_TECHNIQUE_BACKWARD, true},
     {"gather", "GCx", ORL_TECHNIQUE_GATHER, true},
@@ -27,7 +27,7 @@ enum { TECHNIQUES = sizeof techniques / sizeof *techniques };
 static char view_text[] = OFFICE_VIEW;
 static char view_name[] = "view";
 
-/* Runs a job of sensors and the view; the luminances are the caller's. */
+/* Runs a job of the sensors and the view; the caller owns the luminances. */
 static void run_job(const struct table *table, struct orl_job *job, struct orl_crew *crew,
                     struct orl_result *ret_result, double **ret_luminances)
 {
@@ -80,7 +80,7 @@ static void say_what_differs(const struct technique *t, const struct orl_result 
         printf("  (%s: %s)\n", t->name, r->warnings[i]);
 }
 
-static void measure(struct table *table, const struct technique *t, struct orl_crew *crew)
+static void measure_technique(struct table *table, const struct technique *t, struct orl_crew *crew)
 {
     struct table_row *row = &table->rows[table->n_rows++];
     *row = (struct table_row){.name = t->name, .paper = t->paper};
@@ -140,7 +140,7 @@ int main(void)
     table.rate = office_rate(&table.office, crew, 3);
     office_reference_make(&table.office, &table.reference);
     for (int i = 0; i < TECHNIQUES; i++)
-        measure(&table, &techniques[i], crew);
+        measure_technique(&table, &techniques[i], crew);
     table_add_radiance(&table);
     table_print(&table);
     snprintf(path, sizeof path, "%s/table2.json", bench_build());

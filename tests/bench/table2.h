@@ -1,8 +1,8 @@
 /*
- * The paper's table 2 for the office of the examples: its rows, and what they are compared with.
+ * The paper's table 2 for the example office: its rows, and their reference.
  *
- * Times are seconds of processor time, one thread; ray-times are seconds times the rate at which
- * Embree alone answers incoherent rays in the same scene, measured in the same run.
+ * Times are processor seconds of one thread; ray-times are seconds times the rate at which Embree
+ * alone answers incoherent rays in the same scene, measured in the same run.
  */
 #ifndef ORL_TESTS_BENCH_TABLE2_H
 #define ORL_TESTS_BENCH_TABLE2_H
@@ -21,45 +21,45 @@ struct table_row {
     const char *name, *paper; /* "gather", "GCx" */
     bool radiance;
     /* Means of the runs. */
-    double load_s;                /* scene, index and plan; Radiance's are in each program's time */
-    double photon_s[TABLE_KINDS]; /* backward: virtual lamps, under global */
-    double photons[TABLE_KINDS];  /* stored */
+    double load_s; /* scene, index and plan; Radiance's are included in each program's time */
+    double photon_s[TABLE_KINDS]; /* backward: virtual lamps, in the entry of global */
+    double photons[TABLE_KINDS];  /* stored photons */
     double sensors_s, image_s;
-    /* Pooled. */
+    /* Deviations pooled over the runs. */
     struct bench_deviation sensors, image;
-    double image_bias; /* of its mean */
+    double image_bias; /* bias of the image's mean */
 };
 
 struct table {
-    /* Knobs. */
+    /* Settings. */
     uint64_t photons;
-    uint32_t sensor_samples, pixel_samples; /* of the techniques */
+    uint32_t sensor_samples, pixel_samples; /* samples of the techniques */
     int runs;
     bool radiance, radiance_backward;
 
     struct office office;
-    double rate;                       /* Embree's rays a second */
-    struct office_reference reference; /* its image is what all images are like */
+    double rate;                       /* Embree's rays per second */
+    struct office_reference reference; /* images are compared with its image */
     struct table_row rows[TABLE_ROWS]; /* the first is Oriel's backward */
     int n_rows;
 };
 
-/* Adds a run's row as the (run + 1)-th to the means. */
+/* Adds a run's row to the means as number run + 1. */
 void table_merge(struct table_row *row, const struct table_row *of_run, int run);
 
-/* Fills the deviations of a row from what it computed. */
+/* Fills in a row's deviations from its computed values. */
 void table_judge(const struct table *table, const double *lx, const double *luminances,
                  struct table_row *row);
 
-/* Loading, photons and image. */
+/* Returns the sum of loading, photons and image. */
 double table_total_s(const struct table_row *row);
 
-/* Adds Radiance's rows, or says why not. */
+/* Adds Radiance's rows, or prints why not. */
 void table_add_radiance(struct table *table);
 
-/* Both tables, and how their figures come about. */
+/* Prints both tables, and notes on their figures. */
 void table_print(const struct table *table);
-/* The same as JSON; exits where it cannot be written. */
+/* Writes the tables as JSON; exits on failure. */
 void table_write_json(const struct table *table, const char *path);
 
 #endif

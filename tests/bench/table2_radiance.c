@@ -35,8 +35,8 @@ static const struct recipe recipes[] = {
 };
 enum { RECIPES = sizeof recipes / sizeof *recipes };
 
-static void measure(struct table *table, const struct radiance *radiance,
-                    const struct recipe *recipe, const double map_s[])
+static void measure_row(struct table *table, const struct radiance *radiance,
+                        const struct recipe *recipe, const double map_s[])
 {
     struct table_row *row = &table->rows[table->n_rows++];
     char use[256], options[512];
@@ -74,5 +74,5 @@ void table_add_radiance(struct table *table)
     for (int i = 0; i < RECIPES; i++)
         if (recipes[i].uses[TABLE_GLOBAL] || recipes[i].uses[TABLE_PRECOMPUTED] ||
             table->radiance_backward)
-            measure(table, &radiance, &recipes[i], map_s);
+            measure_row(table, &radiance, &recipes[i], map_s);
 }

@@ -65,7 +65,8 @@ double table_total_s(const struct table_row *row)
     return fixed_s(row) + row->image_s;
 }
 
-/* Backward's noise falls as 1/sqrt(n), its image's time goes as n; the rest of it stays. */
+/* Scales backward's image time: its noise falls as 1/sqrt(n), the time of the image grows as n; the
+ * rest of the time is constant. */
 static double backward_image_s(const struct table *table, double noise, double wanted)
 {
     return wanted > 0 ? table->rows[0].image_s * pow(noise / wanted, 2) : 0;

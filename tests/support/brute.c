@@ -9,16 +9,16 @@
 
 enum { SURFACES_MOST = 4096, ROULETTE_FROM = 1 };
 
-static const uint64_t brute_seed = 0x6272757465; /* streams of its own */
+static const uint64_t brute_seed = 0x6272757465; /* separate random streams */
 
-/* Radiance of suns and domes along a direction that meets nothing. */
+/* Returns the radiance of suns and domes along a direction that hits nothing. */
 static struct orl_rgb distant_radiance(const struct orl_world *world, struct orl_vec3 direction)
 {
     return orl_rgb_add(orl_world_dome_radiance(world, direction),
                        orl_world_sun_radiance(world, direction));
 }
 
-/* Radiance along a ray: one path, its roulette by the weight alone. */
+/* Returns the radiance along a ray: one path; Russian roulette uses only its weight. */
 static struct orl_rgb radiance(const struct orl_world *world, struct orl_path path,
                                struct orl_random *random)
 {
@@ -51,11 +51,11 @@ struct brute_run {
     const struct orl_world *world;
     struct orl_vec3 position; /* moved coordinates */
     struct orl_frame frame;   /* n: the sensor's normal */
-    uint64_t paths, sensor;   /* paths of a block */
+    uint64_t paths, sensor;   /* paths per block */
     double sums[BRUTE_BLOCKS], squares[BRUTE_BLOCKS];
 };
 
-/* A block of paths, with a stream of random numbers of its own. */
+/* Traces a block of paths with its own stream of random numbers. */
 static void trace_block(void *arg, size_t block, uint32_t member)
 {
     struct brute_run *run = arg;
@@ -76,7 +76,7 @@ static void trace_block(void *arg, size_t block, uint32_t member)
     run->squares[block] = squares;
 }
 
-/* The mean of all blocks and its standard error, times pi and the luminous efficacy. */
+/* Returns the mean of all blocks and its standard error, times pi and the luminous efficacy. */
 static struct brute_value brute_value_of(const struct brute_run *run)
 {
     const double n = (double)run->paths * BRUTE_BLOCKS, scale = ORL_PI * ORL_EFFICACY_LM_PER_W;

@@ -1,9 +1,9 @@
 /*
- * Plain path tracing, the oracle of `make paths`: from a sensor a direction by the cosine, at each
- * surface one by its material, and light where a path happens to meet it. No shadow rays, no
- * images, no ports, no guiding and no photons, so that no kind of path can be left out; but lights
- * have to be large enough to be met. It shares the scene's geometry and materials with what it
- * judges (those have tests of their own), and nothing that decides where rays go.
+ * Plain path tracing, the oracle of `make paths`: a direction by the cosine at the sensor, at each
+ * surface one by its material, and light only where a path happens to hit it. It has no shadow
+ * rays, images, ports, guiding or photons, so it omits no kind of path; but lights must be large
+ * enough to be hit. It shares the scene's geometry and materials with the code under test (these
+ * have their own tests), and nothing that selects directions.
  */
 #ifndef ORL_TESTS_SUPPORT_BRUTE_H
 #define ORL_TESTS_SUPPORT_BRUTE_H
@@ -14,10 +14,10 @@
 #include "light/world.h"
 
 struct brute_value {
-    double mean, standard_error; /* lx; of a ray cd/m2 */
+    double mean, standard_error; /* lx; cd/m2 for a ray */
 };
 
-/* Illuminance of n sensors by that many paths each, a multiple of BRUTE_BLOCKS. */
+/* Computes the illuminance of n sensors with `paths` paths each, a multiple of BRUTE_BLOCKS. */
 enum { BRUTE_BLOCKS = 64 };
 void brute_sensors(const struct orl_world *world, const struct orl_sensor *sensors, size_t n,
                    uint64_t paths, struct orl_crew *crew, struct brute_value *ret_values);

@@ -21,7 +21,7 @@ size_t canned_asked(const struct canned_daemon *f, const char *line)
     return count;
 }
 
-/* The answer for the request that was just counted. */
+/* Returns the answer to a request that has just been counted. */
 static const struct canned *find_answer(const struct canned_daemon *f, const char *line)
 {
     const struct canned *found = NULL;
@@ -84,7 +84,8 @@ static enum MHD_Result answer(void *arg, struct MHD_Connection *connection, cons
     return rc;
 }
 
-/* Runs the command; after it, what the daemon's thread wrote is this thread's to read. */
+/* Runs the command. Locking the mutex afterwards makes the daemon thread's writes visible to this
+ * thread. */
 void canned_run_args(struct canned_daemon *f, const struct canned *canned, const char *const *args)
 {
     pthread_mutex_lock(&f->lock);

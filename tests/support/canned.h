@@ -1,5 +1,6 @@
 /*
- * A daemon of canned answers, and `oriel` run against it: what the command sends, shows and keeps.
+ * A daemon of canned answers, and `oriel` run against it: tests what the command sends, prints and
+ * writes.
  */
 #ifndef ORL_TESTS_SUPPORT_CANNED_H
 #define ORL_TESTS_SUPPORT_CANNED_H
@@ -13,7 +14,7 @@ enum { CANNED_BODY_MAX = 1 << 16 };
 
 struct MHD_Daemon;
 
-/* One canned answer. Answers to the same request are given in turn, the last one for ever. */
+/* One canned answer. Answers to equal requests are given in turn, the last one for ever. */
 struct canned {
     const char *request; /* "GET /v1/jobs/7" */
     unsigned status;
@@ -28,29 +29,29 @@ struct canned_request {
 
 struct canned_daemon {
     struct MHD_Daemon *daemon;
-    pthread_mutex_t lock;        /* what follows belongs to the daemon's thread while a run lasts */
+    pthread_mutex_t lock;        /* during a run the daemon's thread owns the following fields */
     const struct canned *canned; /* ends with a NULL request */
-    struct canned_request *requests; /* as they came */
+    struct canned_request *requests; /* in order of arrival */
     size_t n_requests;
     char url[64], folder[64];
     struct cli_result result;
 };
 
-/* cmocka's; *state is a struct canned_daemon. */
+/* cmocka's fixtures; *state is a struct canned_daemon. */
 int canned_set_up(void **state);
 int canned_tear_down(void **state);
 
 /* Runs `oriel command operand [-o FOLDER] --server URL` (operand may be NULL). */
 void canned_run(struct canned_daemon *f, const struct canned *canned, const char *command,
                 const char *operand, const char *output);
-/* The same of any arguments, which end with NULL. */
+/* Runs `oriel` with any arguments; args ends with NULL. */
 void canned_run_args(struct canned_daemon *f, const struct canned *canned, const char *const *args);
 
-/* How often was that asked, and with what first? NULL: never. */
+/* Return how often a request line arrived, and the body of the first one (NULL: none). */
 size_t canned_asked(const struct canned_daemon *f, const char *line);
 const struct canned_request *canned_find(const struct canned_daemon *f, const char *line);
 
-/* Fails the running test when text has not got wanted in it. */
+/* Fails the running test if text does not contain wanted. */
 void canned_says(const char *text, const char *wanted);
 
 #endif

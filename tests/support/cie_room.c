@@ -48,7 +48,7 @@ size_t cie_room_text(char *text, size_t size, size_t at, const struct cie_hole *
         const struct orl_vec3 inner[5] = {p, orl_add(p, b), orl_add(orl_add(p, a), b),
                                           orl_add(p, a), p};
         c[4] = c[0];
-        for (int k = 0; k < 5; k++) /* by the seam, and round the other way */
+        for (int k = 0; k < 5; k++) /* along the seam, and in the opposite sense */
             c[5 + k] = inner[k];
         if (hole->w * hole->h < orl_length(orl_cross(f->u, f->v)) - 1e-9)
             at = add_polygon(text, size, at, "w", f->name, c, 10);

@@ -25,7 +25,7 @@ static int temporary_file(void)
     return fd;
 }
 
-/* Takes the descriptors. */
+/* Starts the program; closes the descriptors in this process. */
 static struct cli_child start(const char *name, const char *const *args, int out_fd, int err_fd)
 {
     const char *build = getenv("ORIEL_BUILD");

@@ -17,7 +17,7 @@
 
 static char cluster[64];
 
-/* A script of ours, with a folder of ours: nothing of a user's is in it. */
+/* Runs our own script on our own folder; it reads none of the user's files. */
 static int control(const char *what, unsigned port)
 {
     char command[256];
@@ -53,7 +53,7 @@ const char *cluster_folder(void)
     return cluster;
 }
 
-/* Lines that begin so. */
+/* Counts the lines that begin with that text. */
 static int count_lines(const char *command, const char *begin)
 {
     char line[64] = "";
@@ -82,7 +82,7 @@ void cluster_rest(double seconds)
     nanosleep(&time, NULL);
 }
 
-/* Asked for the last time it may be another number again: what was counted is what holds. */
+/* Keeps the counted number: a second query could return another one. */
 void cluster_wait_for_tasks(void)
 {
     int running;

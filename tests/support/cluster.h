@@ -1,7 +1,6 @@
 /*
- * A real Slurm on loopback, of two nodes (tests/support/slurm), for a test program of its own: what
- * that starts finds it by $SLURM_CONF. Everything here fails the running test where it cannot do
- * its part.
+ * A real Slurm on loopback with two nodes (tests/support/slurm) for one test program; its children
+ * find it by $SLURM_CONF. Everything here fails the running test on error.
  */
 #ifndef ORL_TESTS_SUPPORT_CLUSTER_H
 #define ORL_TESTS_SUPPORT_CLUSTER_H
@@ -9,25 +8,25 @@
 #include <stdbool.h>
 #include <sys/types.h>
 
-/* For cmocka's set-up and tear-down of the group. */
+/* cmocka's set-up and tear-down of the group. */
 int cluster_start(void **state);
 int cluster_stop(void **state);
 
-/* Whether $ORIEL_SLURM_LONG is set (make slurm): tests then take their time. */
+/* Returns true if $ORIEL_SLURM_LONG is set (make slurm): tests then use longer jobs. */
 bool cluster_long_form(void);
 
-/* A folder that goes with it. */
+/* Returns a folder that lives as long as the cluster. */
 const char *cluster_folder(void);
 
-/* Lines of squeue, of all tasks; running: of those that run. */
+/* Returns the number of squeue's lines, one for each task; running: only tasks that run. */
 int cluster_tasks(bool running);
-/* And of those that ended in the last half minute. */
+/* Returns the number of tasks including those that ended in the last half minute. */
 int cluster_tasks_ever(void);
-/* Wait until some tasks run, and until there is none; fail the test after two minutes. */
+/* Wait until some tasks run, and until no task is left; fail the test after two minutes. */
 void cluster_wait_for_tasks(void);
 void cluster_wait_for_none(void);
 
-/* The process of a daemon of it: "slurmctld.pid", "n1.pid". */
+/* Returns the process id of one of its daemons: "slurmctld.pid", "n1.pid". */
 pid_t cluster_pid(const char *name);
 
 void cluster_command(const char *command);

@@ -45,7 +45,7 @@ static void run_child(const struct daemon *daemon, const char *const *extra, int
 {
     char program[512], log[96];
     const char *build = getenv("ORIEL_BUILD");
-    /* Under a sanitizer checks take ten times as long and more. */
+    /* Checks take ten times as long and more under a sanitizer. */
     const char *args[MAX_ARGS] = {"orield", "--port",          "0",
                                   "--data", daemon->root,      "--drain-timeout",
                                   "0",      "--check-timeout", ORL_SANITIZED ? "1200" : "120"};
@@ -104,7 +104,8 @@ void daemon_start(struct daemon *daemon, const char *const *extra)
 
 int daemon_end(struct daemon *daemon, int signum)
 {
-    if (daemon->pid <= 0) /* to kill, 0 is all of the group: who runs the tests, too */
+    if (daemon->pid <=
+        0) /* kill(0) would signal the whole process group, the test runner included */
         return -1;
     kill(daemon->pid, signum);
     return daemon_wait_end(daemon);
@@ -130,7 +131,7 @@ static int remove_entry(const char *path, const struct stat *st, int type, struc
 void daemon_remove(struct daemon *daemon)
 {
     char log[96];
-    /* Orderly, so that a sanitizer has its say about all that the daemon did. */
+    /* Ends it in order, so that a sanitizer reports everything that the daemon did. */
     const int status = daemon->pid > 0 ? daemon_end(daemon, SIGTERM) : 0;
     if (status != 0)
         fail_msg("the daemon ended with status %d; see %s.log", status, daemon->root);
@@ -170,7 +171,7 @@ size_t daemon_count_files(const struct daemon *daemon, const char *folder)
     do
         counted = 0;
     while (nftw(path, count_entry, 16, FTW_PHYS) < 0 && errno == ENOENT && access(path, F_OK) == 0);
-    return counted; /* of a walk that no folder went away beneath */
+    return counted; /* the count of a walk during which no folder was removed */
 }
 
 /* ---- Requests ------------------------------------------------------------------------------- */

@@ -1,10 +1,10 @@
 /*
  * A real daemon for a test: $ORIEL_BUILD/orield (default build/orield) as a child process, on a
- * free port, with a temporary data folder and no patience when it stops; and HTTP requests to it by
- * libcurl.
+ * free port, with a temporary data folder, which does not wait for jobs when it stops; and HTTP
+ * requests to it by libcurl.
  *
- * Everything here fails the running test (cmocka) when it cannot do its part. Replies are owned:
- * reply_done. The child dies with the test program, whatever happens to that.
+ * Everything here fails the running test (cmocka) on error. Replies are owned: reply_done. The
+ * child dies with the test program, however that ends.
  */
 #ifndef ORL_TESTS_SUPPORT_DAEMON_H
 #define ORL_TESTS_SUPPORT_DAEMON_H
@@ -17,39 +17,42 @@
 struct daemon {
     pid_t pid;
     char url[64];  /* "http://127.0.0.1:40123" */
-    char root[64]; /* the data folder */
-    char ca[80];   /* of an HTTPS daemon: whom to trust */
+    char root[64]; /* data folder */
+    char ca[80];   /* certificate to trust for an HTTPS daemon */
     void *curl;    /* one connection, kept alive */
 };
 
 struct reply {
     long status;
     char *headers; /* as received */
-    char *body;    /* NUL added */
+    char *body;    /* NUL-terminated */
     size_t size;
-    json_t *json; /* the body, when it is JSON */
+    json_t *json; /* the body if it is JSON */
     double seconds;
 };
 
-/* With a new data folder; extra (may be NULL) are further arguments, ending with NULL. */
+/* Starts a daemon with a new data folder; extra (may be NULL) are further arguments, ending with
+ * NULL. */
 void daemon_start(struct daemon *daemon, const char *const *extra);
-/* Again on the same data folder, after daemon_end. */
+/* Starts it again on its data folder, after daemon_end. */
 void daemon_restart(struct daemon *daemon, const char *const *extra);
-/* Sends the signal and waits. Returns the exit status, or -1 when a signal ended it. */
-int daemon_end(struct daemon *daemon, int signum); /* -1 too when none runs */
-/* The same of one that has been told to end. */
+/* Sends the signal and waits. Returns the exit status, or -1 if a signal ended it. */
+int daemon_end(struct daemon *daemon, int signum); /* -1 also if none runs */
+/* Waits for a daemon that has already been asked to end; returns as daemon_end. */
 int daemon_wait_end(struct daemon *daemon);
 /* Ends it by SIGTERM if it runs, expects status 0, and removes its folder. */
 void daemon_remove(struct daemon *daemon);
-/* A line of /proc/<pid>/status, in MiB: "VmHWM", the peak so far; "VmRSS", what it has now. */
+/* Returns a value of /proc/<pid>/status in MiB: "VmHWM", the peak so far; "VmRSS", the current
+ * size. */
 double daemon_memory_mb(const struct daemon *daemon, const char *name);
-/* How many files lie below a folder of the data folder ("blobs"). */
+/* Counts the files below a subfolder of the data folder ("blobs"). */
 size_t daemon_count_files(const struct daemon *daemon, const char *folder);
 
-/* method "GET", "POST", ...; body may be NULL; type may be NULL. header may be NULL or one line. */
+/* Sends a request. method "GET", "POST", ...; body and type may be NULL; header may be NULL or one
+ * line. */
 void daemon_request(struct daemon *daemon, const char *method, const char *path, const char *type,
                     const void *body, size_t size, const char *header, struct reply *ret_reply);
-/* A plain connection to it, to write bytes to; the caller closes it. */
+/* Opens a plain TCP connection to it, for raw bytes; the caller closes it. */
 int daemon_dial(const struct daemon *daemon);
 void daemon_get(struct daemon *daemon, const char *path, struct reply *ret_reply);
 void daemon_post_json(struct daemon *daemon, const char *path, const char *json,
@@ -58,31 +61,34 @@ void daemon_post_json(struct daemon *daemon, const char *path, const char *json,
 struct upload_file {
     const char *name, *data;
     size_t size;
-    bool resource; /* sent as a part named "resource" */
+    bool resource; /* true: sent as a part named "resource" */
 };
-/* multipart/form-data to /v1/scenes; bsdfs may be NULL. */
+/* Posts multipart/form-data to /v1/scenes; bsdfs may be NULL. */
 void daemon_upload(struct daemon *daemon, const struct upload_file *files, size_t count,
                    const char *bsdfs, struct reply *ret_reply);
 
 void reply_done(struct reply *reply);
-/* A member of the reply's JSON by a path of names and indices, "maps.0.cached"; NULL: absent. */
+/* Returns a member of the reply's JSON by a path of names and indices, "maps.0.cached"; NULL:
+ * absent. */
 const json_t *reply_at(const struct reply *reply, const char *path);
-const char *reply_text(const struct reply *reply, const char *path); /* "" when absent */
-double reply_number(const struct reply *reply, const char *path);    /* NAN when absent */
-/* A header's value, or NULL; valid until the next call. */
+const char *reply_text(const struct reply *reply, const char *path); /* "" if absent */
+double reply_number(const struct reply *reply, const char *path);    /* NAN if absent */
+/* Returns a header's value, or NULL; valid until the next call. */
 const char *reply_header(const struct reply *reply, const char *name);
 
 /* ---- Jobs ----------------------------------------------------------------------------------- */
 
-/* A glazed room under a sunny sky; its id once uploaded. */
+/* Uploads a glazed room under a sunny sky and returns its id. */
 void daemon_upload_room(struct daemon *daemon, char ret_id[65]);
-/* Submits a job of that scene: two sensors and, with a name, a 32x24 view. Fills its path. */
+/*
+ * Submits a job of that scene: two sensors and, if a name is given, a 32x24 view. Returns its path.
+ */
 void daemon_submit(struct daemon *daemon, const char *scene, long photons, int seed,
                    const char *view, char ret_path[80]);
 void daemon_cancel(struct daemon *daemon, const char *path, struct reply *ret_reply);
-/* Polls until the job's state is one of the last three, or for at most seconds. */
+/* Polls until the job's state is one of the last three, for at most that many seconds. */
 void daemon_wait(struct daemon *daemon, const char *path, double seconds, struct reply *ret_reply);
-/* Polls until the job runs and has got beyond that percentage. */
+/* Polls until the job runs and has passed that percentage. */
 void daemon_wait_running(struct daemon *daemon, const char *path, double percent);
 /* Polls until a GET of PATH has that status, for at most two minutes. */
 void daemon_wait_status(struct daemon *daemon, const char *path, long status);
@@ -91,18 +97,18 @@ extern const char room_scene[], room_sky[];
 
 /* ---- For cmocka's set-up and tear-down (set_ups.c) ------------------------------------------- */
 
-/* A daemon with nothing in it: struct daemon. */
+/* An empty daemon: struct daemon. */
 int daemon_set_up(void **state);
 int daemon_tear_down(void **state);
 
-/* A daemon that has the room as a scene. */
+/* A daemon with the room as its scene. */
 struct daemon_room {
     struct daemon daemon;
     char scene[65];
 };
 int daemon_room_set_up(void **state);
-/* The room without its sky, but with a weather file, place.wea. */
+/* The daemon has the room without its sky, and a weather file, place.wea. */
 int daemon_weather_set_up(void **state);
-int daemon_room_tear_down(void **state); /* of both */
+int daemon_room_tear_down(void **state); /* for both fixtures */
 
 #endif

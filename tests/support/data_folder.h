@@ -1,6 +1,6 @@
 /*
- * A data folder with its database, as the daemon opens them, for tests of what lives on these two.
- * It can be closed and opened again, as by a restart.
+ * A data folder with its database, opened as by the daemon, for tests of code that uses both. It
+ * can be closed and opened again, as by a restart.
  */
 #ifndef ORL_TESTS_SUPPORT_DATA_FOLDER_H
 #define ORL_TESTS_SUPPORT_DATA_FOLDER_H
@@ -14,11 +14,11 @@ struct data_folder {
     struct orl_db db;
 };
 
-/* Makes an empty folder and opens it; each returns 0 or a negative orl_err. */
+/* Create an empty folder and open it; return 0 or a negative orl_err. */
 int data_folder_make(struct data_folder *data, struct orl_error *err);
 int data_folder_open(struct data_folder *data, struct orl_error *err);
 void data_folder_close(struct data_folder *data);
-/* With all that is in it; it must be closed. */
+/* Removes the closed folder and all its files. */
 void data_folder_remove(struct data_folder *data);
 
 #endif

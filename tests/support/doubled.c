@@ -213,7 +213,7 @@ static int read_matrix(const struct doubled_input *input, struct orl_error *err)
     return code;
 }
 
-/* x, compiled and evaluated. */
+/* Compiles and evaluates x. */
 static int read_function(const struct doubled_input *input, struct orl_error *err)
 {
     static const char *const inputs[] = {"s"};
@@ -239,7 +239,7 @@ static int read_function(const struct doubled_input *input, struct orl_error *er
     return code;
 }
 
-/* Into files of a folder, which go at once. */
+/* Unpacks into a temporary folder, which is removed at once. */
 static int read_zip(const struct doubled_input *input, struct orl_error *err)
 {
     const struct orl_file archive = {input->data, input->size, NULL};

@@ -1,7 +1,7 @@
 /*
- * Inputs of every reader that can be made twice as long: one row for each rule of the scene
- * grammar, each command and each kind of file. Reading them is timed by nobody:
- * tests/unit/test_doubling.c counts instructions.
+ * Inputs for every reader that can be doubled in size: one row for each rule of the scene grammar,
+ * each command and each kind of file. tests/unit/test_doubling.c counts instructions; no test
+ * measures time.
  */
 #ifndef ORL_TESTS_SUPPORT_DOUBLED_H
 #define ORL_TESTS_SUPPORT_DOUBLED_H
@@ -10,37 +10,37 @@
 #include <stdio.h>
 
 enum doubled_kind {
-    DOUBLED_SCENE, /* scene text: read to a description */
-    DOUBLED_WORLD, /* the same, checked as an upload is: triangles, coincident polygons, Embree */
+    DOUBLED_SCENE, /* scene text, parsed to a description */
+    DOUBLED_WORLD, /* scene text, checked like an upload: triangles, coincident polygons, Embree */
     DOUBLED_BSDF,
     DOUBLED_SENSORS,
     DOUBLED_WEATHER,
     DOUBLED_VIEWS,
     DOUBLED_JOB,
     DOUBLED_STUDY,
-    DOUBLED_YEAR,      /* the document of one */
-    DOUBLED_PANEL,     /* a document that asks for its BSDF */
-    DOUBLED_OCCUPANCY, /* of a year in minutes */
-    DOUBLED_SCHEDULE,  /* of shades */
-    DOUBLED_MEASURED,  /* by goniophotometers */
-    DOUBLED_MATRIX,    /* of a year's light */
-    DOUBLED_FUNCTION,  /* definitions of x, and what it needs, compiled and evaluated */
+    DOUBLED_YEAR,      /* JSON document of an annual job */
+    DOUBLED_PANEL,     /* JSON document of a BSDF job */
+    DOUBLED_OCCUPANCY, /* occupancy of a year in minutes */
+    DOUBLED_SCHEDULE,  /* schedule of shades */
+    DOUBLED_MEASURED,  /* goniophotometer measurements */
+    DOUBLED_MATRIX,    /* matrix of annual light */
+    DOUBLED_FUNCTION,  /* definitions of x and its dependencies, compiled and evaluated */
     DOUBLED_ZIP,
-    DOUBLED_MODEL, /* Honeybee's, as files */
-    DOUBLED_OBJ,   /* a scene that names it */
-    DOUBLED_RULES, /* of obj2rad, the same */
+    DOUBLED_MODEL, /* Honeybee model, translated to files */
+    DOUBLED_OBJ,   /* OBJ file, read by a scene that names it */
+    DOUBLED_RULES, /* obj2rad rules, read by a scene that names them */
     DOUBLED_STL,
-    DOUBLED_GLTF,  /* without a material's name but for "m 1" and so on, which stand for one */
-    DOUBLED_LAMPS, /* a table of them, of a luminaire */
+    DOUBLED_GLTF,  /* glTF file without material names; "m 1" and so on stand for one */
+    DOUBLED_LAMPS, /* lamp table of a luminaire */
 };
 
 struct doubled {
     const char *name;
     enum doubled_kind kind;
-    size_t n; /* the size that is doubled: large enough for what grows to outweigh what does not */
+    size_t n; /* base size, large enough for the growing part of the cost to dominate */
     /* Writes the file; it may name part.rad, args.txt (n copies) and panel.xml. */
     void (*write)(FILE *file, size_t n);
-    double most; /* times the instructions, where more than 2.5 is right; 0: it is not */
+    double most; /* allowed ratio of instructions if it may exceed 2.5; 0: 2.5 applies */
 };
 
 extern const struct doubled doubled_scenes[], doubled_files[], doubled_models[],
@@ -53,14 +53,14 @@ struct doubled_input {
     const struct doubled *of;
     char *data;
     size_t size;
-    char *copies; /* args.txt: n lines, a copy each */
+    char *copies; /* args.txt: n lines, one copy each */
     size_t copies_size;
 };
 
 struct doubled_input doubled_make(const struct doubled *of, size_t n);
 void doubled_done(struct doubled_input *input);
 
-/* Reads it as the daemon would. Returns 0 or an error, with its message in text. */
+/* Reads it as the daemon does. Returns 0 or an error, with its message in text. */
 int doubled_read(const struct doubled_input *input, char text[256]);
 
 #endif

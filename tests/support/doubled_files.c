@@ -1,4 +1,4 @@
-/* The rows that are files of other kinds. */
+/* The rows for other kinds of files. */
 #include "fixtures/bsdf_make.h"
 #include "support/doubled.h"
 #include "support/zip.h"
@@ -17,7 +17,7 @@ static void write_bsdf(FILE *f, const char *structure, const char *basis, size_t
     make_block_tail(f);
     make_tail(f);
 }
-/* A tree of three levels, n of its 256 cells of the second split once more. */
+/* Writes a tree of three levels; n of the 256 cells of the second level are split once more. */
 static void write_leaves(FILE *f, size_t n)
 {
     make_head(f, "TensorTree4");
@@ -60,7 +60,8 @@ static void write_xml_references(FILE *f, size_t n)
 static void write_klems(FILE *f, size_t n)
 {
     make_head(f, "Columns");
-    for (size_t i = 0; i < n; i++) { /* the last counts; others are of another wavelength */
+    for (size_t i = 0; i < n;
+         i++) { /* only the last is visible; the others have another wavelength */
         make_block_head(f, i + 1 < n ? "NIR" : "Visible", "Transmission Front",
                         "LBNL/Klems Quarter");
         for (int k = 0; k < 41 * 41; k++)
@@ -132,7 +133,7 @@ static void write_view_blanks(FILE *f, size_t n)
     for (size_t i = 0; i < n; i++)
         fputs("    \n", f);
 }
-/* One line, which is too long for a view. */
+/* Writes one line, too long for a view. */
 static void write_view_line(FILE *f, size_t n)
 {
     fputs("-vtv\n-vtv", f);
@@ -199,7 +200,7 @@ static void write_job_hours(FILE *f, size_t n)
                      "23.5}, \"step_h\": 1}" SENSOR,
             n);
 }
-/* Refused, but not before it is read. */
+/* Writes members that are refused only after they are read. */
 static void write_members(FILE *f, size_t n)
 {
     fputs(JOB_HEAD, f);
@@ -235,7 +236,7 @@ static void write_use(FILE *f, size_t n)
 }
 static void write_use_times(FILE *f, size_t n)
 {
-    for (size_t i = 0; i < n; i++) /* as many as January has minutes */
+    for (size_t i = 0; i < n; i++) /* as many minutes as January has */
         fprintf(f, "1,%zu,%.5f,1\n", i / 1440 + 1, (double)(i % 1440) / 60 + 1.0 / 120);
 }
 static void write_use_blanks(FILE *f, size_t n)

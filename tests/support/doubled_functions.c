@@ -1,4 +1,4 @@
-/* The rows that are function files. */
+/* The rows for function files. */
 #include "support/doubled.h"
 
 static void write_sum(FILE *f, size_t n)
@@ -21,7 +21,7 @@ static void write_table(FILE *f, size_t n)
         fprintf(f, ", 2*%zu", i);
     fputs(");", f);
 }
-/* Each variable is of the next, which depends on s, or does not. */
+/* Writes variables, each defined by the next; the last depends on s, or not. */
 static void write_variables(FILE *f, size_t n)
 {
     fputs("x = a0;", f);
@@ -46,7 +46,7 @@ static void write_recursion(FILE *f, size_t n)
 {
     fprintf(f, "f(n) = if(n, 1 + f(n - 1), 0); x = f(s*%zu);", n);
 }
-/* Functions that are mentioned where nothing goes. */
+/* Writes functions that appear only in branches that are never evaluated. */
 static void write_unused(FILE *f, size_t n)
 {
     fputs("x = if(1, s, y", f);

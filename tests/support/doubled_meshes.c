@@ -1,5 +1,5 @@
 /*
- * OBJ files, with rules of obj2rad and without, STL and glTF files; tables of lamps.
+ * OBJ files with and without obj2rad rules, STL and glTF files, and lamp tables.
  */
 #include <math.h>
 #include <stdint.h>
@@ -10,7 +10,7 @@
 
 #include "support/doubled.h"
 
-/* Two triangles more for each place along a strip. */
+/* Writes two more triangles for each place along a strip. */
 static void write_obj_faces(FILE *f, size_t n)
 {
     for (size_t i = 0; i <= n; i++)
@@ -24,7 +24,7 @@ static void write_obj_names(FILE *f, size_t n)
     for (size_t i = 0; i < n; i++)
         fprintf(f, "o o%zu\ng a%zu b%zu\nusemtl m\nf 1 2 3\n", i, i, i);
 }
-/* Corners on a circle, every other one out of its plane, and with normals, too. */
+/* Writes corners on a circle, every other one out of its plane, optionally with normals. */
 static void write_corners(FILE *f, size_t n, double height, const char *normal)
 {
     for (size_t i = 0; i < n; i++)
@@ -80,8 +80,8 @@ static void write_stl_binary(FILE *f, size_t n)
 
 /* ---- glTF ------------------------------------------------------------------------------------ */
 
-/* So many corners, x y z in a strip, and numbers from 0 on, in a buffer within; accessors 0: the
- * corners, 1: the numbers, 2: corners that are all 0 but for those. more: nodes and meshes. */
+/* Writes n corners, x y z in a strip, and the numbers from 0 on, in an embedded buffer. Accessors:
+ * 0 the corners, 1 the numbers, 2 corners that are all 0 except those. more: nodes and meshes. */
 static void write_gltf(FILE *f, size_t n, const char *more)
 {
     const size_t size = 16 * n, room = sodium_base64_ENCODED_LEN(size, 1);
@@ -121,7 +121,7 @@ static void write_gltf_apart(FILE *f, size_t n)
 {
     write_gltf(f, n, "\"nodes\": [{\"mesh\": 0}], " STRIP(2));
 }
-/* Of a quad at the origin there are as many copies as the buffer has corners. */
+/* Writes as many copies of a quad at the origin as the buffer has corners. */
 static void write_gltf_copies(FILE *f, size_t n)
 {
     write_gltf(f, n,
@@ -129,7 +129,7 @@ static void write_gltf_copies(FILE *f, size_t n)
                "{\"attributes\": {\"TRANSLATION\": 0}}}}], \"meshes\": [{\"primitives\": "
                "[{\"attributes\": {\"POSITION\": 0}, \"mode\": 1}]}]");
 }
-/* n nodes in each other by tens, each with a mesh and a material of its own. */
+/* Writes n nodes nested by tens, each with its own mesh and material. */
 static void write_gltf_nodes(FILE *f, size_t n)
 {
     char *more = NULL;
@@ -158,14 +158,14 @@ static void write_gltf_nodes(FILE *f, size_t n)
 
 /* ---- Tables of lamps ------------------------------------------------------------------------- */
 
-/* The luminaire's words are in the last line alone. */
+/* Only the last line has the luminaire's words. */
 static void write_lamps(FILE *f, size_t n)
 {
     for (size_t i = 0; i < n; i++)
         fprintf(f, "# %zu\n\n/[a-c]no such *lamp %zu/ .3 .3 .9\n", i, i);
     fputs("/wanted lamp/ .3 .3 .9\n", f);
 }
-/* From the last line each leads to the one before it. */
+/* Writes lines that each refer to the one before, starting with the last line. */
 static void write_lamps_named(FILE *f, size_t n)
 {
     fputs("/lamp 0$/ .3 .3 .9\n", f);

@@ -1,7 +1,7 @@
-/* The rows that are Honeybee's models. */
+/* The rows for Honeybee models. */
 #include "support/doubled.h"
 
-/* A wall of 100 m with n windows in it, in rows, from the last to the first. */
+/* Writes a wall of 100 m with n windows in rows, in reverse order. */
 static void write_model_windows(FILE *f, size_t n)
 {
     fputs("{\"type\": \"Model\", \"orphaned_faces\": [{\"identifier\": \"wall\", \"face_type\":"
@@ -30,7 +30,9 @@ static void write_model_rooms(FILE *f, size_t n)
             i ? "," : "", i, i ^ 1);
     fputs("]}", f);
 }
-/* Each has a modifier of its own, which depends on the one before up to eight deep. */
+/*
+ * Writes faces with their own modifiers, each of which depends on the one before, up to eight deep.
+ */
 static void write_model_modifiers(FILE *f, size_t n)
 {
     fputs("{\"type\": \"Model\", \"orphaned_shades\": [", f);

@@ -1,5 +1,5 @@
-/* The rows: what is written so many times. Numbers differ from one to the next where equal ones
- * would lie on each other. */
+/* The rows for scenes: the text repeated n times. Numbers differ between repetitions where equal
+ * ones would coincide. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,7 +9,7 @@
 
 #define GREY "void plastic m 0 0 5 .5 .5 .5 0 0\n"
 
-/* ---- Scenes: a line again and again, with its number ----------------------------------------- */
+/* ---- Scenes: one line repeated with its number ----------------------------------------------- */
 
 #define LINES(name, head, format)                                                                  \
     static void name(FILE *f, size_t n)                                                            \
@@ -19,7 +19,7 @@
             fprintf(f, format, i, i, i);                                                           \
         fputs(GREY, f);                                                                            \
     }
-/* The numbers that are not wanted are behind a comment. */
+/* A comment hides the unused numbers. */
 LINES(write_comments, "", "# %zu a comment %zu %zu\n")
 LINES(write_materials, "", "void plastic m%zu 0 0 5 .5 .5 .5 0 0\n# %zu%zu\n")
 LINES(write_plastic2, "", "void plastic2 m%zu 4 1 0 0 . 0 6 .5 .5 .5 .1 .1 .2\n# %zu%zu\n")
@@ -54,7 +54,7 @@ LINES(write_unsupported, GREY, "void plasfunc t%zu 0 0 0\nt%zu metal m%zu 0 0 5 
 LINES(write_includes, GREY, "!xform -t %zu %zu %zu part.rad\n")
 LINES(write_pipes, GREY, "!genbox m b%zu 1 2 3 | xform -t %zu %zu 0 | xform -s 2\n")
 
-/* Many in one place. */
+/* Many triangles in one place. */
 LINES(write_equal_triangles, GREY, "m polygon t%zu 0 0 9 0 0 0 1 0 0 0 1 0\n# %zu%zu\n")
 LINES(write_equal_panes, "void glass g 0 0 3 .9 .9 .9\n",
       "g polygon t%zu 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n# %zu%zu\n")
@@ -63,14 +63,14 @@ LINES(write_equal_lamps, "void light l 0 0 3 9 9 9\n",
 LINES(write_equal_spheres, GREY, "m sphere s%zu 0 0 4 0 0 0 1\n# %zu%zu\n")
 LINES(write_equal_cylinders, GREY, "m cylinder c%zu 0 0 7 0 0 0 0 0 1 .1\n# %zu%zu\n")
 LINES(write_equal_rings, GREY, "m ring r%zu 0 0 8 0 0 0 0 0 1 0 .1\n# %zu%zu\n")
-/* Side by side in one plane: all overlap along the sum of the axes. */
+/* Triangles side by side in one plane: all overlap along the sum of the axes. */
 static void write_long_triangles(FILE *f, size_t n)
 {
     fputs(GREY, f);
     for (size_t i = 0; i < n; i++)
         fprintf(f, "m polygon t%zu 0 0 9 %zu 0 0 %zu.5 0 0 %zu 10000 0\n", i, i, i, i);
 }
-/* A ground under tiles: one that loses to all others. */
+/* Ground under tiles: one polygon that loses to all others. */
 static void write_tiled_ground(FILE *f, size_t n)
 {
     fprintf(f, GREY "m polygon ground 0 0 12 -1 -1 0 %zu -1 0 %zu 2 0 -1 2 0\n", n + 1, n + 1);
@@ -114,7 +114,7 @@ static void write_solids(FILE *f, size_t n)
                 i, i % 9 + 1, i, i, i);
 }
 
-/* ---- Scenes: one thing of a size ------------------------------------------------------------- */
+/* ---- Scenes: one object of growing size ------------------------------------------------------ */
 
 static void write_long_comment(FILE *f, size_t n)
 {
@@ -158,7 +158,7 @@ static void write_arrays_nested(FILE *f, size_t n)
 {
     fprintf(f, GREY "!xform -n x -a 4 -t 0 0 1 -a %zu -rz 1 -a 5 -t 1 0 0 part.rad\n", n);
 }
-/* Twice as long a command for the same copies. */
+/* Doubles the command's length for the same copies. */
 static void write_array_transforms(FILE *f, size_t n)
 {
     fputs(GREY "!xform -n x -a 300", f);
@@ -166,7 +166,7 @@ static void write_array_transforms(FILE *f, size_t n)
         fputs(" -t 0 0 1", f);
     fputs(" part.rad\n", f);
 }
-/* Twice as long a command for twice as many copies: no more than the sum. */
+/* Doubles both the command's length and the copies: costs at most the sum. */
 static void write_array_both(FILE *f, size_t n)
 {
     fprintf(f, GREY "!xform -n x -a %zu", n);
@@ -195,7 +195,7 @@ static void write_array_files(FILE *f, size_t n)
         fputs(" part.rad", f);
     fputc('\n', f);
 }
-/* A branch of so many shoots, a slat of so many parts in all, a prism of as many sides. */
+/* A branch of n shoots, a slat of n parts in all, a prism of n sides. */
 static void write_branch(FILE *f, size_t n)
 {
     fprintf(f, GREY "!genbranch -bm m -lm m -r 1 -n %zu\n", n);
@@ -254,7 +254,7 @@ static void write_piped_arrays(FILE *f, size_t n)
 
 /* ---- Polygons -------------------------------------------------------------------------------- */
 
-/* Corners by a formula. */
+/* Writes a polygon whose corners follow a formula. */
 static void write_outline(FILE *f, size_t n, double (*radius)(size_t i, size_t n))
 {
     fprintf(f, GREY "m polygon p 0 0 %zu\n", 3 * n);
@@ -297,7 +297,7 @@ static void write_spiral(FILE *f, size_t n)
         fprintf(f, "%.9g %.9g 0\n", r * cos(angle), r * sin(angle));
     }
 }
-/* Crosses itself once a tooth. */
+/* Writes an outline that crosses itself once per tooth. */
 static void write_zigzag(FILE *f, size_t n)
 {
     fprintf(f, GREY "m polygon p 0 0 %zu\n", 3 * (n + 2));
@@ -305,7 +305,7 @@ static void write_zigzag(FILE *f, size_t n)
         fprintf(f, "%zu %d 0\n", i, i % 2 ? 1 : -1);
     fprintf(f, "%zu 0.01 0 -1 0.02 0\n", n);
 }
-/* Holes joined by seams. */
+/* Writes holes joined by seams. */
 static void write_holes(FILE *f, size_t n)
 {
     fprintf(f, GREY "m polygon p 0 0 %zu\n0 0 0 0 9 0 %zu 9 0 %zu 0 0\n", 3 * (4 + 5 * n),
@@ -314,7 +314,7 @@ static void write_holes(FILE *f, size_t n)
         fprintf(f, "%zu 0 0 %zu 2 0 %zu 2 0 %zu 4 0 %zu 0 0\n", 4 * k + 2, 4 * k + 2, 4 * k + 4,
                 4 * k + 2, 4 * k + 2);
 }
-/* Floor tiles side by side in one plane; the same with each on half of its neighbour. */
+/* Floor tiles side by side in one plane; or tiles that each cover half of a neighbour. */
 static void write_tiles_wide(FILE *f, size_t n, double wide)
 {
     fputs(GREY, f);
@@ -338,7 +338,7 @@ static void write_walls(FILE *f, size_t n)
     for (size_t i = 0; i < n; i++)
         fprintf(f, "m polygon w%zu 0 0 12 %zu 0 0 %zu 0 1 %zu 1 1 %zu 1 0\n", i, i, i, i, i);
 }
-/* n in one place. */
+/* Writes n polygons in one place. */
 static void write_stack(FILE *f, size_t n)
 {
     fputs(GREY, f);
@@ -346,7 +346,7 @@ static void write_stack(FILE *f, size_t n)
         fprintf(f, "m polygon w%zu 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n", i);
 }
 
-/* Each its own function, material and surface; names of the standard set among it. */
+/* Each has its own function, material and surface; some names are from the standard set. */
 static void write_patterns(FILE *f, size_t n)
 {
     for (size_t i = 0; i < n; i++)
@@ -356,7 +356,7 @@ static void write_patterns(FILE *f, size_t n)
                 i, i, i, i, i, i, i);
 }
 
-/* A spectrum, a lobe of it, glazing, and both mixed, each by its own name. */
+/* Writes a spectrum, a lobe of it, glazing, and a mixture of both, under separate names. */
 static void write_shares(FILE *f, size_t n)
 {
     for (size_t i = 0; i < n; i++)
@@ -372,7 +372,7 @@ static void write_shares(FILE *f, size_t n)
                 i, i, i, i, i, i, i, i, i, i, i, i, i, i);
 }
 
-/* Volumes that each cut what the one before does, and a wall more. */
+/* Volumes that each cut what the previous one cuts, and one more wall. */
 static void write_antimatters(FILE *f, size_t n)
 {
     for (size_t i = 0; i < n; i++)
@@ -382,7 +382,7 @@ static void write_antimatters(FILE *f, size_t n)
                 i, i, i, i ? i - 1 : 0, i, i, i, i, i, i);
 }
 
-/* Volumes that overlap the next. */
+/* Volumes that overlap the next one. */
 static void write_mists(FILE *f, size_t n)
 {
     fprintf(f, "void mist fog 0 0 7 .1 .2 .3 .5 .5 .5 .5\n");

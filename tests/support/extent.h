@@ -1,6 +1,6 @@
 /*
- * How much a test does: by default what `make check` can afford, with tolerances derived for that
- * number; with ORIEL_LONG set in the environment (make long) the full number of seeds and cases.
+ * Size of a test: by default that of `make check`, with tolerances derived for it; with ORIEL_LONG
+ * set in the environment (make long) the full number of seeds and cases.
  */
 #ifndef ORL_TESTS_SUPPORT_EXTENT_H
 #define ORL_TESTS_SUPPORT_EXTENT_H

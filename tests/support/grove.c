@@ -38,7 +38,8 @@ static const char *const materials[] = {
                      "furrows plastic bark 0 0 5 .4 .3 .2 .1 .2\n"
                      "folds plastic leaf 0 0 5 .1 .4 .1 0 0\n"};
 
-/* Leaves anywhere in a box of 2 x 2 x 3, of two colours; some let light through. */
+/* Adds a random triangle in a box of 2 x 2 x 3, in one of two colours; with blades, some transmit
+ * light. */
 static void add_triangle(FILE *f, struct orl_random *r, size_t number, bool blades)
 {
     const double x = uniform(r, -1, 1), y = uniform(r, -1, 1), z = uniform(r, 0, 3);
@@ -84,7 +85,7 @@ static char *make_tree(size_t triangles, size_t rounds, enum grove_leaves leaves
     return text;
 }
 
-/* Turned, scaled, every third mirrored, every fifth turned inside out, on a lattice. */
+/* Writes a transform: rotated, scaled, every third mirrored, every fifth inverted, on a lattice. */
 static void say_place(FILE *f, size_t number)
 {
     fprintf(f, " -rz %zu -rx %zu", number * 37 % 360, number * 11 % 50);
@@ -99,7 +100,7 @@ static bool is_inverted(size_t number)
     return number % 5 == 2;
 }
 
-/* An instance takes a transform, but cannot be inverted; xform can do that to one in a file. */
+/* An instance takes a transform but cannot be inverted; xform can invert an instance in a file. */
 static void say_shared(FILE *f, size_t number)
 {
     const size_t words = 1 + 2 + 2 + (number % 3 == 1 ? 1 : 0) + 2 + 4;
@@ -145,7 +146,7 @@ static void put_bytes(struct grove_octree *octree, const void *data, size_t size
     octree->size += size;
 }
 
-/* As oconv writes it without -f: a header, the cube, the name of the file. */
+/* Writes the octree as oconv does without -f: a header, the cube, the name of the file. */
 static void make_octree(struct grove_octree *octree, const char *name)
 {
     static const char head[] = "#?RADIANCE\noconv tree.rad\nFORMAT=Radiance_octree\n\n";

@@ -1,6 +1,6 @@
 /*
- * A tree of odd triangles, cones and balls, and a scene that has it in several places: by instances
- * of an octree that names its file, and by xform, which gives each place surfaces of its own.
+ * A tree of random triangles, cones and balls, and a scene with several copies: by instances of an
+ * octree that names its file, and by xform, which copies the surfaces.
  */
 #ifndef ORL_TESTS_SUPPORT_GROVE_H
 #define ORL_TESTS_SUPPORT_GROVE_H
@@ -20,29 +20,30 @@ struct grove_octree {
 };
 
 struct grove {
-    char *tree;                       /* tree.rad */
-    struct grove_octree octree, pair; /* tree.oct; pair.oct: of pair.rad, which has two trees */
-    char *shared, *expanded;          /* scenes of a floor, and the tree in its places */
+    char *tree; /* tree.rad */
+    struct grove_octree octree,
+        pair;                /* tree.oct; pair.oct: octree of pair.rad, which has two trees */
+    char *shared, *expanded; /* scenes of a floor and the copies of the tree */
 };
 
 enum grove_leaves {
     GROVE_MATT,
-    GROVE_BLADES, /* some triangles let light through, evenly */
-    GROVE_GLOSSY, /* leaves as smooth as wax, rough bark */
-    GROVE_VARIED, /* colours and normals by functions of the place and the normal */
+    GROVE_BLADES, /* some triangles transmit light diffusely */
+    GROVE_GLOSSY, /* smooth, waxy leaves and rough bark */
+    GROVE_VARIED, /* colours and normals by functions of position and normal */
 };
 
-/* triangles: of the tree; rounds: balls and cones besides; free by grove_done. */
+/* triangles: number in the tree; rounds: number of balls and cones. Freed by grove_done. */
 void grove_init(struct grove *grove, size_t triangles, size_t rounds, size_t places);
 void grove_init_with(struct grove *grove, size_t triangles, size_t rounds, size_t places,
                      enum grove_leaves leaves);
 void grove_done(struct grove *grove);
 
 /* Reads one of the scenes, or a text that names tree.rad, tree.oct, pair.oct, or once.rad, which
- * has an instance of tree.oct. Fails the test if it fails. */
+ * has an instance of tree.oct. Fails the test on error. */
 struct orl_description grove_read(const struct grove *grove, const char *scene);
 
-/* Writes all of it into a folder: shared.rad and expanded.rad, tree.rad and tree.oct. */
+/* Writes shared.rad and expanded.rad, tree.rad and tree.oct into a folder. */
 void grove_write(const struct grove *grove, const char *folder);
 
 #endif

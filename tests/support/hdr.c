@@ -1,4 +1,4 @@
-/* cmocka wants these before it. */
+/* cmocka needs these headers first. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,7 +15,7 @@
 #include "support/hdr.h"
 #include "support/scene_text.h"
 
-/* One component of a scanline. Returns what follows it. */
+/* Reads one component of a scanline. Returns the position after it. */
 static const unsigned char *read_component(const unsigned char *p, const unsigned char *end,
                                            int width, unsigned char *ret_bytes)
 {
@@ -40,7 +40,8 @@ static double decode(unsigned char mantissa, unsigned char exponent)
     return mantissa > 0 && exponent > 0 ? ldexp(mantissa + 0.5, exponent - 136) : 0;
 }
 
-/* Behind the header's blank line and the line of the resolution, which others pad with blanks. */
+/* Returns the position after the header's blank line and the resolution line; other programs pad
+ * the latter with blanks. */
 static const char *find_pixels(const char *text, const char *end, int width, int height)
 {
     char line[64] = "";

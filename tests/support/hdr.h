@@ -1,14 +1,13 @@
 /*
- * Reading back the HDR images that Oriel writes (and Radiance): run-length coded RGBE, scanlines
- * from the top.
+ * Reads HDR images of Oriel and Radiance: run-length coded RGBE, scanlines from the top.
  */
 #ifndef ORL_TESTS_SUPPORT_HDR_H
 #define ORL_TESTS_SUPPORT_HDR_H
 
 /*
- * W/sr/m2 per channel, row by row; ret_rgb holds width * height. A channel's eight bits stand for
- * the middle of their step, but for 0, which is read as 0. Fails the test unless the file is of
- * that size. width: 8 to 32767.
+ * Reads W/sr/m2 per channel, row by row; ret_rgb holds width * height. A channel's eight bits are
+ * read as the middle of their step, except 0, which is 0. Fails the test unless the file has that
+ * size. width: 8 to 32767.
  */
 void hdr_read(const char *path, int width, int height, double (*ret_rgb)[3]);
 

@@ -22,7 +22,7 @@ static void send_all(int fd, const char *text, size_t size)
     }
 }
 
-/* To the end of the connection. */
+/* Receives until the connection ends. */
 static char *receive_all(int fd, size_t *ret_size)
 {
     char *text = malloc(MOST + 1);

@@ -58,7 +58,7 @@ struct orl_vec3 mesh_direction(struct orl_random *random)
     return orl_v3(s * cos(phi), s * sin(phi), z);
 }
 
-/* A random point of a random edge of the mesh. */
+/* Returns a random point of a random edge of the mesh. */
 static struct orl_vec3 edge_point(const struct orl_geometry *g, struct orl_random *random)
 {
     const size_t i = (size_t)(orl_random_uniform(random) * (double)orl_geometry_triangles_end(g));
@@ -66,7 +66,7 @@ static struct orl_vec3 edge_point(const struct orl_geometry *g, struct orl_rando
     const struct orl_vec3 c[3] = {triangle.a, triangle.b, triangle.c};
     const int k = (int)(3 * orl_random_uniform(random));
     const double t = orl_random_uniform(random);
-    /* Every eighth goes for the corner itself. */
+    /* Every eighth point is the corner itself. */
     return orl_madd(c[k], orl_sub(c[(k + 1) % 3], c[k]), t < 0.125 ? 0 : t);
 }
 

@@ -1,5 +1,5 @@
 /*
- * Closed meshes, and rays that try to get out of them.
+ * Closed meshes, and rays that search for leaks.
  */
 #ifndef ORL_TESTS_SUPPORT_MESHES_H
 #define ORL_TESTS_SUPPORT_MESHES_H
@@ -13,18 +13,19 @@
 #define MESH_BOX MESH_GREY "!genbox m b 3 2 1.5\n"
 
 /*
- * An icosphere as scene text: 20 faces cut into 4^2 each, normals outwards, vertices shared to the
- * digit. free() it.
+ * Returns an icosphere as scene text: 20 faces split into 4^2 each, normals outwards, vertices
+ * shared to the digit. free() it.
  */
 char *mesh_icosphere(void);
 
-/* A unit vector, uniform over the sphere. */
+/* Returns a unit vector, uniform over the sphere. */
 struct orl_vec3 mesh_direction(struct orl_random *random);
 
-/* Of rays from inside, aimed at edges, corners and anywhere, those that are not caught. */
+/* Counts the rays that leave the mesh, among rays from inside, aimed at edges, at corners and
+ * anywhere. */
 uint64_t mesh_leaks(const struct orl_geometry *geometry, uint64_t rays, uint64_t seed);
 
-/* The same for a path that bounces about, starting anew at every hit. */
+/* Counts the rays that leave along a bouncing path, which starts anew at every hit. */
 uint64_t mesh_leaks_on_bounce(const struct orl_geometry *geometry, uint64_t bounces, uint64_t seed);
 
 #endif

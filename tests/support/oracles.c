@@ -12,7 +12,7 @@ double oracle_polygon(struct orl_vec3 point, struct orl_vec3 normal, const struc
         const struct orl_vec3 q = orl_sub(corners[(i + 1) % n], point);
         const struct orl_vec3 turn = orl_cross(p, q);
         const double sine = orl_length(turn);
-        /* An edge seen end on turns by nothing. */
+        /* An edge seen end-on contributes nothing. */
         if (sine > 0)
             sum += atan2(sine, orl_dot(p, q)) * orl_dot(turn, normal) / sine;
     }
@@ -48,7 +48,7 @@ struct oracle_sky oracle_sky(int number, struct orl_vec3 sun)
                                             {-1, -.55}, {-1, -.32}, {-1, -.15}};
     static const double indicatrices[6][3] = {{0, -1, 0},    {2, -1.5, .15}, {5, -2.5, .3},
                                               {10, -3, .45}, {16, -3, .3},   {24, -2.8, .15}};
-    /* Gradation and indicatrix of each sky, counted from 1. */
+    /* Numbers of each sky's gradation and indicatrix, counted from 1. */
     static const int groups[15][2] = {{1, 1}, {1, 2}, {2, 1}, {2, 2}, {3, 1},
                                       {3, 2}, {3, 3}, {3, 4}, {4, 2}, {4, 3},
                                       {4, 4}, {5, 4}, {5, 5}, {6, 5}, {6, 6}};
@@ -83,7 +83,8 @@ double oracle_sky_horizontal(const struct oracle_sky *sky)
     return 2 * ORL_PI * sum / ((double)ROWS * COLUMNS);
 }
 
-/* perezlum.cal has 1 + c exp(d x) + e cos^2 x: what the standard takes off is divided out. */
+/* perezlum.cal has 1 + c exp(d x) + e cos^2 x, so the constant that the standard subtracts is
+ * divided out. */
 void oracle_sky_text(const struct oracle_sky *sky, double scale, double ground, char ret_text[256])
 {
     const double k = 1 - sky->c * exp(sky->d * ORL_PI / 2);

@@ -40,7 +40,7 @@ double outline_area(const struct outline *o)
     return 0.5 * twice;
 }
 
-/* Even-odd rule; seams are walked twice and so cancel. */
+/* Even-odd rule; seams are traversed twice and cancel. */
 static bool inside(const struct outline *o, double x, double y)
 {
     bool in = false;
@@ -52,7 +52,7 @@ static bool inside(const struct outline *o, double x, double y)
     return in;
 }
 
-/* Distance from a point to the outline. */
+/* Returns the distance from a point to the outline. */
 static double clearance(const struct outline *o, double x, double y)
 {
     double best = INFINITY;
@@ -97,7 +97,7 @@ double outline_area_error(const struct outline *o)
     return fabs(sum - outline_area(o)) / fabs(outline_area(o));
 }
 
-/* The polygon as scene text; free() it. */
+/* Returns the polygon as scene text; free() it. */
 static char *write_scene(const struct outline *o, const struct orl_frame *frame)
 {
     char *text = malloc(64 + MOST * 100);

@@ -1,6 +1,6 @@
 /*
- * Polygons in their own plane, and what their triangles and rays are to agree with. The plane is
- * tilted any way: nothing may depend on axes.
+ * Polygons in their own plane, and the conditions on their triangles and rays. The plane has an
+ * arbitrary tilt, so that nothing depends on axes.
  */
 #ifndef ORL_TESTS_SUPPORT_OUTLINE_H
 #define ORL_TESTS_SUPPORT_OUTLINE_H
@@ -17,15 +17,15 @@ struct outline {
 
 void outline_add(struct outline *o, double x, double y);
 struct outline outline_of(const double (*xy)[2], uint32_t n);
-double outline_area(const struct outline *o); /* signed */
+double outline_area(const struct outline *o); /* signed area */
 
-/* Relative error of the triangles' areas, all of which must be counter-clockwise. */
+/* Returns the relative error of the triangles' total area; all must be counter-clockwise. */
 double outline_area_error(const struct outline *o);
 
 /*
- * Of the rays through a grid of side x side, those that hit where the even-odd rule says there is
- * nothing, or the other way round, or at a wrong distance; the facet's area is checked as well.
- * Places within 1e-5 of the outline are left out, for rays are floats.
+ * Counts the rays through a grid of side x side that disagree with the even-odd rule, or hit at a
+ * wrong distance; also checks the facet's area. Points within 1e-5 of the outline are left out,
+ * because rays are floats.
  */
 uint32_t outline_misses(const struct outline *o, uint32_t side);
 

@@ -1,6 +1,6 @@
 /*
- * Panels given as text, measured on the virtual goniophotometer in the test's own process. What
- * does not succeed fails the test.
+ * Panels given as text, measured on the virtual goniophotometer in the test's process. Errors fail
+ * the test.
  */
 #ifndef ORL_TESTS_SUPPORT_PANELS_H
 #define ORL_TESTS_SUPPORT_PANELS_H
@@ -13,7 +13,7 @@ struct panel {
     enum orl_bsdf_basis basis;
     enum orl_bsdf_symmetry symmetry;
     bool color;
-    const double *cell;  /* four of them; NULL: the box */
+    const double *cell;  /* four numbers; NULL: the bounding box */
     uint32_t resolution; /* 0: 16 */
     double cull;         /* 0: the default */
     uint32_t paths;      /* 0: 4096 */
@@ -24,17 +24,17 @@ struct panel {
     bool tell_errors;
 };
 
-/* For orl_bsdf_made_done. */
+/* Returns the result; release it with orl_bsdf_made_done. */
 struct orl_bsdf_made panel_make(const struct panel *panel);
-/* Whether it fails or not: returns the code. */
+/* Measures a panel and returns the error code, without failing the test. */
 int panel_try(const struct panel *panel, const atomic_bool *cancel, struct orl_bsdf_made *ret_made,
               struct orl_error *ret_err);
-/* The XML as a BSDF, for orl_bsdf_unref. */
+/* Reads the XML as a BSDF; release it with orl_bsdf_unref. */
 struct orl_bsdf *panel_read(const struct orl_bsdf_made *made);
 
-/* Fresnel's reflectance of unpolarised light at one surface from index 1 to n, and that of both
- * surfaces of a slab (or pane) with all inner passes, of which each lets that share pass; with its
- * transmittance. Cosine: outside. */
+/* Fresnel reflectance of unpolarised light at one surface from index 1 to n; reflectance and
+ * transmittance of a slab (or pane) of two surfaces with all inner passes, each of transmittance
+ * `pass`. cosine: outside. */
 double fresnel(double cosine, double n);
 void slab_shares(double cosine, double n, double pass, double *ret_reflected,
                  double *ret_transmitted);

@@ -137,9 +137,9 @@ void parted_run(struct cli_desk *desk, const char *document, const char *output,
         fail_msg("%s: %s", document, desk->result.err);
 }
 
-/* ---- What is the same ------------------------------------------------------------------------ */
+/* ---- Comparison ------------------------------------------------------------------------------ */
 
-/* Of a run, and not of the job. */
+/* Returns true if the member depends on the run, not on the job. */
 static bool is_of_run(const char *member)
 {
     static const char *const members[] = {"timings_s", "seconds",  "cost",   "cost_s",
@@ -170,7 +170,7 @@ static void leave_out(json_t *json)
     }
 }
 
-/* With times in it, which are those of a run. */
+/* Returns true for files with times, which differ between runs. */
 static bool is_of_study(const char *name)
 {
     return strncmp(name, "study.", 6) == 0 && strcmp(name, "study.json") != 0;
@@ -241,7 +241,7 @@ void parted_compare(struct cli_desk *desk, const char *document, const char *con
 {
     char whole[160];
     snprintf(whole, sizeof whole, "%s/whole", desk->folder);
-    if (access(whole, F_OK) != 0) /* a desk compares ways of one document */
+    if (access(whole, F_OK) != 0) /* a desk compares runs of one document */
         parted_run(desk, document, "whole", NULL);
     parted_run(desk, document, "parts", options);
     assert_non_null(strstr(desk->result.err, "parts: "));

@@ -1,6 +1,6 @@
 /*
- * Jobs done in one piece and in parts: a desk with a room's documents, and whether both ways give
- * the same.
+ * Jobs run in one process and in parts: a desk with a room's documents, and checks that both give
+ * equal results.
  */
 #ifndef ORL_TESTS_SUPPORT_PARTED_H
 #define ORL_TESTS_SUPPORT_PARTED_H
@@ -9,32 +9,32 @@
 
 #include "support/cli.h"
 
-/* Documents of the desk: kinds of jobs. */
+/* Documents of the desk, by kind of job. */
 extern const char *const parted_render; /* two views, 300 sensors, photon maps */
 extern const char *const parted_skies;  /* five skies */
-extern const char *const parted_middle; /* the same, of a second each */
-extern const char *const parted_long;   /* and of two */
-extern const char *const parted_goal;   /* an accuracy, in rounds, 40 sensors */
+extern const char *const parted_middle; /* five skies, a second of work each */
+extern const char *const parted_long;   /* five skies, two seconds of work each */
+extern const char *const parted_goal;   /* an accuracy goal, in rounds, 40 sensors */
 extern const char *const parted_annual; /* 150 sensors, two days of weather */
 extern const char *const parted_study;  /* two techniques, three seeds */
-extern const char *const parted_panel;  /* a matrix of slats, to an accuracy, in rounds */
-extern const char *const parted_tree;   /* a tree of them */
-extern const char *const parted_colors; /* the same, in colour */
+extern const char *const parted_panel;  /* a matrix of slats, to an accuracy goal, in rounds */
+extern const char *const parted_tree;   /* a tensor tree of slats */
+extern const char *const parted_colors; /* a tensor tree of slats, in colour */
 
-/* For cmocka. */
+/* cmocka's set-up and tear-down. */
 int parted_set_up(void **state);
 
-/* Runs a document with those options besides (NULL: none; up to eight words), into a folder of the
- * desk. Fails the test where the command fails. */
+/* Runs a document with further options (NULL: none; up to eight words), into a subfolder of the
+ * desk. Fails the test if the command fails. */
 void parted_run(struct cli_desk *desk, const char *document, const char *output,
                 const char *const *options);
 
-/* Whether the folders of two runs hold the same: all files but result.json and maps byte for byte,
- * and of result.json what is no time, count or cost; of a study's files study.json alone, for the
- * others are its numbers and times once more. Fails the test, and names it. */
+/* Fails the test, and names the file, unless the folders of two runs have equal results: all files
+ * but result.json and maps byte for byte, and result.json without times, counts and costs. Of a
+ * study only study.json is compared, since the other files repeat its numbers and times. */
 void parted_assert_same(const struct cli_desk *desk, const char *one, const char *other);
 
-/* Both: in one piece, and with those options, which are to make no difference. */
+/* Runs a document in one process and with those options, and expects equal results. */
 void parted_compare(struct cli_desk *desk, const char *document, const char *const *options);
 
 #endif

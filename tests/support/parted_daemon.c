@@ -21,7 +21,7 @@ int parted_daemon_set_up(void **state)
     const int code = parted_set_up(&desk);
     f->desk = desk;
     snprintf(f->shared, sizeof f->shared, "%s/shared", f->desk->folder);
-    /* No check or plan is refused because the machine is slow, as under ThreadSanitizer. */
+    /* A long limit, so that slow machines (as under ThreadSanitizer) refuse no check or plan. */
     const char *const options[] = {
         "--runner", "slurm",     "--shared", f->shared,         "--least", "0", "--parts",
         "4",        "--threads", "1",        "--check-timeout", "600",     NULL};
@@ -42,7 +42,7 @@ int parted_daemon_tear_down(void **state)
     return 0;
 }
 
-static void run(struct parted_daemon *f, const char *const *args)
+static void run_oriel(struct parted_daemon *f, const char *const *args)
 {
     cli_run(args, &f->desk->result);
     if (f->desk->result.exit_code != 0)
@@ -54,7 +54,7 @@ void parted_submit(struct parted_daemon *f, const char *document, char ret_path[
     char path[160], id[40] = "";
     snprintf(path, sizeof path, "%s/%s", f->desk->folder, document);
     const char *const args[] = {"submit", path, NULL};
-    run(f, args);
+    run_oriel(f, args);
     assert_int_equal(sscanf(f->desk->result.out, "%36s", id), 1);
     snprintf(ret_path, 80, "/v1/jobs/%s", id);
 }
@@ -64,7 +64,7 @@ void parted_fetch(struct parted_daemon *f, const char *path, const char *output)
     char to[160];
     snprintf(to, sizeof to, "%s/%s", f->desk->folder, output);
     const char *const args[] = {"fetch", path + strlen("/v1/jobs/"), "-o", to, NULL};
-    run(f, args);
+    run_oriel(f, args);
 }
 
 static void wait_for(struct parted_daemon *f, const char *path, bool resumed)
@@ -75,7 +75,8 @@ static void wait_for(struct parted_daemon *f, const char *path, bool resumed)
         fail_msg("%s", reply.body);
     assert_string_equal(reply_text(&reply, "runner.name"), "slurm");
     if (!resumed && !(reply_number(&reply, "runner.parts.done") > 1))
-        fail_msg("%s", strstr(reply.body, "\"runner\":")); /* named above: it is there */
+        fail_msg("%s",
+                 strstr(reply.body, "\"runner\":")); /* the check above ensures that it exists */
     assert_true(reply_number(&reply, "runner.parts.waiting") == 0);
     reply_done(&reply);
 }
@@ -96,7 +97,7 @@ void parted_assert_cleared(const struct parted_daemon *f)
     assert_int_equal(mkdir(f->shared, 0700), 0);
 }
 
-/* By a daemon of its own, into "local". */
+/* Runs the document on a separate daemon, and fetches the result into "local". */
 static void run_alone(struct parted_daemon *f, const char *document)
 {
     static const char *const alone[] = {"--threads", "1", NULL};
@@ -114,7 +115,7 @@ static void run_alone(struct parted_daemon *f, const char *document)
     setenv("ORIEL_URL", f->daemon.url, 1);
 }
 
-/* Each document is done so once in a test program. */
+/* Each document runs only once per test program; its result is stored. */
 void parted_compare_fetched(struct parted_daemon *f, const char *document)
 {
     char kept[160], command[512];

@@ -33,7 +33,7 @@ const struct orl_sensor path_sensors[PATH_SENSORS] = {
 #define SOUTH_SHUT "w polygon south 0 0 12 0 0 0 0 0 3 4 0 3 4 0 0\n"
 #define ROOM_OPEN MATERIALS WALLS CEILING SOUTH_OPEN
 #define ROOM_SHUT MATERIALS WALLS CEILING SOUTH_SHUT
-/* A pane in the opening, or y behind it. */
+/* A pane in the opening, or at y behind it. */
 #define PANE(material, y)                                                                          \
     material " polygon pane" #y " 0 0 12 1.2 " #y " 1 1.2 " #y " 2.4 2.8 " #y " 2.4 2.8 " #y " 1"  \
              "\n"
@@ -45,7 +45,7 @@ const struct orl_sensor path_sensors[PATH_SENSORS] = {
 #define PATCH(material) material " polygon patch 0 0 12 1 .3 .02 3.2 .3 .02 3.2 3.2 .02 1 3.2 .02\n"
 
 struct source {
-    const char *name, *outdoors, *indoors; /* indoors NULL: none */
+    const char *name, *outdoors, *indoors; /* indoors: NULL: none */
 };
 
 static const struct source sources[] = {
@@ -55,7 +55,8 @@ static const struct source sources[] = {
      "void light l 0 0 3 1e3 1e3 1e3\nl sphere lamp 0 0 4 1.2 1.8 2.2 .12\n"},
     {"large lamp", "void light l 0 0 3 400 400 400\nl sphere lamp 0 0 4 2.3 -1.5 2.6 .5\n",
      "void light l 0 0 3 100 100 100\nl sphere lamp 0 0 4 1.2 1.8 2.3 .3\n"},
-    {"spotlight", /* the length of its direction is its focus, which bends the inverse square */
+    {"spotlight", /* the length of a spotlight's direction is its focus, which changes the inverse
+                     square law */
      "void spotlight l 0 0 7 1e4 1e4 1e4 60 0 2e-4 -1.2e-4\n"
      "l ring lamp 0 0 8 2 -1.5 2.6 0 2 -1.2 0 .16\n",
      "void spotlight l 0 0 7 1e3 1e3 1e3 60 2e-4 .5e-4 -1e-4\n"

@@ -15,7 +15,7 @@ bool plan_holds_number(const char *why)
     return strpbrk(why, "0123456789") != NULL;
 }
 
-/* Goes on whenever it is looked at. */
+/* A clock that advances with every call. */
 static double tick(void *ctx)
 {
     double *now = ctx;

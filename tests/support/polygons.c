@@ -15,8 +15,9 @@ const char polygons_materials[] = "void plastic m0 0 0 5 .6 .55 .5 0 0\n"
                                   "void glass m5 0 0 3 .9 .9 .9\n";
 
 /*
- * Two rows of parallelograms, then one of pairs of triangles: as many of each. A corner's height is
- * the sum of two that its row and its column have, so that four lie in a plane.
+ * Two rows of parallelograms, then one of pairs of triangles: equal numbers of each. A corner's
+ * height is the sum of one value of its row and one of its column, so that four corners lie in a
+ * plane.
  */
 enum {
     COLUMNS = 1000,
@@ -29,7 +30,7 @@ enum {
 };
 enum { CELL_MM = 100, STOREY_MM = 4000, MOST_LETTERS = 160 };
 
-/* 0 to 31 mm, by a hash. */
+/* Returns 0 to 31 mm, by a hash. */
 static int bump(uint32_t i, uint32_t salt)
 {
     uint32_t x = i * 2654435761U + salt * 40503U;
@@ -46,8 +47,8 @@ static char *write_number(char *at, int mm)
     return at + sprintf(at, " %d.%03d", mm / 1000, mm % 1000);
 }
 
-/* The corner of a cell that so many steps to the right and up are; apart: cells lie a millimetre
- * from each other. */
+/* Writes the corner `step` cells to the right and up; apart: cells are a millimetre from each
+ * other. */
 static char *write_corner(char *at, const struct cell *c, const int step[2], int apart)
 {
     const int x = (c->column + step[0]) * CELL_MM - apart * step[0];

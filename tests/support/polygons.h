@@ -1,7 +1,7 @@
 /*
- * Scenes of many polygons, as text: storeys of bumpy ground, a decimetre a cell, half of them
- * parallelograms and half triangles, of six materials. Neighbours share corners to the digit, as in
- * what modelling programs write; or each polygon stands apart, and shares none.
+ * Scenes of many polygons, as text: storeys of bumpy ground with cells of a decimetre, half of the
+ * polygons parallelograms and half triangles, of six materials. Neighbours share corners to the
+ * digit, as in the output of modelling programs; or each polygon is separate, and shares none.
  */
 #ifndef ORL_TESTS_SUPPORT_POLYGONS_H
 #define ORL_TESTS_SUPPORT_POLYGONS_H
@@ -9,13 +9,13 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The materials; to be read before any of the polygons. */
+/* The materials; they come before the polygons. */
 extern const char polygons_materials[];
 
-/* The polygons from first on; free() it. */
+/* Returns `count` polygons from number `first` on; free() it. */
 char *polygons_text(size_t first, size_t count, bool apart, size_t *ret_size);
 
-/* What this process has in memory now, once the allocator has let go of what is free. */
+/* Returns this process's resident memory after the allocator has released free memory. */
 size_t polygons_resident_bytes(void);
 
 #endif

@@ -25,7 +25,7 @@ static uint32_t below(struct draft *draft, uint32_t n)
     return (uint32_t)(orl_random_uniform(&draft->random) * n);
 }
 
-static void put(struct draft *draft, const char *text)
+static void put_text(struct draft *draft, const char *text)
 {
     const size_t length = strlen(text);
     if (draft->used + length >= draft->size)
@@ -39,24 +39,24 @@ static void put_number(struct draft *draft)
     static const char *const some[] = {"0", "1", "2", ".5", "3.", "1e-3", "12.75", "7e1", "100"};
     char text[32];
     if (below(draft, 3) == 0) {
-        put(draft, some[below(draft, sizeof some / sizeof *some)]);
+        put_text(draft, some[below(draft, sizeof some / sizeof *some)]);
         return;
     }
     snprintf(text, sizeof text, "%.*g", 1 + (int)below(draft, 6),
              5 * orl_random_uniform(&draft->random));
-    put(draft, text);
+    put_text(draft, text);
 }
 
 static void put_sum(struct draft *draft, int depth);
 
-/* NAME(A, B, ...) of so many. */
+/* Writes NAME(A, B, ...) with n arguments. */
 static void put_call(struct draft *draft, const char *name, uint32_t n, int depth)
 {
-    put(draft, name);
-    put(draft, "(");
+    put_text(draft, name);
+    put_text(draft, "(");
     for (uint32_t i = 0; i < n; i++) {
         put_sum(draft, depth);
-        put(draft, i + 1 < n ? ", " : ")");
+        put_text(draft, i + 1 < n ? ", " : ")");
     }
 }
 
@@ -72,23 +72,24 @@ static void put_function(struct draft *draft, int depth)
     static const char *const of_functions[] = {"sin", "half", "floor", "pick", "atan"};
     const uint32_t which = below(draft, 28);
     if (which < sizeof some / sizeof *some) {
-        /* rand() makes much of its argument's last bit, ever() goes as deep as it is below 0. */
+        /* rand() depends on its argument's last bit; ever() recurses as deep as its argument is
+         * below 0. */
         const bool is_rand = strcmp(some[which].name, "rand") == 0;
         const bool is_ever = strcmp(some[which].name, "ever") == 0;
-        put(draft, is_rand ? "rand(floor(100*" : is_ever ? "ever(sin(" : "");
+        put_text(draft, is_rand ? "rand(floor(100*" : is_ever ? "ever(sin(" : "");
         put_call(draft, is_rand || is_ever ? "" : some[which].name, some[which].n, depth);
-        put(draft, is_rand || is_ever ? "))" : "");
+        put_text(draft, is_rand || is_ever ? "))" : "");
         return;
     }
-    put(draft, which == 24 ? "power(" : which == 25 ? "sum(" : "twice(");
-    put(draft, which == 24 ? "1.1" : of_functions[below(draft, 5)]);
-    put(draft, which == 25 ? ", 1" : "");
-    put(draft, ", ");
+    put_text(draft, which == 24 ? "power(" : which == 25 ? "sum(" : "twice(");
+    put_text(draft, which == 24 ? "1.1" : of_functions[below(draft, 5)]);
+    put_text(draft, which == 25 ? ", 1" : "");
+    put_text(draft, ", ");
     if (which <= 25)
-        put(draft, below(draft, 2) ? "4" : "7");
+        put_text(draft, below(draft, 2) ? "4" : "7");
     else
         put_sum(draft, depth);
-    put(draft, ")");
+    put_text(draft, ")");
 }
 
 static void put_atom(struct draft *draft, int depth)
@@ -96,15 +97,15 @@ static void put_atom(struct draft *draft, int depth)
     static const char *const names[] = {"u", "v", "w", "x.y_1", "PI"};
     const uint32_t which = below(draft, depth > 0 ? 8 : 4);
     if (below(draft, 6) == 0)
-        put(draft, below(draft, 4) ? "-" : "+");
+        put_text(draft, below(draft, 4) ? "-" : "+");
     if (which < 3) {
         put_number(draft);
     } else if (which == 3) {
-        put(draft, names[below(draft, 5)]);
+        put_text(draft, names[below(draft, 5)]);
     } else if (which == 4) {
-        put(draft, below(draft, 8) ? "(" : "( {a {nested} comment} ");
+        put_text(draft, below(draft, 8) ? "(" : "( {a {nested} comment} ");
         put_sum(draft, depth - 1);
-        put(draft, ")");
+        put_text(draft, ")");
     } else {
         put_function(draft, depth - 1);
     }
@@ -115,7 +116,7 @@ static void put_product(struct draft *draft, int depth)
     put_atom(draft, depth);
     while (below(draft, 3) == 0) {
         static const char *const joints[] = {"*", "/", "^", " * "};
-        put(draft, joints[below(draft, 4)]);
+        put_text(draft, joints[below(draft, 4)]);
         put_atom(draft, depth);
     }
 }
@@ -124,7 +125,7 @@ static void put_sum(struct draft *draft, int depth)
 {
     put_product(draft, depth);
     while (below(draft, 3) == 0) {
-        put(draft, below(draft, 2) ? "+" : " - ");
+        put_text(draft, below(draft, 2) ? "+" : " - ");
         put_product(draft, depth);
     }
 }
@@ -137,5 +138,5 @@ void random_expression_write(uint64_t seed, char *ret_text, size_t size)
         draft.used = 0;
         put_sum(&draft, 3);
     } while (draft.used > size / 2 ||
-             draft.used < 12); /* nothing was cut off, and it is something */
+             draft.used < 12); /* nothing was cut off, and the text is not empty */
 }

@@ -1,4 +1,4 @@
-/* Expressions of the function language, drawn at random: the same seed gives the same text. */
+/* Random expressions of the function language: equal seeds give equal texts. */
 #ifndef ORL_TESTS_SUPPORT_RANDOM_EXPRESSION_H
 #define ORL_TESTS_SUPPORT_RANDOM_EXPRESSION_H
 
@@ -7,7 +7,7 @@
 
 /*
  * Definitions that the expressions use: variables, functions, recursion, functions of functions.
- * One line each; they come before the expression.
+ * One line each, before the expression.
  */
 extern const char *const random_expression_definitions;
 

@@ -12,8 +12,9 @@ struct writer {
     size_t used;
 };
 
-static void put(struct writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void put(struct writer *w, const char *format, ...)
+static void put_text(struct writer *w, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+static void put_text(struct writer *w, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -50,8 +51,8 @@ static void put_walls(struct writer *w)
     for (int i = 0; i < 6; i++) {
         const double rho = w->scene->black ? 0 : between(w, 0, 0.8);
         const double red = tinted ? rho * between(w, 0.5, 1) : rho;
-        put(w, "void plastic m%d 0 0 5 %.3f %.3f %.3f 0 0\nm%d polygon %s 0 0 %s\n", i, red, rho,
-            rho, i, names[i], shapes[i]);
+        put_text(w, "void plastic m%d 0 0 5 %.3f %.3f %.3f 0 0\nm%d polygon %s 0 0 %s\n", i, red,
+                 rho, rho, i, names[i], shapes[i]);
     }
 }
 
@@ -61,9 +62,9 @@ static void put_window(struct writer *w)
     const double kind = orl_random_uniform(&w->random);
     w->scene->bsdf = kind < 0.35;
     if (w->scene->bsdf)
-        put(w, "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n%s", pane);
+        put_text(w, "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n%s", pane);
     else if (kind < 0.85)
-        put(w, "void glass p 0 0 3 .9 .9 .9\n%s", pane);
+        put_text(w, "void glass p 0 0 3 .9 .9 .9\n%s", pane);
 }
 
 static void put_lights(struct writer *w)
@@ -71,51 +72,53 @@ static void put_lights(struct writer *w)
     w->scene->sky = happens(w, 0.7);
     w->scene->sun = happens(w, 0.6);
     if (w->scene->sky)
-        put(w, "void glow g 0 0 4 %g %g %g 0\ng source sky 0 0 4 0 0 1 180\n", 10.0,
-            happens(w, 0.5) ? 10.0 : 8.0, 10.0);
+        put_text(w, "void glow g 0 0 4 %g %g %g 0\ng source sky 0 0 4 0 0 1 180\n", 10.0,
+                 happens(w, 0.5) ? 10.0 : 8.0, 10.0);
     if (w->scene->sun) {
         const double brightness = happens(w, 0.15) ? 1e-3 : 2e6;
-        put(w, "void light l 0 0 3 %g %g %g\nl source sun 0 0 4 %.3f %.3f %.3f .533\n", brightness,
-            brightness, brightness, between(w, -0.7, 0.7), between(w, -1, 0.6), between(w, 0.2, 1));
+        put_text(w, "void light l 0 0 3 %g %g %g\nl source sun 0 0 4 %.3f %.3f %.3f .533\n",
+                 brightness, brightness, brightness, between(w, -0.7, 0.7), between(w, -1, 0.6),
+                 between(w, 0.2, 1));
     }
     w->scene->lamp = happens(w, 0.3) || (!w->scene->sky && !w->scene->sun);
     if (w->scene->lamp) {
         const double radiance = happens(w, 0.3) ? 1e-7 : 100;
-        put(w, "void light b 0 0 3 %g %g %g\nb sphere bulb 0 0 4 2 4.5 2.7 .05\n", radiance,
-            radiance, radiance);
+        put_text(w, "void light b 0 0 3 %g %g %g\nb sphere bulb 0 0 4 2 4.5 2.7 .05\n", radiance,
+                 radiance, radiance);
     }
 }
 
-/* What is easily missed. */
+/* Adds objects that are easily missed. */
 static void put_things(struct writer *w)
 {
     w->scene->mirror = happens(w, 0.4);
     if (w->scene->mirror) {
         const double x = between(w, 0.5, 3), y = between(w, 0.3, 3), side = between(w, 0.05, 0.3);
-        put(w,
-            "void mirror r 0 0 3 .9 .9 .9\n"
-            "r polygon glint 0 0 12 %.3f %.3f .02 %.3f %.3f .02 %.3f %.3f .02 %.3f %.3f .02\n",
-            x, y, x + side, y, x + side, y + side, x, y + side);
+        put_text(w,
+                 "void mirror r 0 0 3 .9 .9 .9\n"
+                 "r polygon glint 0 0 12 %.3f %.3f .02 %.3f %.3f .02 %.3f %.3f .02 %.3f %.3f .02\n",
+                 x, y, x + side, y, x + side, y + side, x, y + side);
     }
     w->scene->red = happens(w, 0.3);
     if (w->scene->red) /* hidden from the window by a white screen */
-        put(w, "void plastic s 0 0 5 .8 .8 .8 0 0\ns polygon screen 0 0 12 .5 3 0 3.5 3 0 3.5 3 2 "
+        put_text(
+            w, "void plastic s 0 0 5 .8 .8 .8 0 0\ns polygon screen 0 0 12 .5 3 0 3.5 3 0 3.5 3 2 "
                ".5 3 2\nvoid plastic q 0 0 5 .8 .05 .05 0 0\n"
                "q polygon behind 0 0 12 .5 3.01 0 .5 3.01 2 3.5 3.01 2 3.5 3.01 0\n");
     w->scene->opposite = happens(w, 0.4);
     if (w->scene->opposite)
-        put(w, "void plastic o 0 0 5 .7 .7 .6 0 0\n"
-               "o polygon opposite 0 0 12 -5 -8 -4 9 -8 -4 9 -8 6 -5 -8 6\n"
-               "o polygon street 0 0 12 -9 -9 -4 9 -9 -4 9 -.5 -4 -9 -.5 -4\n");
+        put_text(w, "void plastic o 0 0 5 .7 .7 .6 0 0\n"
+                    "o polygon opposite 0 0 12 -5 -8 -4 9 -8 -4 9 -8 6 -5 -8 6\n"
+                    "o polygon street 0 0 12 -9 -9 -4 9 -9 -4 9 -.5 -4 -9 -.5 -4\n");
     w->scene->glossy = happens(w, 0.3);
     if (w->scene->glossy)
-        put(w,
-            "void plastic t 0 0 5 .3 .3 .3 %.3f .1\n"
-            "t polygon table 0 0 12 2.2 1 .75 3.4 1 .75 3.4 2 .75 2.2 2 .75\n",
-            happens(w, 0.3) ? 0.001 : 0.05);
+        put_text(w,
+                 "void plastic t 0 0 5 .3 .3 .3 %.3f .1\n"
+                 "t polygon table 0 0 12 2.2 1 .75 3.4 1 .75 3.4 2 .75 2.2 2 .75\n",
+                 happens(w, 0.3) ? 0.001 : 0.05);
     w->scene->block = happens(w, 0.1);
     if (w->scene->block)
-        put(w, "void dielectric d 0 0 5 .9 .9 .9 1.5 0\nd sphere block 0 0 4 1 1.2 .3 .2\n");
+        put_text(w, "void dielectric d 0 0 5 .9 .9 .9 1.5 0\nd sphere block 0 0 4 1 1.2 .3 .2\n");
 }
 
 void random_scene(uint32_t index, struct random_scene *ret_scene)

@@ -32,7 +32,7 @@ struct hole {
 enum { HOLES = 4 };
 struct room {
     const char *name;
-    double size[3]; /* from the origin */
+    double size[3]; /* size from the origin */
     struct hole holes[HOLES];
     const char *text;
 };
@@ -212,7 +212,7 @@ static void add_rectangle(struct text *text, const struct hole *r)
     append(text, "\n");
 }
 
-/* Four rectangles about the hole. */
+/* Writes four rectangles around the hole. */
 static void add_wall(struct text *text, const struct room *room, const struct hole *h)
 {
     const double width = room->size[h->axis == 'x' ? 1 : 0],

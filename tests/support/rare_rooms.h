@@ -14,18 +14,18 @@
 size_t rare_room_count(void);
 const char *rare_room_name(size_t room);
 
-/* The room's scene; pane.xml, which it may name, is path_pane(). */
+/* Writes the room's scene, which may name pane.xml, that is path_pane(). */
 void rare_room_scene(size_t room, char ret_text[PATH_TEXT],
                      struct orl_sensor ret_sensors[PATH_SENSORS]);
 
-/* A job for a room of that name: with more text in its scene, and with so many caustic photons. */
+/* A job for the room of that name, with additional scene text and that many caustic photons. */
 struct rare_room_job {
-    const char *name, *more; /* more: or NULL */
+    const char *name, *more; /* more: additional scene text, or NULL */
     enum orl_technique technique;
-    uint64_t seed, caustic; /* 0: 1, and none */
+    uint64_t seed, caustic; /* 0: seed 1, and no caustic photons */
 };
 
-/* Runs it with 200 000 global photons; the result is the caller's, for orl_result_done. */
+/* Runs it with 200 000 global photons; release the result with orl_result_done. */
 struct orl_result rare_room_run(const struct rare_room_job *job);
 
 #endif

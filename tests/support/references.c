@@ -1,4 +1,4 @@
-/* cmocka wants these before it. */
+/* cmocka needs these headers first. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,7 @@ void reference_row_within(struct references *set, const char *place, double refe
                           double tolerance)
 {
     const double off = reference != 0 ? found / reference - 1 : found == 0 ? 0 : INFINITY;
-    const bool ok = fabs(off) <= tolerance; /* false for what is no number */
+    const bool ok = fabs(off) <= tolerance; /* false for NaN */
     const char *path = getenv("ORIEL_REFERENCE_TABLE");
     FILE *table = path ? fopen(path, "a") : NULL;
     if (table) {

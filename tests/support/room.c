@@ -38,7 +38,7 @@ static struct orl_vec3 moved(const struct room_change *c, struct orl_vec3 p)
     return orl_add(orl_scale(turned(c, p), c->scale), c->shift);
 }
 
-/* The room's polygons as text again, every vertex changed. */
+/* Writes the room's polygons with every vertex transformed. */
 static void write_room(const struct room_change *c, char *ret_text, size_t size)
 {
     struct orl_description room =

@@ -1,6 +1,6 @@
 /*
- * A room of 4 x 5 x 3 m with a window in the south and a shelf, sun and an even sky: the scene on
- * which tests try what must not matter. Polygons only, so that it can be turned, moved and scaled.
+ * A room of 4 x 5 x 3 m with a window in the south and a shelf, sun and a uniform sky: the scene
+ * for invariance tests. It has only polygons, so that it can be rotated, moved and scaled.
  */
 #ifndef ORL_TESTS_SUPPORT_ROOM_H
 #define ORL_TESTS_SUPPORT_ROOM_H
@@ -29,20 +29,20 @@
 enum { ROOM_SENSORS = 5 };
 extern const struct orl_sensor room_sensors[ROOM_SENSORS];
 
-/* Everything inside out: the same room, all walls facing the other way. */
+/* Scene text of the room with all walls facing the other way. */
 extern const char room_flipped[];
 
-/* A transform: every vertex, the sensors and the sun go through it. The sky is even all round. */
+/* A transform of every vertex, the sensors and the sun. The sky is uniform in all directions. */
 struct room_change {
     double scale, turn_deg;
     struct orl_vec3 shift;
 };
 
-/* The sensors' lux after that change. */
+/* Computes the sensors' lux after that change. */
 void room_changed_lx(const struct room_change *change, uint64_t global, uint64_t seed,
                      double ret_lx[ROOM_SENSORS]);
 
-/* All bytes of a run with a BSDF pane, both maps and a small view. */
+/* Output bytes of a run with a BSDF pane, both maps and a small view. */
 struct room_bytes {
     double lx[ROOM_SENSORS];
     struct orl_health health;
@@ -51,7 +51,7 @@ struct room_bytes {
 };
 struct room_bytes room_run_all(uint32_t threads, uint64_t seed);
 void room_free_bytes(struct room_bytes *bytes);
-/* Numbers, health and files all the same? */
+/* Returns true if numbers, health and files are equal. */
 bool room_same_bytes(const struct room_bytes *a, const struct room_bytes *b);
 
 #endif

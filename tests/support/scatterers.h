@@ -1,8 +1,8 @@
 /*
- * Samples whose scattering is known in closed form, and what a goniophotometer would measure of
- * them: some thousands of places, dense around peaks, with noise and gaps, as pab-opto's text.
+ * Samples whose scattering is known in closed form, and simulated goniophotometer measurements:
+ * some thousands of directions, dense around peaks, with noise and gaps, in pab-opto's text format.
  *
- * Directions are of the hemisphere above the surface, whichever side they are on (core/fit/rows.h).
+ * Directions are in the hemisphere above the surface, on either side (core/fit/rows.h).
  */
 #ifndef ORL_TESTS_SUPPORT_SCATTERERS_H
 #define ORL_TESTS_SUPPORT_SCATTERERS_H
@@ -15,11 +15,12 @@
 
 enum scatterer {
     SCATTERER_LAMBERT,
-    SCATTERER_WARD,        /* isotropic, roughness 0.15, on a diffuse ground */
-    SCATTERER_ANISOTROPIC, /* Ward's, 0.1 in x and 0.25 in y */
-    SCATTERER_SLAB,        /* a dielectric slab seen by an instrument of 0.5 degrees: transmitted */
-    SCATTERER_CROSSING,    /* two lobes of 4 degrees that cross at 30 degrees of incidence */
-    SCATTERER_PEAK,        /* a specular peak of 0.3 degrees, on a diffuse ground */
+    SCATTERER_WARD,        /* isotropic Ward, roughness 0.15, on a diffuse ground */
+    SCATTERER_ANISOTROPIC, /* anisotropic Ward, 0.1 in x and 0.25 in y */
+    SCATTERER_SLAB, /* transmission of a dielectric slab, measured by an instrument of 0.5 degrees
+                     */
+    SCATTERER_CROSSING, /* two lobes of 4 degrees that cross at 30 degrees of incidence */
+    SCATTERER_PEAK,     /* a specular peak of 0.3 degrees, on a diffuse ground */
     SCATTERERS
 };
 
@@ -29,21 +30,22 @@ struct scatterer_kind {
 };
 extern const struct scatterer_kind scatterers[SCATTERERS];
 
-/* 1/sr. */
+/* Returns the BSDF value, 1/sr. */
 double scatterer_value(enum scatterer which, struct orl_vec3 in, struct orl_vec3 out);
-/* All of the light that is sent out, by quadrature to 1e-4 of it. */
+/* Returns the albedo, by quadrature to a relative error of 1e-4. */
 double scatterer_albedo(enum scatterer which, struct orl_vec3 in);
-/* Directions of its peaks for light from there; how many: at most two. */
+/* Returns the number of peaks, at most two, and their directions, for light from `in`. */
 int scatterer_peaks(enum scatterer which, struct orl_vec3 in, struct orl_vec3 ret_peaks[2]);
 
 struct scatterer_scan {
     double theta_deg, phi_deg;
     unsigned rows;
-    double noise; /* standard deviation of a value, as a share of it, and of the diffuse ground */
-    bool gap;     /* none within 4 degrees of where light comes from, of what is reflected */
+    double noise; /* standard deviation of a value, as a share of the value, and of the diffuse
+                     ground */
+    bool gap;     /* true: no reflected directions within 4 degrees of the incoming light */
     uint64_t seed;
 };
-/* A file of pab-opto's. */
+/* Writes a file in pab-opto's format. */
 void scatterer_write(FILE *out, enum scatterer which, const struct scatterer_scan *scan);
 
 struct orl_vec3 scatterer_direction(double theta_deg, double phi_deg);

@@ -45,7 +45,7 @@ static void fail_with(const struct orl_error *err)
     fail_msg("%s", text);
 }
 
-/* Results are to depend on no clock; this one only has to run. */
+/* Results must not depend on a clock; this one only has to advance. */
 static double now_s(void *ctx)
 {
     struct timespec t;
@@ -59,8 +59,7 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
 {
     static char view_name[] = "view";
     orl_job_init(job);
-    /* Nothing in the job is owned by it here, so casts drop const, and orl_job_done is not called.
-     */
+    /* The job owns nothing here, so casts drop const, and orl_job_done is not called. */
     job->scene_files = run->source ? (char **)(uintptr_t)run->names : names;
     job->n_scene_files = run->source ? run->n_names : 1;
     job->sensors_file = (char *)(uintptr_t)run->sensors_file;

@@ -1,4 +1,4 @@
-/* cmocka's set-ups and tear-downs of tests that talk to a daemon. */
+/* cmocka's set-ups and tear-downs for tests that use a daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* cmocka wants these before it. */
+/* cmocka needs these headers first. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -26,7 +26,7 @@ void study_grid_points(const struct study_grid *grid, struct orl_study_point *re
             *p = (struct orl_study_point){
                 .setting = {grid->technique, grid->photons[i], grid->samples[k]}, .seeds = 3};
             const double rms = orl_study_fit_predict(&truth, &p->setting);
-            /* exp(-s^2/2): the mean of the log-normal factor is then 1. */
+            /* exp(-s^2/2) makes the mean of the log-normal factor 1. */
             p->rms = rms * sqrt(exp(s * draw_normal(&random) - 0.5 * s * s));
             p->rms_error = 0.5 * s * p->rms;
             p->total_s = 0.3 + 1e-6 * (double)p->setting.photons + 2e-4 * p->setting.samples;

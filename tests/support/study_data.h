@@ -1,13 +1,14 @@
 /*
- * Studies that were never run: points made from a model whose parameters are known.
+ * Synthetic studies: points from a model whose parameters are known.
  */
 #ifndef ORL_TESTS_SUPPORT_STUDY_DATA_H
 #define ORL_TESTS_SUPPORT_STUDY_DATA_H
 
 #include <oriel/study.h>
 
-/* Points of a technique at every photon count and every number of samples, rms by those terms (NaN:
- * absent). Each rms^2 is drawn log-normally with that relative spread; index names the draw. */
+/* Points of a technique at every photon count and every number of samples; rms follows these terms
+ * (NaN: absent). Each rms^2 is log-normal with that relative spread; index selects the random
+ * sample. */
 struct study_grid {
     enum orl_technique technique;
     const uint64_t *photons;
@@ -20,8 +21,8 @@ struct study_grid {
 };
 void study_grid_points(const struct study_grid *grid, struct orl_study_point *ret_points);
 
-/* A whole study of that many points a technique and given points, all over the place; the arrays
- * are owned, for orl_study_done. */
+/* Returns a random study of that many points per technique and given points; the arrays are owned,
+ * for orl_study_done. */
 struct orl_study study_of_chance(uint64_t index, size_t points, size_t given);
 
 #endif

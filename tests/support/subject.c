@@ -33,7 +33,7 @@ struct subject subject_of(const char *text, const char *resource, const char *re
     s.material = &s.description.materials[s.description.surfaces[0].material];
     s.hit = (struct orl_hit){
         .distance = 1, .normal = orl_normalize(orl_v3(0.2, -0.7, 0.5)), .front = true};
-    /* For a BSDF its own frame, so that a direction means the same to both. */
+    /* A BSDF uses its own frame, so that a direction means the same to both. */
     s.frame = s.material->kind == ORL_MATERIAL_BSDF ? orl_bsdf_frame(s.material, s.hit.normal)
                                                     : orl_frame_about(s.hit.normal);
     return s;
@@ -50,7 +50,7 @@ void subject_done(struct subject *s)
     orl_description_done(&s->description);
 }
 
-/* z = 3.72: exceeded once in 10^4. */
+/* z = 3.72: exceeded with probability 1e-4. */
 static double chi_square_bound(double n, double z)
 {
     const double c = 2 / (9 * n), root = fmax(1 - c + z * sqrt(c), 0);
@@ -84,7 +84,7 @@ struct tally subject_draw(const struct subject *s, struct orl_vec3 from,
     return t;
 }
 
-/* Bins of equal projected solid angle about the subject's frame, front side first. */
+/* Returns a bin of equal projected solid angle in the subject's frame, front side first. */
 static int bin_of(const struct subject *s, struct orl_vec3 d)
 {
     const struct orl_vec3 l = orl_to_local(&s->frame, d);
@@ -116,8 +116,8 @@ static double density_at(const struct density *d, struct orl_vec3 to, double cos
                          : orl_scatter_eval_lobes(s->material, &s->hit, to, d->from).g);
 }
 
-/* The midpoint rule with n by n points. Even steps of the cosine: fine enough at grazing, where
- * lobes are thin. */
+/* Midpoint rule with n by n points. Equal steps of the cosine are fine enough at grazing angles,
+ * where lobes are thin. */
 static double integrate_bin(const struct density *d, int b, int n)
 {
     const int ring = b / SECTORS % RINGS;
@@ -137,10 +137,10 @@ static double integrate_bin(const struct density *d, int b, int n)
 }
 
 /*
- * Integrals over the bins; returns the whole. Points are doubled from 6 a side until the error of
- * the rule, which falls by 4 times each, is a 50th of the standard deviation of the number of draws
- * that the bin expects, or an eighth of the slack; to FINE at most. A BSDF has steps, which few
- * points may miss: FINE from the beginning.
+ * Computes integrals over the bins; returns their sum. The points per side are doubled from 6 until
+ * the error of the rule, which falls by 4 each time, is 1/50 of the standard deviation of the
+ * expected number of samples in the bin, or 1/8 of the slack; at most FINE. A BSDF has steps, which
+ * few points may miss, so it starts with FINE.
  */
 static double integrate(const struct density *d, double slack, double ret_bins[BINS])
 {
@@ -161,10 +161,10 @@ static double integrate(const struct density *d, double slack, double ret_bins[B
     return sum;
 }
 
-/* ---- Draws ----------------------------------------------------------------------------------- */
+/* ---- Samples --------------------------------------------------------------------------------- */
 
-/* Bins that expect fewer than 50 draws' worth of weight are pooled. Few draws are glossy where the
- * albedo is small: there are more of them then. */
+/* Bins whose expected weight is below that of 50 samples are pooled. A small albedo leaves few
+ * glossy samples, so more samples are taken then. */
 double subject_check_lobe(const struct subject *s, struct orl_vec3 from,
                           enum orl_transport transport, double slack, uint64_t seed)
 {
@@ -180,7 +180,7 @@ double subject_check_lobe(const struct subject *s, struct orl_vec3 from,
         struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
         const struct orl_scatter d =
             orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
-        if (d.event != ORL_EVENT_GLOSSY) /* the others are specular, or absorbed */
+        if (d.event != ORL_EVENT_GLOSSY) /* other samples are specular or absorbed */
             continue;
         assert_true(fabs(orl_length(d.direction) - 1) < 1e-9);
         assert_int_equal(d.transmitted,
@@ -204,7 +204,7 @@ double subject_check_lobe(const struct subject *s, struct orl_vec3 from,
     assert_true(cells >= 1);
     assert_true(chi2 < chi_square_bound(cells, 3.72));
     assert_true(fabs(pool[0] - pool[1]) < 4 * sqrt(pool[2]) + 20 * albedo / draws);
-    /* Energy: what is drawn is no more than what came, within noise. */
+    /* Energy: the sampled weight does not exceed the incident one, within noise. */
     const double noise = 4 * sqrt(fmax(mean_square - mean * mean, 0) / draws);
     assert_true(fabs(mean - albedo) < noise + slack * albedo);
     assert_true(mean <= 1 + noise);
@@ -217,7 +217,7 @@ void subject_check_pdf(const struct subject *s, struct orl_vec3 from, enum orl_t
     static double expected[BINS], count[BINS];
     const struct density density = {s, from, transport, lobes, true};
     const double share = integrate(&density, slack, expected);
-    const int draws = (int)fmin(LOBE_DRAWS, subject_draws() / share); /* as of a lobe */
+    const int draws = (int)fmin(LOBE_DRAWS, subject_draws() / share); /* number for a lobe */
     double chi2 = 0, cells = 0, drawn = 0, pool[2] = {0, 0};
     memset(count, 0, sizeof count);
     for (int i = 0; i < draws; i++) {

@@ -29,7 +29,7 @@
 #include "scene/parse/stl.h"
 #include "scene/parse/wavefront.h"
 
-static void note(struct text_values *values, double value)
+static void note_value(struct text_values *values, double value)
 {
     const size_t left = sizeof values->text - values->length;
     const int n = snprintf(values->text + values->length, left, "%.17g ", value);
@@ -40,10 +40,10 @@ static void note(struct text_values *values, double value)
 static void note_all(struct text_values *values, const double *from, size_t n)
 {
     for (size_t i = 0; i < n; i++)
-        note(values, from[i]);
+        note_value(values, from[i]);
 }
 
-/* NULL counts as no text. */
+/* NULL counts as the empty text. */
 static void note_text(struct text_values *values, const char *text)
 {
     const int n = snprintf(values->text, sizeof values->text, "%s", text ? text : "");
@@ -70,8 +70,8 @@ static int read_weather(const char *text, size_t size, struct text_values *value
 {
     struct orl_weather weather = {0};
     const int code = orl_weather_parse("a.epw", text, size, 0, &weather, err);
-    note(values, weather.latitude_deg);
-    note(values, weather.longitude_deg);
+    note_value(values, weather.latitude_deg);
+    note_value(values, weather.longitude_deg);
     for (size_t i = 0; i < weather.n_rows; i++) {
         const struct orl_weather_row *row = &weather.rows[i];
         note_all(values, (const double[]){row->month, row->day, row->hour, row->line}, 4);
@@ -81,7 +81,7 @@ static int read_weather(const char *text, size_t size, struct text_values *value
     return code;
 }
 
-/* Reads marks for a year of two steps. */
+/* Reads occupancy marks for a year of two steps. */
 static int read_occupancy(const char *text, size_t size, struct text_values *values,
                           struct orl_error *err)
 {
@@ -106,7 +106,7 @@ static int read_schedule(const char *text, size_t size, struct text_values *valu
     struct orl_annual_request request = {.groups = &group, .n_groups = 1};
     const int code = orl_annual_schedules_read(&request, &files, err);
     for (size_t i = 0; i < group.n_series; i++)
-        note(values, group.series[i]);
+        note_value(values, group.series[i]);
     free(group.series);
     return code;
 }
@@ -118,7 +118,7 @@ static int read_matrix(const char *text, size_t size, struct text_values *values
     const int code = orl_rgb_matrix_read("a.mtx", text, size, &matrix, err);
     note_all(values, (const double[]){(double)matrix.rows, (double)matrix.columns}, 2);
     for (size_t i = 0; i < 3 * matrix.rows * matrix.columns; i++)
-        note(values, (double)matrix.values[i]);
+        note_value(values, (double)matrix.values[i]);
     orl_rgb_matrix_done(&matrix);
     return code;
 }
@@ -129,7 +129,7 @@ static int read_grid(const char *text, size_t size, struct text_values *values,
     struct orl_grid *grid = NULL;
     const int code = orl_grid_read_data("a.dat", text, size, &grid, err);
     for (size_t i = 0; grid && i < grid->n_values; i++)
-        note(values, (double)grid->values[i]);
+        note_value(values, (double)grid->values[i]);
     for (size_t i = 0; grid && i < grid->n_axes; i++)
         note_all(values, (const double[]){grid->axes[i].origin, grid->axes[i].size}, 2);
     orl_grid_free(grid);
@@ -152,7 +152,7 @@ static int read_ies(const char *text, size_t size, struct text_values *values,
 static int note_face(void *ctx, const struct orl_wavefront_face *face, struct orl_error *err)
 {
     (void)err;
-    note(ctx, face->line);
+    note_value(ctx, face->line);
     for (size_t i = 0; i < face->n_corners; i++)
         note_all(ctx, (const double[]){face->corners[i].x, face->corners[i].y, face->corners[i].z},
                  3);
@@ -170,7 +170,7 @@ static int read_obj(const char *text, size_t size, struct text_values *values,
 static int note_facet(void *ctx, const struct orl_vec3 corners[3], int line, struct orl_error *err)
 {
     (void)err;
-    note(ctx, line);
+    note_value(ctx, line);
     for (size_t i = 0; i < 3; i++)
         note_all(ctx, (const double[]){corners[i].x, corners[i].y, corners[i].z}, 3);
     return 0;
@@ -233,7 +233,7 @@ static int read_xml(const char *text, size_t size, struct text_values *values,
     orl_bsdf_describe(bsdf, &info);
     note_all(values, (const double[]){info.max_albedo[0], info.max_albedo[1]}, 2);
     note_all(values, (const double[]){info.thickness_m, (double)info.values}, 2);
-    note(values, (double)info.skipped_bytes);
+    note_value(values, (double)info.skipped_bytes);
     orl_bsdf_unref(bsdf);
     return code;
 }
@@ -251,7 +251,7 @@ static int read_scene(const char *text, size_t size, struct text_values *values,
         const struct orl_vec3 *v = description.surfaces[i].vertices;
         for (uint32_t k = 0; v && k < description.surfaces[i].n_vertices; k++)
             note_all(values, (const double[]){v[k].x, v[k].y, v[k].z}, 3);
-        note(values, description.surfaces[i].line);
+        note_value(values, description.surfaces[i].line);
     }
     orl_description_done(&description);
     return code;
@@ -300,7 +300,7 @@ static int read_rules(const char *text, size_t size, struct text_values *values,
     for (uint64_t number = 1; number <= 3; number++) {
         struct orl_wavefront_face face = {.number = number};
         const char *const name = orl_material_rules_choose(rules, &face);
-        note(values, name && strcmp(name, red) == 0);
+        note_value(values, name && strcmp(name, red) == 0);
     }
     orl_material_rules_free(rules);
     return 0;

@@ -1,5 +1,5 @@
 /*
- * Every reader of text files behind one interface, each with a small file: a reader returns its
+ * Every reader of text files behind one interface, each with a small file. A reader returns its
  * values as text, so that two files can be compared.
  */
 #ifndef ORL_TESTS_SUPPORT_TEXT_READERS_H
@@ -15,9 +15,9 @@ struct text_values {
     size_t length;
 };
 
-/* A file with a fault, the line of the error, and a part of its message. */
+/* A file with an error, the line of the error, and a part of its message. */
 struct text_fault {
-    const char *text; /* NULL: the reader has no such fault */
+    const char *text; /* NULL: the reader has no such error */
     int line;
     const char *message;
 };
@@ -25,15 +25,16 @@ struct text_fault {
 struct text_reader {
     const char *name;
     int (*read)(const char *text, size_t size, struct text_values *values, struct orl_error *err);
-    const char *text;   /* all lines end in "\n" */
-    const char *latin1; /* the same values, with bytes of Latin-1 in comments or names; or NULL */
+    const char *text;   /* all lines end in "
+                         * " */
+    const char *latin1; /* equal values, with Latin-1 bytes in comments or names; or NULL */
     struct text_fault decimal_comma, empty_cell;
 };
 
 extern const struct text_reader text_readers[];
 extern const size_t n_text_readers;
 
-/* Returns true for XML, which names its encoding. */
+/* Returns true for XML, which declares its encoding. */
 bool text_reader_takes_utf16(const struct text_reader *reader);
 
 /* A BSDF whose basis is one ring of two cells. */

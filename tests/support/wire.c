@@ -12,15 +12,15 @@ struct own;
 struct wire {
     wire_see see;
     void *ctx;
-    struct own *open; /* of a request that libmicrohttpd has not told the end of */
+    struct own *open; /* a request whose end libmicrohttpd has not yet reported */
 };
 
-/* A request's own. */
+/* State of a request. */
 struct own {
     bool begun, too_long;
 };
 
-/* As the daemon, before the arguments are taken apart. */
+/* Called as in the daemon, before the arguments are split. */
 static void *on_target(void *ctx, const char *uri, struct MHD_Connection *connection)
 {
     struct wire *wire = ctx;
@@ -79,8 +79,8 @@ static void say_nothing(void *ctx, const char *format, va_list args)
     (void)ctx, (void)format, (void)args;
 }
 
-/* Until nothing more comes of what was sent. */
-static size_t run(struct MHD_Daemon *daemon, int fd)
+/* Runs until libmicrohttpd has no more work on the bytes. */
+static size_t run_daemon(struct MHD_Daemon *daemon, int fd)
 {
     enum { TURNS = 64 };
     char answer[4096];
@@ -111,12 +111,12 @@ size_t wire_send(const void *bytes, size_t size, wire_see see, void *ctx)
         abort();
     setsockopt(fds[0], SOL_SOCKET, SO_SNDBUF, &room, sizeof room);
     if (send(fds[0], bytes, size, MSG_NOSIGNAL) != (ssize_t)size)
-        abort(); /* more than a pipe holds: inputs are small */
+        abort(); /* larger than a pipe's buffer: inputs are small */
     shutdown(fds[0], SHUT_WR);
     size_t total = 0;
     if (MHD_add_connection(daemon, fds[1], (const struct sockaddr *)&nobody, sizeof nobody) ==
         MHD_YES)
-        total = run(daemon, fds[0]);
+        total = run_daemon(daemon, fds[0]);
     MHD_stop_daemon(daemon);
     free(wire.open);
     close(fds[0]);

@@ -32,7 +32,7 @@ static int day_of_year(int month, int day)
     return before[month - 1] + day;
 }
 
-/* Clear in the morning, veiled about noon, covered in the last third of the day. */
+/* Appends a day: clear in the morning, veiled about noon, overcast in the last third. */
 void year_day(const struct year_site *site, int month, int day, char *text, size_t size)
 {
     const double declination = -0.4093 * cos(2 * ORL_PI * (day_of_year(month, day) + 10) / 365.25);
@@ -49,7 +49,7 @@ void year_day(const struct year_site *site, int month, int day, char *text, size
     }
 }
 
-/* The weather of a run; owned. */
+/* Returns the weather of a run; owned. */
 static char *weather_of(const struct year_run *run)
 {
     char *text = calloc(TEXT, 1);
@@ -67,7 +67,7 @@ static char *weather_of(const struct year_run *run)
     return text;
 }
 
-/* Where a run's jobs read, compute and write. */
+/* Input, computation and output folders of a run's jobs. */
 struct place {
     char *weather, folder[64];
     const char *names[3];
@@ -98,7 +98,7 @@ static void note_progress(void *ctx, enum orl_stage stage, double stage_fraction
     progress->last = job_fraction;
 }
 
-/* In place: it points into itself. */
+/* Initialises in place, since it points into itself. */
 static void open_place(struct place *p, const struct year_run *run)
 {
     *p = (struct place){.weather = weather_of(run),
@@ -230,7 +230,7 @@ struct orl_seat_hours *year_glare(const struct year_run *run, const struct orl_a
     return hours;
 }
 
-/* ---- Hours of their own ---------------------------------------------------------------------- */
+/* ---- Single hours ---------------------------------------------------------------------------- */
 
 static void job_of(const struct year_run *run, const struct orl_annual_step *step,
                    struct orl_job *ret_job)

@@ -15,7 +15,7 @@ struct writer {
     size_t size, room;
 };
 
-static void put(struct writer *w, const void *data, size_t size)
+static void put_bytes(struct writer *w, const void *data, size_t size)
 {
     if (size == 0)
         return;
@@ -32,7 +32,7 @@ static void put_number(struct writer *w, uint64_t value, int bytes)
 {
     for (int i = 0; i < bytes; i++) {
         const unsigned char byte = (unsigned char)(value >> (8 * i));
-        put(w, &byte, 1);
+        put_bytes(w, &byte, 1);
     }
 }
 
@@ -47,7 +47,8 @@ static uint32_t checksum(const char *data, size_t size)
     return ~crc;
 }
 
-/* What both of an entry's headers have, from the flags to the length of the extra field. */
+/* Writes the fields that both headers of an entry share, from the flags to the length of the extra
+ * field. */
 static void put_common(struct writer *w, const struct zip_entry *entry)
 {
     put_number(w, entry->flags, 2);
@@ -63,14 +64,14 @@ static void put_common(struct writer *w, const struct zip_entry *entry)
 static void put_directory_entry(struct writer *w, const struct zip_entry *entry, uint32_t offset)
 {
     const uint32_t mode = entry->mode ? entry->mode : 0100644;
-    put(w, "PK\1\2", 4);
-    put_number(w, 3 << 8 | 20, 2); /* by Unix */
+    put_bytes(w, "PK\1\2", 4);
+    put_number(w, 3 << 8 | 20, 2); /* made by Unix, version 2.0 */
     put_number(w, 20, 2);
     put_common(w, entry);
     put_number(w, 0, 6);
     put_number(w, mode << 16, 4);
     put_number(w, offset, 4);
-    put(w, entry->name, strlen(entry->name));
+    put_bytes(w, entry->name, strlen(entry->name));
 }
 
 char *zip_make(const struct zip_entry *entries, size_t count, size_t *ret_size)
@@ -78,15 +79,15 @@ char *zip_make(const struct zip_entry *entries, size_t count, size_t *ret_size)
     struct writer w = {0}, directory = {0};
     for (size_t i = 0; i < count; i++) {
         put_directory_entry(&directory, &entries[i], (uint32_t)w.size);
-        put(&w, "PK\3\4", 4);
+        put_bytes(&w, "PK\3\4", 4);
         put_number(&w, 20, 2);
         put_common(&w, &entries[i]);
-        put(&w, entries[i].name, strlen(entries[i].name));
-        put(&w, entries[i].data, entries[i].size);
+        put_bytes(&w, entries[i].name, strlen(entries[i].name));
+        put_bytes(&w, entries[i].data, entries[i].size);
     }
     const size_t start = w.size;
-    put(&w, directory.bytes, directory.size);
-    put(&w, "PK\5\6", 4);
+    put_bytes(&w, directory.bytes, directory.size);
+    put_bytes(&w, "PK\5\6", 4);
     put_number(&w, 0, 4);
     put_number(&w, (uint32_t)count, 2);
     put_number(&w, (uint32_t)count, 2);

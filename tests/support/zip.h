@@ -1,4 +1,4 @@
-/* Zips put together by hand, so that they may hold what no program would write. */
+/* Zips built by hand, so that they can hold what no program would write. */
 #ifndef ORL_TESTS_SUPPORT_ZIP_H
 #define ORL_TESTS_SUPPORT_ZIP_H
 
@@ -6,21 +6,21 @@
 #include <stdint.h>
 
 struct zip_entry {
-    const char *name, *data; /* stored as it is */
+    const char *name, *data; /* data: stored as given */
     size_t size;
-    uint16_t mode;   /* Unix: 0120777 is a link; 0: a plain file */
+    uint16_t mode;   /* Unix mode: 0120777 is a link; 0: a plain file */
     uint16_t flags;  /* 1: encrypted */
-    uint16_t method; /* as it is said to be; 0: stored */
-    uint32_t damage; /* of the checksum */
+    uint16_t method; /* declared method; 0: stored */
+    uint32_t damage; /* error added to the checksum */
 };
 #define ZIP_TEXT(entry_name, text)                                                                 \
     {                                                                                              \
         .name = (entry_name), .data = (text), .size = sizeof(text) - 1                             \
     }
 
-/* The archive, owned; fails the running test when out of memory. */
+/* Returns the archive, owned; fails the running test when out of memory. */
 char *zip_make(const struct zip_entry *entries, size_t count, size_t *ret_size);
-/* One file of so many zero bytes, deflated. */
+/* Returns an archive of one deflated file of that many zero bytes. */
 char *zip_make_bomb(const char *name, size_t zeros, size_t *ret_size);
 
 #endif

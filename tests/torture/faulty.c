@@ -56,7 +56,7 @@ __attribute__((constructor)) static void open_control(void)
         close(fd);
 }
 
-/* Is it the turn of a call of this kind? Also asked by scarce.c. */
+/* Returns true if a call of this kind must fail. scarce.c calls it, too. */
 int faulty_is_due(int what);
 int faulty_is_due(int what)
 {

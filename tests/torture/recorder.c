@@ -1,16 +1,17 @@
 /*
- * Records what a program does to the files of a folder: loaded before the C library (LD_PRELOAD),
- * it writes a line of JSON for each act to the file RECORDER, in the order they end. powercuts.py
- * plays them back up to any of them, without what was not synced.
+ * Records the file operations of a program on a folder: loaded before the C library (LD_PRELOAD),
+ * it writes a line of JSON for each operation to the file RECORDER, in the order in which they end.
+ * powercuts.py replays them up to any of them, without unsynced data.
  *
  *   {"a": "create" | "mkdir" | "unlink" | "rmdir", "p": path}    {"a": "rename", "p": from, "q":
  * to}
  *   {"a": "folder", "p": path}     a folder was synced: its entries are safe
- *   {"a": "file", "p": path, "at": offset, "n": bytes}           a file was synced: it is what lies
- *                                  there in RECORDER.data, however that was written (mapped, stdio)
- *   {"a": "write", "p": path, "to": place, "at": offset, "n": bytes}   a pwrite: the database's
+ *   {"a": "file", "p": path, "at": offset, "n": bytes}
+ *                                  a file was synced: its content then is in RECORDER.data,
+ *                                  however it was written (mapped, stdio)
+ *   {"a": "write", "p": path, "to": place, "at": offset, "n": bytes}   a pwrite of the database
  *
- * Paths are below RECORDER_ROOT, which is to be absolute. remove() counts as unlink or rmdir.
+ * Paths are below RECORDER_ROOT, which must be absolute. remove() is recorded as unlink or rmdir.
  */
 #include <dlfcn.h>
 #include <errno.h>
@@ -29,7 +30,7 @@ enum { PATH_BYTES = 4096 };
 
 static int lines = -1, data = -1;
 static long data_size;
-static pid_t daemon_pid; /* children that check uploads write names at most */
+static pid_t daemon_pid; /* children that check uploads write only names */
 static char root[PATH_BYTES];
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
@@ -59,9 +60,9 @@ static const char *below(const char *path)
     return lines >= 0 && length > 1 && strncmp(path, root, length) == 0 ? path + length : NULL;
 }
 
-/* Under the lock: order is what this is about. errno stays. */
-static void tell(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static void tell(const char *format, ...)
+/* Called under the lock, which fixes the order. Preserves errno. */
+static void record(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static void record(const char *format, ...)
 {
     char line[2 * PATH_BYTES + 200];
     const int why = errno;
@@ -102,16 +103,16 @@ static void tell_synced(int fd)
     if (fstat(fd, &st) != 0 || (!name && !(S_ISDIR(st.st_mode) && below(strcat(path, "/")))))
         return;
     if (S_ISDIR(st.st_mode)) {
-        tell("{\"a\": \"folder\", \"p\": \"%s\"}\n", name ? name : "");
+        record("{\"a\": \"folder\", \"p\": \"%s\"}\n", name ? name : "");
         return;
     }
     const long at = data_size;
-    snprintf(own, sizeof own, "/proc/self/fd/%d", fd); /* fd may be for writing alone */
+    snprintf(own, sizeof own, "/proc/self/fd/%d", fd); /* fd may be write-only */
     const int reader = REAL(open_call, "open")(own, O_RDONLY | O_CLOEXEC);
     for (ssize_t n; reader >= 0 && (n = read(reader, bytes, sizeof bytes)) > 0;)
         copy_to_data(bytes, (size_t)n);
     close(reader);
-    tell("{\"a\": \"file\", \"p\": \"%s\", \"at\": %ld, \"n\": %ld}\n", name, at, data_size - at);
+    record("{\"a\": \"file\", \"p\": \"%s\", \"at\": %ld, \"n\": %ld}\n", name, at, data_size - at);
 }
 
 static int sync_with(const char *call, int fd)
@@ -146,8 +147,8 @@ static ssize_t pwrite_with(const char *call, int fd, const void *bytes, size_t s
     if (name) {
         const long from = data_size;
         copy_to_data(bytes, (size_t)n);
-        tell("{\"a\": \"write\", \"p\": \"%s\", \"to\": %lld, \"at\": %ld, \"n\": %ld}\n", name,
-             (long long)at, from, (long)n);
+        record("{\"a\": \"write\", \"p\": \"%s\", \"to\": %lld, \"at\": %ld, \"n\": %ld}\n", name,
+               (long long)at, from, (long)n);
     }
     pthread_mutex_unlock(&lock);
     return n;
@@ -174,7 +175,7 @@ static int open_with(const char *call, const char *path, int flags, mode_t mode)
     const bool there = access(path, F_OK) == 0;
     const int fd = REAL(open_call, call)(path, flags, mode);
     if (fd >= 0 && !there)
-        tell("{\"a\": \"create\", \"p\": \"%s\"}\n", name);
+        record("{\"a\": \"create\", \"p\": \"%s\"}\n", name);
     pthread_mutex_unlock(&lock);
     return fd;
 }
@@ -211,7 +212,7 @@ static FILE *fopen_with(const char *call, const char *path, const char *mode)
     const bool there = access(path, F_OK) == 0;
     FILE *file = REAL(FILE * (*)(const char *, const char *), call)(path, mode);
     if (file && !there)
-        tell("{\"a\": \"create\", \"p\": \"%s\"}\n", name);
+        record("{\"a\": \"create\", \"p\": \"%s\"}\n", name);
     pthread_mutex_unlock(&lock);
     return file;
 }
@@ -231,7 +232,7 @@ int mkdir(const char *path, mode_t mode)
     pthread_mutex_lock(&lock);
     const int rc = REAL(int (*)(const char *, mode_t), "mkdir")(path, mode);
     if (rc == 0 && below(path))
-        tell("{\"a\": \"mkdir\", \"p\": \"%s\"}\n", below(path));
+        record("{\"a\": \"mkdir\", \"p\": \"%s\"}\n", below(path));
     pthread_mutex_unlock(&lock);
     return rc;
 }
@@ -243,7 +244,7 @@ static int remove_with(const char *call, const char *path)
     const bool folder = lstat(path, &st) == 0 && S_ISDIR(st.st_mode);
     const int rc = REAL(path_call, call)(path);
     if (rc == 0 && below(path))
-        tell("{\"a\": \"%s\", \"p\": \"%s\"}\n", folder ? "rmdir" : "unlink", below(path));
+        record("{\"a\": \"%s\", \"p\": \"%s\"}\n", folder ? "rmdir" : "unlink", below(path));
     pthread_mutex_unlock(&lock);
     return rc;
 }
@@ -268,7 +269,7 @@ int rename(const char *from, const char *to)
     pthread_mutex_lock(&lock);
     const int rc = REAL(int (*)(const char *, const char *), "rename")(from, to);
     if (rc == 0 && below(from) && below(to))
-        tell("{\"a\": \"rename\", \"p\": \"%s\", \"q\": \"%s\"}\n", below(from), below(to));
+        record("{\"a\": \"rename\", \"p\": \"%s\", \"q\": \"%s\"}\n", below(from), below(to));
     pthread_mutex_unlock(&lock);
     return rc;
 }

@@ -1,6 +1,6 @@
 /*
- * Makes allocations fail, when faulty.c, which is to be loaded beside it, says that it is their
- * turn. By itself, since with sanitizers nothing may stand in the place of malloc.
+ * Makes allocations fail if faulty.c, loaded beside it, returns that one is due. It is separate
+ * from faulty.c because nothing may replace malloc under sanitizers.
  */
 #include <errno.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 enum { FAULTY_MEMORY = 8 };
 extern int faulty_is_due(int what);
 
-/* The C library's own, by names that need no look-up: that would allocate. */
+/* The C library's allocator, under names that need no look-up, which would allocate. */
 extern void *__libc_malloc(size_t size);
 extern void *__libc_calloc(size_t count, size_t size);
 extern void *__libc_realloc(void *old, size_t size);

@@ -1,4 +1,6 @@
-/* Hours of a year against the same hours as jobs of their own, and against closed forms. */
+/*
+ * Hours of an annual run compared with separate render jobs of these hours, and with closed forms.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,33 +24,32 @@ static uint32_t year_samples(void)
     return (uint32_t)extent(SAMPLES / 2, SAMPLES);
 }
 
-/* A pane in a room's wall, on ground: the room of support/room.h. */
+/* The room of support/room.h with a pane in a wall, on ground. */
 static const char glass_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND;
 static const char pool_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND
     "void mirror m 0 0 3 .8 .8 .8\nm polygon pool 0 0 12 0 -4 -.2 4 -4 -.2 4 -.5 -.2 0 -.5 -.2\n";
-/* The same with a panel that deflects light. */
+/* That room with a panel that deflects light. */
 static const char panel_room[] = ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE ROOM_GROUND;
-/* Four walls of 6 m about a yard of 8 x 8 m, nothing glazed. */
+/* Four walls of 6 m around a yard of 8 x 8 m, without glazing. */
 static const char courtyard[] =
     ROOM_GREY "w polygon ground 0 0 12 -20 -20 0 20 -20 0 20 20 0 -20 20 0\n"
               "w polygon s 0 0 12 -4 -4 0 -4 -4 6 4 -4 6 4 -4 0\n"
               "w polygon n 0 0 12 -4 4 0 4 4 0 4 4 6 -4 4 6\n"
               "w polygon e 0 0 12 4 -4 0 4 -4 6 4 4 6 4 4 0\n"
               "w polygon o 0 0 12 -4 -4 0 -4 4 0 -4 4 6 -4 -4 6\n";
-/* Something must be there: a stone far below the sensor. */
+/* A stone far below the sensor, since a scene must not be empty. */
 static const char nothing_near[] =
     "void plastic w 0 0 5 0 0 0 0 0\nw sphere stone 0 0 4 0 0 -50 .1\n";
 
-/* Two days in spring and winter; hours of clear and covered skies. */
+/* Two days in spring and winter; hours of clear and overcast skies. */
 static const struct year_site izmir = {38.42, 27.14, 2};
 
 /*
- * Every fourth hour of the year's two days at each sensor, every other one in the long suite,
- * against a job by backward. Both have a
- * standard error, of 15 degrees of freedom: of some dozens of differences, whose squares are
- * correlated by sensor, the rms is to be near 1, and none beyond 4.5, which Student's law of 15 has
- * once in 2000. What interpolation between nodes adds is within that, a coarse BSDF's under a low
- * sun included.
+ * Compares every fourth hour of the year's two days at each sensor (every other one in the long
+ * suite) with a backward job. Both have a standard error of 15 degrees of freedom. Over some dozens
+ * of differences, whose squares are correlated by sensor, the rms must be near 1, and none
+ * beyond 4.5, which Student's t with 15 exceeds once in 2000. The interpolation error between sun
+ * nodes is within that, even for a coarse BSDF under a low sun.
  */
 static void check_hours(const struct year_run *asked)
 {
@@ -94,7 +95,8 @@ static void test_glass_room(void **state)
     check_hours(&(struct year_run){.scene = glass_room, .sensors = sensors, .n_sensors = 4});
 }
 
-/* A pool of mirror before the window throws the sun onto the ceiling: in no map, but found. */
+/* A pool of mirror in front of the window reflects the sun onto the ceiling: no photon map has this
+ * light, but the annual run finds it. */
 static void test_pool(void **state)
 {
     static const struct orl_sensor sensors[] = {{{2, 1, .8}, {0, 0, 1}}, {{1, 4, .8}, {0, 0, 1}}};
@@ -102,7 +104,7 @@ static void test_pool(void **state)
     check_hours(&(struct year_run){.scene = pool_room, .sensors = sensors, .n_sensors = 2});
 }
 
-/* Mirrors of one plane serve as one, however many they are: 320 tiles throw what the pool does. */
+/* Coplanar mirrors count as one, however many: 320 tiles reflect as much light as the pool. */
 static void test_tiles(void **state)
 {
     static const struct orl_sensor sensor = {{2, 1, .8}, {0, 0, 1}};
@@ -130,7 +132,7 @@ static void test_tiles(void **state)
     free(text);
 }
 
-/* The panel's file as text; owned. */
+/* Returns the panel's file as text; owned. */
 static char *panel_text(void)
 {
     size_t size;
@@ -142,7 +144,8 @@ static char *panel_text(void)
     return text;
 }
 
-/* The panel's light is in the room by its map, and at sensors by points and draws of the panel. */
+/* The panel's light is in the room through its photon map, and at sensors through points and BSDF
+ * samples of the panel. */
 static void test_panel_room(void **state)
 {
     static const struct orl_sensor sensors[] = {{{2, 1, .8}, {0, 0, 1}},
@@ -159,7 +162,7 @@ static void test_panel_room(void **state)
     free(text);
 }
 
-/* What a screen in the room sends on to a sensor behind it came by a panel, which scatters it. */
+/* A screen in the room transmits light to a sensor behind it after a panel has scattered it. */
 static void test_screen(void **state)
 {
     static const struct orl_sensor sensors[] = {{{2, 3, 1.5}, {0, -1, 0}},
@@ -178,7 +181,7 @@ static void test_screen(void **state)
                                    .n_sensors = 2});
 }
 
-/* Slats before the panel, eight to its height: each point of it is lit or not for itself. */
+/* Eight slats in front of the panel: visibility of the sun is tested at each point of the panel. */
 static void test_slats(void **state)
 {
     static const struct orl_sensor sensors[] = {{{2, .6, 1}, {0, -1, .3}},
@@ -209,9 +212,9 @@ static void test_courtyard(void **state)
 }
 
 /*
- * With nothing in the way, a level sensor gets what the weather says, to the rounding of its
- * numbers; and the sun what its height gives it. Patches that paths fall into by chance are a
- * sample of 2048 of the sky: 3 standard errors of their own.
+ * Without obstructions a level sensor gets the illuminance of the weather file, to the rounding of
+ * its numbers, and the sun's for its altitude. Patches that paths hit by chance are a sample of
+ * 2048 of the sky: 3 standard errors are allowed.
  */
 static void test_open_ground(void **state)
 {
@@ -240,7 +243,7 @@ static void test_open_ground(void **state)
     orl_annual_done(&year);
 }
 
-/* The same bytes for any number of threads. */
+/* The result has the same bytes for any number of threads. */
 static void test_threads(void **state)
 {
     static const uint32_t crews[] = {1, 2, 7};
@@ -266,12 +269,11 @@ static void test_threads(void **state)
         orl_annual_done(&years[i]);
 }
 
-/* ---- Rows that are kept ---------------------------------------------------------------------- */
+/* ---- Stored rows ----------------------------------------------------------------------------- */
 
 enum { MANY = 70, MOST_BLOCKS = 64 };
 
-/* Blocks of a run, as a daemon keeps them; those that are there already, when they are asked for.
- */
+/* Stored blocks of a run, as in a daemon; returns the blocks that exist. */
 struct kept {
     struct orl_annual_block blocks[MOST_BLOCKS];
     float coherence[MOST_BLOCKS][MANY];
@@ -330,7 +332,9 @@ static void assert_same_years(const struct orl_annual_result *a, const struct or
     assert_memory_equal(a->se, b->se, bytes);
 }
 
-/* Of several rounds for a verdict: all blocks, half of them, none; the same bytes come of it. */
+/*
+ * Several rounds for a verdict, with all blocks stored, half of them, or none, give the same bytes.
+ */
 static void test_kept_rows(void **state)
 {
     struct orl_sensor sensors[MANY];
@@ -385,7 +389,7 @@ static void test_kept_rows(void **state)
     orl_annual_wishes_done(&wishes);
 }
 
-/* What the year does not follow is refused, and the surface named. */
+/* A scene that the annual run does not support is refused, and the error names the surface. */
 static void test_refusals(void **state)
 {
     static const char mirrors[] = ROOM_GREY "void mirror m 0 0 3 .9 .9 .9\n"

@@ -1,4 +1,4 @@
-/* Blinds as geometry: hours of a year against the same hours as jobs of their own. */
+/* Blinds as geometry: hours of an annual run compared with separate render jobs of these hours. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,11 +14,11 @@
 enum { SAMPLES = 4096, TRUTH_SAMPLES = 1024, SLATS = 40, SENSORS = 2, HOURS = 3 };
 
 static const struct year_site izmir = {38.42, 27.14, 2};
-/* Below the ceiling: up to it, and down to the slats. */
+/* Below the ceiling: facing up to it, and down to the slats. */
 static const struct orl_sensor sensors[SENSORS] = {{{2, 1.5, 2.7}, {0, 0, 1}},
                                                    {{2, 2.5, 2.8}, {0, -1, -.4}}};
 
-/* Behind the pane, slats as wide as they are apart, their inner edges lower. */
+/* Slats behind the pane, as wide as their spacing, with the inner edges lower. */
 static void put_blinds(char *scene, size_t size)
 {
     const double step = 1.5 / SLATS;
@@ -37,9 +37,10 @@ static void put_blinds(char *scene, size_t size)
 }
 
 /*
- * High suns light the outer part of each slat, and the room sees the inner one. Against jobs by
- * backward: errors of both are of 15 degrees of freedom, and a hundredth is for what interpolation
- * between nodes and squares of an eighth of a slat leave beyond what the year tells of it.
+ * High suns light the outer part of each slat, and the room sees the inner part. Compared with
+ * backward jobs: the errors of both have 15 degrees of freedom. One per cent is allowed for
+ * interpolation between sun nodes and squares of an eighth of a slat, beyond the year's stated
+ * error.
  */
 static void test_lit_slats(void **state)
 {

@@ -1,4 +1,4 @@
-/* Daylight coefficients: which patch is which, and what they make of a sky. */
+/* Daylight coefficients: the order of the patches, and the illuminance that they give for a sky. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +12,8 @@
 
 static const struct year_site izmir = {38.42, 27.14, 2};
 
-/* Reinhart's sky MF:4: rows of equal height, columns as Tregenza's times 4, the last the zenith. */
+/* Reinhart's sky MF:4: rows of equal height, columns as Tregenza's times 4, the last patch the
+ * zenith. */
 enum { ROWS = 29 };
 static int columns_of(int row)
 {
@@ -33,7 +34,7 @@ static double edge_deg(int row)
     return row == ROWS ? 90 : 90 * row / 28.5;
 }
 
-/* The middle of a patch: azimuth clockwise from north, y; x is east. */
+/* Returns the middle of a patch: azimuth clockwise from north, y; x is east. */
 static struct orl_vec3 middle_of(int row, int column)
 {
     const double altitude = row == ROWS - 1 ? 90 : 0.5 * (edge_deg(row) + edge_deg(row + 1));
@@ -41,7 +42,7 @@ static struct orl_vec3 middle_of(int row, int column)
     return orl_v3(cos(up) * sin(turn), cos(up) * cos(turn), sin(up));
 }
 
-/* A black screen across the way to n, with a square hole of that half width a unit away. */
+/* Writes a black screen perpendicular to n, with a square hole of that half width at distance 1. */
 static void put_screen(struct orl_vec3 n, double half, char *scene, size_t size)
 {
     const struct orl_frame frame = orl_frame_about(n);
@@ -62,8 +63,9 @@ static void put_screen(struct orl_vec3 n, double half, char *scene, size_t size)
     }
 }
 
-/* Through a hole no patch is seen but the one in whose middle it is. How much of 2^18 rays by the
- * cosine go there is binomial: a share of half a thousandth, 130 rays, 9 %; four times that. */
+/* Through a hole only the patch is seen in whose middle the hole is. The number of the 2^18
+ * cosine-distributed rays through it is binomial: a share of 0.0005, 130 rays, 9 %; the bound is
+ * four times that. */
 static void test_patches(void **state)
 {
     static const int patches[][2] = {{3, 0}, {3, 30}, {10, 77}, {14, 95}, {20, 17}, {28, 0}};
@@ -93,8 +95,8 @@ static void test_patches(void **state)
     }
 }
 
-/* The CIE's overcast sky, 10 000 lx on level ground, times a room's coefficients is what the year
- * says of that sky: the same sums, in another order and with the ground as one patch. */
+/* The CIE overcast sky, 10 000 lx on level ground, times a room's coefficients equals the annual
+ * result for that sky: the same sums, in another order and with the ground as one patch. */
 static void test_overcast(void **state)
 {
     static const char room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
@@ -128,7 +130,7 @@ static void test_overcast(void **state)
     orl_annual_done(&year);
 }
 
-/* One state of shades is all that they are of. */
+/* Coefficients hold for one state only, so a request with window groups is refused. */
 static void test_shades(void **state)
 {
     static char name[] = "g", open_name[] = "open", pane_name[] = "pane";

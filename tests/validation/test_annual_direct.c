@@ -1,6 +1,6 @@
 /*
- * Direct sunlight (oriel/annual.h) behind one clear pane described in four ways: as glass, and by
- * data, as a matrix of Klems' basis, as a tensor tree and as aBSDF. None of it depends on which.
+ * Direct sunlight (oriel/annual.h) behind a clear pane described in four ways: as glass, as a Klems
+ * matrix, as a tensor tree and as aBSDF. The results do not depend on the description.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@ enum { COLUMNS = 8, ROWS = 40, SENSORS = COLUMNS * ROWS, HOURS = 4, SUNNY = 3, P
 enum pane { GLASS, ABSDF, TREE, KLEMS };
 
 static const double through = 0.6, of_glass = 0.66, pane_m2 = 3;
-/* The sensors cover the front part of the room, where the patch of sun lies. */
+/* The sensors cover the front part of the room, where the sun's patch is. */
 static const double width_m = 4, depth_m = 2;
 static const char *const names[PANES] = {"glass", "aBSDF", "tensor tree", "Klems"};
 static const char *const materials[PANES] = {
@@ -33,7 +33,7 @@ static const char weather[] = "place made_up\nlatitude 38.42\nlongitude -27.14\n
                               "3 22 10.5 850 100\n3 22 12.5 850 100\n3 22 13.5 850 100\n"
                               "3 22 15.5 0 100\n";
 
-/* Cell to cell of the same direction, with what a clear pane has there. */
+/* Maps each cell to the cell of the same direction, with a clear pane's transmittance. */
 static struct text make_klems(void)
 {
     static const double edges[] = {0, 5, 15, 25, 35, 45, 55, 65, 75, 90};
@@ -60,7 +60,7 @@ static struct text make_klems(void)
     return t;
 }
 
-/* height_m: of the sensors; screen: more of the scene. */
+/* height_m: height of the sensors; screen: more scene text. */
 static struct orl_annual_result run_at(double height_m, enum pane pane, const char *screen,
                                        const struct orl_window_group *group)
 {
@@ -99,7 +99,7 @@ static struct orl_annual_result run_pane(enum pane pane, const char *screen,
     return run_at(0.8, pane, screen, group);
 }
 
-/* The flux over all sensors in an hour, lm, and the number of sensors above 1000 lx. */
+/* Flux over all sensors in an hour, lm, and number of sensors above 1000 lx. */
 struct hour {
     double flux_lm;
     int above;
@@ -132,7 +132,7 @@ static double glass_transmittance(double cosine)
     return sum;
 }
 
-/* The flux through the pane, all of which falls on the work plane. */
+/* Returns the flux through the pane, all of which falls on the work plane. */
 static double flux_through(enum pane pane, const struct orl_annual_step *step)
 {
     const double cosine =
@@ -142,9 +142,9 @@ static double flux_through(enum pane pane, const struct orl_annual_step *step)
 }
 
 /*
- * The flux is what passes the pane, to 2 %: the patch is 1.1 m deep, and rows of sensors 5 cm apart
- * take half a row more or less of it. The patch of aBSDF is that of glass to the sensor; those of
- * cells are blurred, and larger.
+ * The flux equals that through the pane to 2 %: the patch is 1.1 m deep, and rows of sensors 5 cm
+ * apart include or miss half a row. The patch of aBSDF equals that of glass to the sensor; patches
+ * of BSDF cells are blurred, and larger.
  */
 static void test_panes_agree(void **state)
 {
@@ -168,8 +168,8 @@ static void test_panes_agree(void **state)
     }
 }
 
-/* A black screen before half of the pane, outside or inside: half of the flux, by any pane. Rays
- * are traced to panes that are partly hidden, or partly in the sun. */
+/* A black screen in front of half of the pane, outside or inside, halves the flux for any pane.
+ * Rays are traced to panes that are partly hidden, or partly in the sun. */
 static void test_half_a_pane(void **state)
 {
     static const char *const screens[] = {
@@ -193,8 +193,10 @@ static void test_half_a_pane(void **state)
         }
 }
 
-/* Sensors at heights between the pane's edges get what passes the part above them, of half of it
- * too. The patch is so much less deep than that of the whole pane, and half a row so much more. */
+/*
+ * Sensors at heights between the pane's edges get the flux through the part above them, also for
+ * half a pane. The patch is shallower than that of the whole pane, so that half a row weighs more.
+ */
 static void test_cut_panes(void **state)
 {
     static const double heights_m[] = {1.5, 1.9}, top_m = 2.5, pane_m = 1.5;
@@ -221,7 +223,7 @@ static void test_cut_panes(void **state)
         }
 }
 
-/* LM-83's blinds close in the hours with sun, behind any of the panes. */
+/* LM-83 blinds close in the hours with sun, behind any of the panes. */
 static void test_blinds_agree(void **state)
 {
     char open_word[] = "open", shut_word[] = "shut", name[] = "south", pane_name[] = "pane";

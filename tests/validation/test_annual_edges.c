@@ -1,4 +1,5 @@
-/* A year at its edges: discs cut by edges, polar night, the south, leap days, north turned. */
+/* Edge cases of annual runs: sun discs cut by edges, polar night, the southern hemisphere, leap
+ * days, rotated north. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +23,9 @@
 static const char stone[] = "void plastic w 0 0 5 0 0 0 0 0\nw sphere stone 0 0 4 0 0 -50 .1\n";
 static const struct orl_sensor up = {{0, 0, 0}, {0, 0, 1}};
 
-/* Of a disc of radius 1, what a line at that distance from its middle leaves. */
+/*
+ * Returns the share of a disc of radius 1 on one side of a line at that distance from its middle.
+ */
 static double left_of_disc(double at)
 {
     return 1 - (acos(at) - at * sqrt(1 - at * at)) / ORL_PI;
@@ -35,7 +38,8 @@ static struct orl_vec3 sun_of(const struct orl_annual_step *step)
     return orl_v3(-cos(a) * sin(z), -cos(a) * cos(z), sin(a));
 }
 
-/* A straight edge across the disc, at five places and four turns: each within 2 % of the whole. */
+/* A straight edge across the disc, at five positions and four rotations: each result is within 2 %
+ * of the whole. */
 static void test_half_covered(void **state)
 {
     static const double places[] = {-0.7, -0.3, 0, 0.4, 0.8};
@@ -76,16 +80,16 @@ static void test_half_covered(void **state)
     orl_annual_done(&open);
 }
 
-/* A strip across the sun's disc between two lines, that far from its middle. */
+/* Returns the share of the sun's disc between two lines at those distances from its middle. */
 static double strip_of_disc(double low, double high)
 {
     return left_of_disc(high) - left_of_disc(low);
 }
 
 /*
- * Two screens with a slit between them, away from the disc's middle and rim, at four turns. Of 128
- * even points one straight edge makes an error of their standard deviation times 128^-3/4; here are
- * two edges, and the bound is three times that.
+ * Two screens with a slit between them, away from the disc's middle and rim, at four rotations.
+ * With 128 even points one straight edge makes an error of their standard deviation times 128^-3/4;
+ * here are two edges, and the bound is three times that.
  */
 static void test_slit(void **state)
 {
@@ -135,7 +139,9 @@ static void test_slit(void **state)
 
 enum { CELLS = 145, WITHIN_35_DEG = 1 + 8 + 16 + 20 };
 
-/* A pane that scatters what falls on it at less than 35 degrees from its normal, and no more. */
+/*
+ * A pane that scatters light incident at less than 35 degrees from its normal, and blocks the rest.
+ */
 static struct text make_shy_pane(void)
 {
     char *data = calloc(CELLS * CELLS * 8UL, 1);
@@ -149,16 +155,16 @@ static struct text make_shy_pane(void)
     return xml;
 }
 
-/* How far the sun stands from the southern pane's normal. */
+/* Returns the angle between the sun and the southern pane's normal. */
 static double off_normal_deg(const struct orl_annual_step *step)
 {
     return acos(-sun_of(step).y) / ORL_DEG_TO_RAD;
 }
 
 /*
- * While the disc lies in two cells of a BSDF, the pane does what both say: minute by minute over
- * the edge at 35 degrees, against jobs of their own. By the middle of the disc alone it would be
- * all or nothing.
+ * While the disc covers two cells of a BSDF, both contribute: minute by minute over the cell edge
+ * at 35 degrees, compared with separate jobs. Using only the disc's middle would give all or
+ * nothing.
  */
 static void test_disc_in_two_cells(void **state)
 {
@@ -200,9 +206,8 @@ static void test_disc_in_two_cells(void **state)
     free(pane.data);
 }
 
-/* No light at all, and no node of the sun; light without a sun: none direct, and what the sky
- * gives.
- */
+/* Without light there is no sun node; with light but no sun, direct light is zero and the sky's
+ * light remains. */
 static void test_polar_night(void **state)
 {
     struct year_run run = {.scene = stone,
@@ -227,8 +232,8 @@ static void test_polar_night(void **state)
     orl_annual_done(&dull);
 }
 
-/* At noon in December the sun of 35 degrees south stands in the north; of the north, in the south.
- */
+/* At noon in December the sun is in the north at 35 degrees south, and in the south at 35 degrees
+ * north. */
 static void test_south(void **state)
 {
     static const struct orl_sensor sides[] = {{{0, 0, 0}, {0, 1, 0}}, {{0, 0, 0}, {0, -1, 0}}};
@@ -249,7 +254,7 @@ static void test_south(void **state)
     }
 }
 
-/* A leap day is a day like others, where the file has it; stamps are the file's. */
+/* A leap day in the file is computed like other days; time stamps are the file's. */
 static void test_leap_day(void **state)
 {
     const struct year_run run = {
@@ -265,13 +270,14 @@ static void test_leap_day(void **state)
     assert_int_equal(year.steps[1].month, 2);
     assert_int_equal(year.steps[1].day, 29);
     assert_true(year.steps[1].hour == 11.5);
-    /* The sun stands higher day by day. */
+    /* The sun is higher each day. */
     assert_true(year.steps[0].sun_altitude_deg <= year.steps[1].sun_altitude_deg);
     assert_true(year.steps[1].sun_altitude_deg <= year.steps[2].sun_altitude_deg);
     orl_annual_done(&year);
 }
 
-/* With true north along -x the south is +x: a sensor that faces there has the southern one's sun.
+/*
+ * With true north along -x, south is +x: a sensor that faces there gets the southern sensor's sun.
  */
 static void test_north(void **state)
 {
@@ -298,8 +304,8 @@ static void test_north(void **state)
     orl_annual_done(&turned);
 }
 
-/* An EPW of twenty days of clear hours, global irradiance by a sun that is so much later than at
- * the middles of the rows' hours. */
+/* Writes an EPW of twenty days of clear hours, with global irradiance for a sun that is later_h
+ * later than in the middle of the rows' hours. */
 static void write_clear_days(double later_h, char *text, size_t size)
 {
     const struct orl_location site = {38 * ORL_DEG_TO_RAD, 0, 0};
@@ -324,7 +330,7 @@ static bool says_shift(char *const *warnings, size_t n)
     return says;
 }
 
-/* Years and single skies tell that the file's times are half an hour late. */
+/* Annual runs and single skies warn if the file's times are half an hour late. */
 static void test_shifted_file(void **state)
 {
     static const double later_h[] = {0, -0.5};
@@ -344,7 +350,7 @@ static void test_shifted_file(void **state)
     }
 }
 
-/* Of a glass ball what it mirrors is left out, and who asked is told where it is. */
+/* Light mirrored by a glass ball is left out, and one warning names the ball's file and line. */
 static void test_curved_glass(void **state)
 {
     const struct year_run run = {.scene =
@@ -365,7 +371,7 @@ static void test_curved_glass(void **state)
     orl_annual_done(&year);
 }
 
-/* Where the sun does not set for weeks, hours are what they are alone. */
+/* Where the sun does not set for weeks, hours equal those of separate jobs. */
 static void test_midnight_sun(void **state)
 {
     static const char room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
@@ -388,7 +394,7 @@ static void test_midnight_sun(void **state)
             const double own = (double)orl_annual_row(&year, year.se, s)[c];
             const double z = off / hypot(hypot(own, se[s]), 2e-3 * lx[s] + 1e-9);
             squares += z * z;
-            assert_true(fabs(z) < 4.5); /* Student's law of 15: once in 2000 */
+            assert_true(fabs(z) < 4.5); /* Student's t with 15 degrees of freedom: once in 2000 */
         }
     }
     print_message("%zu sensor-hours: z rms %.2f\n", n, sqrt(squares / (double)n));

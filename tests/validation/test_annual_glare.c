@@ -1,4 +1,4 @@
-/* Glare of a seat over hours of a year, against glare pictures of the same hours. */
+/* Annual glare at a viewpoint, compared with glare pictures of the same hours. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -38,7 +38,7 @@ static struct year_run run_of(const char *scene, const char *weather)
                              .seed = 3};
 }
 
-/* A year whose rows all have light. */
+/* Returns a year in which all rows have light. */
 static struct orl_annual_result lit_year(size_t columns)
 {
     static uint32_t rows[MOST_COLUMNS];
@@ -49,10 +49,10 @@ static struct orl_annual_result lit_year(size_t columns)
 }
 
 /*
- * A low sun on the floor, a veiled and a covered sky. DGP of a year's seat
- * is to be within 0.05 of a picture's, and within 0.02 on the average: paths on both sides leave
- * less than 0.006, and pixels of 1.1 and 2.8 degrees the rest, where patches of sun and the sky
- * beside bars are as wide as those.
+ * A low sun on the floor, a veiled and an overcast sky. Annual DGP must be within 0.05 of a
+ * picture's, and within 0.02 on average: paths on both sides contribute less than 0.006, pixels
+ * of 1.1 and 2.8 degrees the rest, where sun patches and the sky beside bars are as wide as the
+ * pixels.
  */
 static void test_against_pictures(void **state)
 {
@@ -88,7 +88,7 @@ static void test_against_pictures(void **state)
     orl_annual_done(&year);
 }
 
-/* Only what is wanted is rated, and any crew finds the same. */
+/* Only the requested columns are rated, with equal results for any crew. */
 static void test_wanted(void **state)
 {
     static const char weather[] = HEAD("38.42") "1 21 10.5 700 90\n1 21 11.5 700 90\n";
@@ -111,8 +111,8 @@ static void test_wanted(void **state)
     orl_seat_hours_free(three, both.n_seats);
 }
 
-/* Who sees the sun through a pane at 12 degrees from the line of sight is dazzled beyond measure;
- * with the back to it, in the same light, not. */
+/* A viewer with the sun through a pane 12 degrees off the line of sight has intolerable glare; a
+ * viewer facing away in the same light has not. */
 static void test_sun_in_sight(void **state)
 {
     static const char weather[] = HEAD("38.42") "12 21 11.5 800 60\n";
@@ -129,8 +129,8 @@ static void test_sun_in_sight(void **state)
     orl_seat_hours_free(hours, wish.n_seats);
 }
 
-/* In hours in which a shade is another pane the seat sees through that one, and where it is dark
- * there is nothing: in those hours as in a scene written so. */
+/* In hours in which a shade is another pane, the viewpoint sees through that pane; dark hours have
+ * no glare. These hours equal those of a scene written with that pane. */
 static void test_shades(void **state)
 {
     static const char weather[] = HEAD("38.42") "1 21 10.5 700 90\n3 22 9.5 600 110\n"
@@ -165,7 +165,8 @@ static void test_shades(void **state)
     orl_seat_hours_free(shaded, wish.n_seats);
 }
 
-/* A shade that goes down by a seat's glare is down in those hours in which, open, it is above. */
+/* A shade controlled by a viewpoint's glare is closed in the hours in which glare with the open
+ * shade is above the limit. */
 static void test_control(void **state)
 {
     static const char weather[] = HEAD("38.42") "1 21 10.5 700 90\n9 3 14.5 300 250\n"
@@ -199,7 +200,7 @@ static void test_control(void **state)
     orl_annual_done(&year);
 }
 
-/* What glare cannot be told of is refused, and why. */
+/* Requests for which glare cannot be computed are refused with a reason. */
 static void test_refused(void **state)
 {
     struct orl_seat seat = {near_name, {2, 2, 1.2}, {0, 0, -1}};

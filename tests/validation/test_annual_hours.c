@@ -1,7 +1,7 @@
 /*
- * Random sensor-hours of a year in four scenes, 960 and a thousand in the long suite, each against
- * the same hour as a render job of its own by backward. A job costs its set-up, whatever the number
- * of sensors: the quick form has fewer hours and more sensors in each.
+ * Random sensor-hours of a year in four scenes, 960 (a thousand in the long suite), each compared
+ * with a separate backward render job. A job's cost is its set-up, whatever the number of sensors:
+ * the quick form has fewer hours and more sensors in each.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,8 @@ enum { SENSORS_MOST = 20, SAMPLES = 2048, TRUTH_SAMPLES = 512, DAYS = 12, TEXT =
 
 static const struct year_site izmir = {38.42, 27.14, 2};
 
-/* Slats of a light grey before the window, so deep that the sun comes in by way of them alone. */
+/* Light grey slats in front of the window, so deep that the sun enters only by reflection from
+ * them. */
 #define SLATS                                                                                      \
     "void plastic s 0 0 5 .7 .7 .7 0 0\n"                                                          \
     "s polygon a 0 0 12 .8 -.3 1.0 3.2 -.3 1.0 3.2 -.02 1.1 .8 -.02 1.1\n"                         \
@@ -41,7 +42,7 @@ static const struct {
               {"panel", ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE ROOM_GROUND, true}};
 enum { SCENES = sizeof scenes / sizeof *scenes };
 
-/* A day of each month, by chance. */
+/* Writes a random day of each month. */
 static void make_weather(struct orl_random *random, char text[TEXT])
 {
     snprintf(text, TEXT,
@@ -52,7 +53,9 @@ static void make_weather(struct orl_random *random, char text[TEXT])
         year_day(&izmir, month, 1 + (int)(28 * orl_random_uniform(random)), text, TEXT);
 }
 
-/* On a work plane, on walls or under the ceiling; half a foot from each surface. */
+/*
+ * Returns a sensor on a work plane, on walls or under the ceiling, half a foot from each surface.
+ */
 static struct orl_sensor random_sensor(struct orl_random *random)
 {
     const double u[4] = {orl_random_uniform(random), orl_random_uniform(random),
@@ -71,7 +74,7 @@ static size_t count_sensors(void)
     return extent(SENSORS_MOST, 10);
 }
 
-/* Differences in units of what both say is theirs. */
+/* Differences in units of the joint stated errors. */
 struct tally {
     size_t n, beyond;
     double squares, worst;
@@ -136,9 +139,9 @@ static void try_scene(size_t scene, struct tally *sum)
     free(panel);
 }
 
-/* Student's law of 15 degrees of freedom puts nine of a thousand beyond 3, and one in 7 000 beyond
- * 5; hours of one sensor are correlated, some dozens of them about as one: 21 of a thousand are
- * allowed. */
+/* Student's t with 15 degrees of freedom puts nine of a thousand beyond 3, and one in 7 000
+ * beyond 5. Hours of one sensor are correlated, some dozens of them about as one: 21 of a thousand
+ * are allowed. */
 static void test_random_hours(void **state)
 {
     struct tally sum = {.n = 0};

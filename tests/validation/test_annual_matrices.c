@@ -1,4 +1,4 @@
-/* Years by others' matrices, against products by hand. */
+/* Annual runs by matrices of other programs, compared with products computed by hand. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +22,7 @@ static char scene_name[] = "scene.rad", weather_name[] = "w.wea", view[] = "v.mt
             other[] = "x.mtx";
 static char *scene_names[] = {scene_name};
 
-/* A value of a matrix of the test, of channel k. */
+/* Value of a test matrix in channel k. */
 static double value_of(int matrix, size_t row, size_t column, int k)
 {
     return 0.1 * (double)((matrix * 7 + (int)row * 5 + (int)column * 3 + k * 2) % 11);
@@ -82,8 +82,8 @@ static double no_clock(void *ctx)
     return 0;
 }
 
-static int run(const struct orl_annual_request *request, struct orl_annual_result *ret_result,
-               struct orl_error *err)
+static int run_year(const struct orl_annual_request *request, struct orl_annual_result *ret_result,
+                    struct orl_error *err)
 {
     static const char *const names[FILES] = {scene_name, weather_name, view, transmission,
                                              daylight,   sky,          other};
@@ -126,7 +126,7 @@ static struct orl_matrix_term three_phase(void)
         .grid = grid, .view = view, .transmission = transmission, .daylight = daylight, .sky = sky};
 }
 
-/* Of floats: 2^-24 each of four factors, and of sums. */
+/* Rounding of floats: 2^-24 each of four factors, and of sums. */
 static void assert_near(double found, double expected)
 {
     if (!(fabs(found - expected) <= 1e-6 * fabs(expected)))
@@ -140,10 +140,10 @@ static void test_three_phases(void **state)
     struct orl_error err = {0};
     (void)state;
     terms[2].subtract = true;
-    /* One term; two of the same; two and that again. */
+    /* one term; two equal terms; two and one more */
     for (size_t n = 1; n <= 3; n++) {
         const struct orl_annual_request request = request_of(terms, n);
-        if (run(&request, &result, &err) < 0)
+        if (run_year(&request, &result, &err) < 0)
             fail_msg("%s", err.message);
         assert_int_equal(result.n_steps, ROWS);
         assert_true(result.n_columns > 6 && result.se == NULL);
@@ -152,7 +152,7 @@ static void test_three_phases(void **state)
                 const struct orl_annual_step *step = &result.steps[result.step_of_column[c]];
                 assert_near((double)result.total[i * result.n_columns + c],
                             (n == 2 ? 2 : 1) * lux(i, result.step_of_column[c]));
-                /* In the open: as long as it is up, all of the sun. */
+                /* In the open: all of the sun while it is up. */
                 const double direct =
                     step->direct_normal_lx * sin(step->sun_altitude_deg * ORL_DEG_TO_RAD);
                 assert_true(fabs((double)result.direct[i * result.n_columns + c] - direct) <=
@@ -162,7 +162,7 @@ static void test_three_phases(void **state)
     }
 }
 
-/* What would be below 0 is 0. */
+/* Results below 0 after the subtraction are set to 0. */
 static void test_coefficients_subtracted(void **state)
 {
     struct orl_matrix_term term = {.coefficients = daylight, .sky = sky, .subtract = true};
@@ -170,9 +170,9 @@ static void test_coefficients_subtracted(void **state)
     struct orl_annual_result result;
     struct orl_error err = {0};
     (void)state;
-    request.n_sensors = IN; /* as many as that matrix has rows */
+    request.n_sensors = IN; /* the number of rows of that matrix */
     request.n_grids = 0;
-    assert_int_equal(run(&request, &result, &err), 0);
+    assert_int_equal(run_year(&request, &result, &err), 0);
     for (size_t i = 0; i < IN * result.n_columns; i++)
         assert_true(result.total[i] == 0);
     orl_annual_done(&result);
@@ -203,7 +203,7 @@ static void test_what_does_not_fit(void **state)
         const struct orl_annual_request request = request_of(&cases[i].term, 1);
         struct orl_annual_result result;
         struct orl_error err = {0};
-        assert_int_equal(run(&request, &result, &err), cases[i].code);
+        assert_int_equal(run_year(&request, &result, &err), cases[i].code);
         if (cases[i].file)
             assert_string_equal(err.file, cases[i].file);
         if (!strstr(err.message, cases[i].says))
@@ -211,7 +211,7 @@ static void test_what_does_not_fit(void **state)
     }
 }
 
-/* Wishes that matrices cannot grant are refused, and so are shades. */
+/* Requests that matrices cannot satisfy are refused, and so are shades. */
 static void test_what_is_not_told(void **state)
 {
     struct orl_matrix_term term = three_phase();

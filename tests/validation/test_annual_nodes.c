@@ -1,6 +1,6 @@
 /*
- * The sun gets more nodes where interpolation between them is why errors do not fall: in a room
- * that the sun reaches through a slit between towers. In one before open ground it gets none.
+ * The sun gets more nodes where interpolation between them limits the accuracy: in a room that the
+ * sun reaches through a slit between towers. A room in front of open ground gets no more.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,7 +13,7 @@
 
 #include "support/year.h"
 
-/* Boards close before a wall. */
+/* Boards close in front of a wall. */
 #define WALL                                                                                       \
     "w polygon wall 0 0 12 -9 -6 -.3 13 -6 -.3 13 -6 5 -9 -6 5\n"                                  \
     "w polygon a 0 0 12 -9 -5 2.2 13 -5 2.2 13 -4.3 2.2 -9 -4.3 2.2\n"                             \
@@ -30,7 +30,7 @@ static const struct orl_sensor sensors[] = {{{2, 1.2, .8}, {0, 0, 1}},
                                             {{2, 4.5, .8}, {0, -1, 0}}};
 enum { SENSORS = sizeof sensors / sizeof *sensors };
 
-/* From few paths on, until the target is settled. */
+/* Starts with few paths, and refines until the target is certain. */
 static struct orl_annual_refinement refine(const char *scene, const char *target)
 {
     const struct year_run run = {.scene = scene,
@@ -45,7 +45,7 @@ static struct orl_annual_refinement refine(const char *scene, const char *target
 
 #define ROOM ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND
 
-/* Both targets are so near the truth, 225 and 4187 lx, that some rounds are needed. */
+/* Both targets are so near the true values, 225 and 4187 lx, that several rounds are needed. */
 static void test_rounds(void **state)
 {
     (void)state;
@@ -57,8 +57,8 @@ static void test_rounds(void **state)
     assert_true(open.settled && open.rounds >= 3 && open.sun_halvings == 0);
 }
 
-/* The interval of the first round is clear of the bound, but too many hours are uncertain: more
- * paths decide. (The weather has too few hours for a verdict.) */
+/* The interval of the first round is clear of the bound, but too many hours are uncertain, so more
+ * paths are traced. (The weather has too few hours for a verdict.) */
 static void test_few_paths(void **state)
 {
     const struct year_run run = {.scene = ROOM WALL,

@@ -1,4 +1,4 @@
-/* Contribution photons: what they leave on surfaces, beside paths that go on from there. */
+/* Contribution photons: the light that they deposit on surfaces, compared with path tracing. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,11 +22,11 @@ enum { SENSORS = sizeof sensors / sizeof *sensors };
 #define PANEL ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE ROOM_GROUND
 
 /*
- * Every hour of two days by both techniques, each with its own seed. Differences are within what
- * both state, whose errors one sensor has in all hours alike: of four sensors' hours the rms of z
- * is to be below 1.6, the worst below 4.5. What the sun gives straight is the same.
+ * Compares every hour of two days by both techniques, with different seeds. Differences are within
+ * the stated errors of both, which are common to all hours of one sensor: for four sensors' hours
+ * the rms of z must be below 1.6, the worst below 4.5. Direct sunlight is equal.
  */
-static void compare(const char *scene, const char *panel)
+static void compare_techniques(const char *scene, const char *panel)
 {
     struct year_run run = {.scene = scene,
                            .resource_name = panel ? "pane.xml" : NULL,
@@ -67,7 +67,7 @@ static void compare(const char *scene, const char *panel)
 static void test_glass(void **state)
 {
     (void)state;
-    compare(GLASS, NULL);
+    compare_techniques(GLASS, NULL);
 }
 
 static void test_panel(void **state)
@@ -75,11 +75,11 @@ static void test_panel(void **state)
     size_t size;
     char *panel = (char *)scene_read_bytes("tests/fixtures/bsdf_lcp8.xml", &size);
     (void)state;
-    compare(PANEL, panel);
+    compare_techniques(PANEL, panel);
     free(panel);
 }
 
-/* Photons that go where they fall are the same whatever the crew. */
+/* Photons keyed by their index are the same for any crew. */
 static void test_threads(void **state)
 {
     struct orl_annual_result years[2];

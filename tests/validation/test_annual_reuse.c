@@ -1,7 +1,7 @@
 /*
- * What a year's light is made of, used again: by another weather file of the place no ray is cast,
- * more samples go on where fewer ended, and nothing that differs is mixed up; always the same bytes
- * as without.
+ * Reuse of a year's stored light: another weather file of the same place traces no ray, more
+ * samples continue where fewer ended, and different inputs are never mixed. The bytes always equal
+ * those without the cache.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -63,8 +63,8 @@ static struct year_run run_of(const char *scene, const char *kept_in)
                              .kept_in = kept_in};
 }
 
-/* Two days; of another year where other: other hours are bright, some that were dark, one is not
- * known. */
+/* Two days; other: those of another year, in which other hours are bright, some of them dark
+ * before, and one is unknown. */
 static const char *weather_of(bool other)
 {
     static char text[TEXT], changed[TEXT];
@@ -111,7 +111,7 @@ static uint64_t count_made(const struct orl_annual_result *year)
     return made;
 }
 
-/* The run as it is, and with nothing kept: the same. */
+/* Runs it as given and without the cache, and expects equal results. */
 static struct orl_annual_result run_twice(const struct year_run *run)
 {
     struct year_run plain = *run;
@@ -217,7 +217,7 @@ static void test_what_differs_is_made(void **state)
     strstr(darker, ".2 .2 .2")[1] = '1';
     run.scene = darker;
     assert_int_equal(made_by(&run), 6);
-    /* Of another sensor in the second block that block alone. */
+    /* Another sensor in the second block invalidates only that block. */
     run = first;
     memcpy(moved, first.sensors, sizeof moved);
     moved[SENSORS - 1].position.x += 0.01;
@@ -284,7 +284,7 @@ static void test_damage_is_mended(void **state)
     cli_remove_folder(folder);
 }
 
-/* Of a year of more sensors than are wanted nothing is kept. */
+/* A year of more sensors than the limit is not stored. */
 static void test_large_years_are_left_out(void **state)
 {
     char folder[64];
@@ -302,7 +302,7 @@ static void test_large_years_are_left_out(void **state)
     cli_remove_folder(folder);
 }
 
-/* A folder that cannot be written to costs a warning. */
+/* A folder that cannot be written causes a warning. */
 static void test_no_room_costs_nothing_but_time(void **state)
 {
     struct year_run plain = run_of(glass_room, NULL), run = run_of(glass_room, "/dev/null/nowhere");
@@ -317,7 +317,7 @@ static void test_no_room_costs_nothing_but_time(void **state)
 
 /* ---- The file -------------------------------------------------------------------------------- */
 
-/* Any pattern of zeros comes back. */
+/* Any pattern of zeros is read back. */
 static void test_words_come_back(void **state)
 {
     char folder[64], path[128];

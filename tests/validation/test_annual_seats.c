@@ -1,7 +1,7 @@
 /*
- * Views of glare seats where light has many ways: between half-mirrors, through panes in series,
- * and in scenes of many surfaces. What a pixel sees is right on the average; rays, terms, spots and
- * places are bounded; cancelling takes effect at once.
+ * Views of glare viewpoints in which light has many paths: between half-mirrors, through panes in
+ * series, and in scenes of many surfaces. Pixels are unbiased; rays, terms, spots and positions are
+ * bounded; cancelling takes effect at once.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,7 +24,7 @@ enum { PANES = 20, RAYS = 4 };
 static char seat_name[] = "desk";
 static const struct orl_seat seat = {seat_name, {0, -1, 0}, {0, 1, 0}};
 
-/* Half-mirrors one behind the other, which absorb nothing: all that is seen is the sky. */
+/* Writes half-mirrors one behind the other, which absorb nothing: only the sky is visible. */
 static char *write_panes(void)
 {
     char *text = NULL;
@@ -67,7 +67,7 @@ static void viewed_done(struct viewed *v)
     orl_world_free(v->world);
 }
 
-/* The mean and its standard error of what pixels see of the sky. */
+/* Computes the mean, and its standard error, of the pixels' weights of the sky. */
 static void find_mean(const struct orl_seat_view *view, double *ret_mean, double *ret_se)
 {
     double n = 0, sum = 0, squares = 0;
@@ -85,7 +85,7 @@ static void find_mean(const struct orl_seat_view *view, double *ret_mean, double
     *ret_se = sqrt(fmax(squares / n - *ret_mean * *ret_mean, 0) / n);
 }
 
-/* Each path carries its share of a sky of 1 all round, so that a pixel sees 1 on the average. */
+/* Each path carries its share of a sky of radiance 1 all around, so a pixel is 1 on average. */
 static void test_half_mirrors(void **state)
 {
     struct orl_crew *crew = orl_crew_start(1);
@@ -107,7 +107,7 @@ static void test_half_mirrors(void **state)
     orl_crew_stop(crew);
 }
 
-/* A flag that is set is seen before the next pixel is traced. */
+/* A cancel flag is seen before the next pixel is traced. */
 static void test_cancelled(void **state)
 {
     struct orl_crew *crew = orl_crew_start(1);
@@ -124,7 +124,7 @@ static void test_cancelled(void **state)
     orl_crew_stop(crew);
 }
 
-/* Nor is a path of a year's sensor traced any more. */
+/* With the flag set, no more paths of a year's sensors are traced. */
 static void test_cancelled_paths(void **state)
 {
     struct orl_crew *crew = orl_crew_start(1);
@@ -141,12 +141,12 @@ static void test_cancelled_paths(void **state)
     orl_crew_stop(crew);
 }
 
-/* Nor is a BSDF pane looked at. */
+/* With the flag set, no BSDF pane is read. */
 static void test_cancelled_panes(void **state)
 {
     struct orl_crew *crew = orl_crew_start(1);
     const atomic_bool cancel = true;
-    const struct orl_panels panels = {.count = 1}; /* there is none: looking at it would fail */
+    const struct orl_panels panels = {.count = 1}; /* there is no pane: reading it would fail */
     const struct orl_place place = {.normal = {0, 0, 1}};
     unsigned char lit = 0;
     const struct orl_sun_rows rows = {.lit = &lit};
@@ -157,7 +157,7 @@ static void test_cancelled_panes(void **state)
     orl_crew_stop(crew);
 }
 
-/* The sum is kept exactly, and each weight on the average. */
+/* Thinning keeps the sum exactly, and each weight on average. */
 static void test_thinned_terms(void **state)
 {
     enum { ALL = 200, MOST = 16, TRIES = 4000 };
@@ -185,7 +185,8 @@ static void test_thinned_terms(void **state)
     orl_seat_terms_done(&terms);
 }
 
-/* Adding n different terms, and n again, touches each once: no search among those there are. */
+/* Adding n different terms, and the n terms again, touches each once: there is no search among
+ * existing terms. */
 static void test_many_terms(void **state)
 {
     enum { MANY = 1 << 20 };

@@ -1,4 +1,4 @@
-/* Years with shades against years of scenes that have the state written into them. */
+/* Annual runs with shades, compared with those of scenes that contain the shade's state. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,8 +16,8 @@
 
 enum { SAMPLES = 64, TEXT = 8192 };
 
-/* A room with a window in the south and one in the north, and more materials for them; its west
- * wall is by itself, for there may be a third window in it. */
+/* A room with a window in the south and one in the north, and more materials for them. Its west
+ * wall is separate, since it may have a third window. */
 #define SHELL WALLS "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"
 #define WEST                                                                                       \
     "w polygon west 0 0 30 0 0 0 0 5 0 0 5 3 0 0 3 0 0 0 0 2 1 0 3 1 0 3 2 0 2 2 0 2 1\n"          \
@@ -36,7 +36,7 @@ enum { SAMPLES = 64, TEXT = 8192 };
     "e polygon ground 0 0 12 -40 -40 -.3 40 -40 -.3 40 40 -.3 -40 40 -.3\n"
 #define SOUTH(m) m " polygon front 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
 #define NORTH(m) m " polygon back 0 0 12 1 5 1 3 5 1 3 5 2.5 1 5 2.5\n"
-/* North of the room, it sends the sun into its north window. */
+/* A facade north of the room that reflects the sun into its north window. */
 #define FACADE                                                                                     \
     "void mirror m 0 0 3 .6 .6 .6\n"                                                               \
     "m polygon facade 0 0 12 -8 14 -.2 12 14 -.2 12 14 20 -8 14 20\n"
@@ -69,7 +69,7 @@ static void assert_same(const float *a, const float *b, const struct orl_annual_
     assert_memory_equal(a, b, year->n_sensors * year->n_columns * sizeof *a);
 }
 
-/* A state that changes nothing: no group at all, to the byte. */
+/* A state that changes nothing gives the same bytes as no group. */
 static void test_one_state(void **state)
 {
     struct orl_shade_state states[] = {{.name = open_word}};
@@ -90,8 +90,8 @@ static void test_one_state(void **state)
     orl_annual_done(&grouped);
 }
 
-/* Two groups of two states each, all four pairs in turns: hour by hour one of four years of scenes
- * that have the pair written into them, to the byte; direct light is of the open ones. */
+/* Two groups of two states each, all four pairs in turn. Each hour equals, to the byte, that of the
+ * scene written with the pair; direct light is that of the open states. */
 static void test_two_groups(void **state)
 {
     static const char *const written[4] = {room, SHELL SOUTH("tinted") NORTH("clear"),
@@ -144,8 +144,8 @@ static void test_two_groups(void **state)
     orl_annual_done(&all);
 }
 
-/* A blind outside, brought by a state's file, from 10 to 14 in March: as if it were in the scene.
- */
+/* A blind outside, from a state's file, from 10 to 14 h in March, counts as if it were in the
+ * scene. */
 static void test_geometry(void **state)
 {
     static const char blind[] = "w polygon slat 0 0 12 .5 -.3 2.5 3.5 -.3 2.5 3.5 0 2.5 .5 0 2.5\n";
@@ -182,8 +182,8 @@ static void test_geometry(void **state)
     orl_annual_done(&both);
 }
 
-/* Sensors are checked once for a job, as its first run has the model: a shade between them and the
- * sensor outdoors would be one more warning. */
+/* Sensors are checked once per job, with the model of its first run: a shade between them and the
+ * sensor outdoors would cause one more warning. */
 static void test_sensors_checked_once(void **state)
 {
     static const char shade[] = "w polygon shade 0 0 12 .1 .3 .1 3.9 .3 .1 3.9 .3 2.9 .1 .3 2.9\n";
@@ -211,8 +211,8 @@ static void test_sensors_checked_once(void **state)
     orl_annual_done(&year);
 }
 
-/* The south blinds go down where of the grid's two points one, half of them, has the sun; the same
- * bytes on 1, 2 and 7 threads. */
+/* The south blinds close when one of the grid's two points, half of them, has the sun; the bytes
+ * are equal for 1, 2 and 7 threads. */
 static void test_control_by_sun(void **state)
 {
     struct orl_shade_state states[] = {{.name = open_word}, {.name = shut_word, .dark = true}};
@@ -261,7 +261,7 @@ static void test_control_by_sun(void **state)
     orl_annual_done(&first);
 }
 
-/* Of three states each: nine pairs in the hours of two days. */
+/* Groups of three states each: nine pairs in the hours of two days. */
 struct three {
     struct orl_shade_state south[3], north[3];
     unsigned char series[2][48];
@@ -297,12 +297,12 @@ static void make_three(struct three *t)
 }
 
 /*
- * Nine pairs of states are more than the groups have, and a window in no group: light is added up
- * of three runs, one for each state, and is hour by hour that of years with the pair written into
- * the scene; by way of a facade of glass opposite, too. Both have standard errors; panes reflect of
- * each other's light what they do in the same state: panes of 3 of 94 m2 that reflect 6 % less of
- * what comes to them, of walls that reflect half, make 0.4 %. Squares of z are correlated by
- * sensor, as in test_annual.c.
+ * Nine pairs of states exceed the number of states per group, and one window is in no group: light
+ * is the sum of three runs, one for each state. Each hour equals that of the scene written with the
+ * pair, also by way of a glass facade opposite. Both have standard errors. Panes reflect each
+ * other's light as in the same state: panes of 3 of 94 m2 that reflect 6 % less of their incident
+ * light, from walls that reflect half, make 0.4 %. Squares of z are correlated by sensor, as in
+ * test_annual.c.
  */
 static void test_sum_of_groups(void **state)
 {
@@ -358,7 +358,7 @@ static void test_sum_of_groups(void **state)
     orl_annual_done(&all);
 }
 
-/* The same bytes on 1, 2 and 7 threads. */
+/* The sum has the same bytes for 1, 2 and 7 threads. */
 static void test_sum_by_threads(void **state)
 {
     static const uint32_t threads[] = {1, 2, 7};
@@ -383,7 +383,8 @@ static void test_sum_by_threads(void **state)
     orl_annual_done(&first);
 }
 
-/* Light of each part is kept by itself: the same bytes again without a path. */
+/* The light of each part is stored separately: a second run gives the same bytes without tracing a
+ * path. */
 static void test_sum_from_the_store(void **state)
 {
     struct three three;
@@ -410,7 +411,7 @@ static void test_sum_from_the_store(void **state)
     orl_annual_done(&again);
 }
 
-/* Rounds for a verdict leave the shades as all sensors had them in the first. */
+/* Rounds for a verdict keep the shades' states of all sensors from the first round. */
 static void test_rounds(void **state)
 {
     struct orl_shade_state states[] = {{.name = open_word}, {.name = shut_word, .dark = true}};
@@ -430,7 +431,7 @@ static void test_rounds(void **state)
     run.n_groups = 1;
     run.samples = 32;
     struct orl_annual_result first = year_run(&run);
-    double mean = 0; /* of the hours there are, near which the target is */
+    double mean = 0; /* mean of the year's hours, near the target */
     for (size_t c = 0; c < first.n_columns; c++)
         mean += (double)first.total[first.n_columns + c] / (double)first.n_columns;
     assert_int_equal(orl_annual_wishes_init(&wishes), 0);
@@ -451,7 +452,7 @@ static void test_rounds(void **state)
     orl_annual_done(&year);
 }
 
-/* Each group's blinds go by the sun that its own windows let in: the north, by none. */
+/* Each group's blinds follow the sun through its own windows: those in the north stay open. */
 static void test_each_by_its_own_sun(void **state)
 {
     struct orl_shade_state states[] = {{.name = open_word}, {.name = shut_word, .dark = true}};
@@ -483,9 +484,9 @@ static void test_each_by_its_own_sun(void **state)
     orl_annual_done(&year);
 }
 
-/* The open run, which the north's control needs, counts by its cost, not as one of all runs there
- * may be, of which most are not needed; and progress never falls, in the run of direct sunlight
- * neither. */
+/* The open run, which the north's control needs, counts by its cost, not as one of all possible
+ * runs, most of which are not needed. Progress never decreases, not even in the run of direct
+ * sunlight. */
 static void test_progress(void **state)
 {
     struct orl_shade_state states[ORL_SHADES_MOST_STATES] = {{.name = open_word},
@@ -520,7 +521,7 @@ static void test_progress(void **state)
     assert_true(progress.last > 0.99);
 }
 
-/* Light that cannot be told apart by groups is refused, with the surface or the place. */
+/* Light that cannot be separated by groups is refused; the error names the surface or the place. */
 static void test_what_does_not_add_up(void **state)
 {
     static const char far[] = "w polygon awning 0 0 12 -9 -9 4 9 -9 4 9 -8 4 -9 -8 4\n";
@@ -551,7 +552,7 @@ static void test_what_does_not_add_up(void **state)
     assert_non_null(strstr(err.message, "other ways into the building"));
 }
 
-/* What is left of a year that was broken off: rows of each run by themselves. */
+/* State left by an interrupted year: stored rows of each run. */
 struct kept {
     size_t done, asked;
     uint32_t rounds[8];

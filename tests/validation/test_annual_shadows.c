@@ -1,6 +1,6 @@
 /*
- * Suns that buildings opposite hide within minutes, between nodes of the sun: hours of a year with
- * few nodes against the same with sixteen times as many, and against hours as jobs of their own.
+ * Suns that buildings opposite hide within minutes, between sun nodes. Hours of a year with few
+ * nodes are compared with sixteen times as many nodes, and with separate jobs.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -36,7 +36,7 @@ enum {
     "w polygon b 0 0 12 1 -12 -.3 1 -12 9 7 -12 9 7 -12 -.3\n"                                     \
     "w polygon c 0 0 12 9 -12 -.3 9 -12 18 25 -12 18 25 -12 -.3\n"
 
-/* Two days of each month of winter, when the sun is low. */
+/* Two days of each winter month, when the sun is low. */
 static void write_winter(char text[TEXT])
 {
     static const int months[] = {1, 2, 10, 11, 12};
@@ -63,8 +63,8 @@ static struct orl_annual_result run_towers(const char *weather, uint32_t sun_hal
     return year_run(&run);
 }
 
-/* Both runs trace the same paths. Without shadows of ports the differences are 7.5 % rms and up to
- * 62 %. */
+/* Both runs trace the same paths. Without shadows of photon ports the differences are 7.5 % rms and
+ * up to 62 %. */
 static void test_towers(void **state)
 {
     char weather[TEXT];
@@ -95,7 +95,7 @@ static void test_towers(void **state)
 
 /* ---- A slit ---------------------------------------------------------------------------------- */
 
-/* Two high walls with a slit between them, through which no node of the sun lights the window. */
+/* Two high walls with a slit between them: no sun node lights the window through it. */
 #define SLIT                                                                                       \
     "w polygon a 0 0 12 -90 -12 -.3 -90 -12 60 -4.7 -12 60 -4.7 -12 -.3\n"                         \
     "w polygon b 0 0 12 -4.1 -12 -.3 -4.1 -12 60 60 -12 60 60 -12 -.3\n"

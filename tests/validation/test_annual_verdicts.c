@@ -1,10 +1,10 @@
 /*
- * Intervals of sensors' metrics beside a long run: how many hold what that says. And
- * verdicts on sDA over many seeds in four rooms, beside a long run of each: how often the interval
- * holds what that says, and that nothing passes or fails that should not. ORIEL_VERDICT_SEEDS: of
- * each room, 100 of which are acceptance (make annual); by default 4 in the long suite, and else
- * three seeds of two rooms. Of these no bound is 3 % above: that is within the interval of their
- * shorter reference run, and deciding it would take 100 s of a processor.
+ * Intervals of sensors' metrics compared with a long run: the share that holds it. And verdicts on
+ * sDA over many seeds in four rooms: the share of intervals that hold the long run's value, and
+ * that nothing passes or fails wrongly. ORIEL_VERDICT_SEEDS: seeds per room; 100 is the acceptance
+ * test (make annual); the default is 4 in the long suite, otherwise three seeds of two rooms. These
+ * few use no bound 3 % above: that is within the interval of their shorter reference run, and
+ * deciding it would take 100 s of processor time.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -35,8 +35,8 @@ enum {
 
 static const struct year_site izmir = {38.42, 27.14, 2};
 
-/* What target is near what a room has, so that chance could mislead; offsets of the bound from what
- * the long run says, in turn by seed, in per cent of the area. */
+/* The target near the room's value, so that noise matters; offsets of the bound from the long run's
+ * value, in turn by seed, in per cent of the area. */
 static const struct {
     const char *name, *scene, *figure;
     bool panel;
@@ -51,7 +51,7 @@ static const double offsets[] = {-8, -3, 3, 8}, short_offsets[] = {-8, -4, 8};
 
 /* ---- A year ---------------------------------------------------------------------------------- */
 
-/* A day of every other month. */
+/* Returns a day of every other month. */
 static const char *weather(void)
 {
     static char text[TEXT];
@@ -114,11 +114,12 @@ struct tally {
     unsigned n, covered, wrong, undecided;
 };
 
-static void count(const struct orl_annual_refinement *found, const struct orl_annual_value *truth,
-                  double bound, struct tally *tally)
+static void count_verdict(const struct orl_annual_refinement *found,
+                          const struct orl_annual_value *truth, double bound, struct tally *tally)
 {
     const struct orl_annual_value *area = &found->area.value;
-    /* The report leaves verdicts on so few hours open: those on the interval alone are tried. */
+    /* The report leaves verdicts on so few hours open, so the verdict is judged on the interval
+     * alone. */
     const enum orl_verdict verdict = orl_annual_judge(&found->target, area);
     tally->n++;
     tally->covered += area->low <= truth->value + 1e-9 && truth->value <= area->high + 1e-9;
@@ -127,8 +128,8 @@ static void count(const struct orl_annual_refinement *found, const struct orl_an
                     (verdict == ORL_VERDICT_FAIL && truth->value >= bound);
 }
 
-/* A target that is met at once, so that all its paths are the first round's; with many nodes of the
- * sun, so that what lies between them is no error that the others share. */
+/* Runs with a target that is met at once, so that all paths belong to the first round; many sun
+ * nodes keep the interpolation error, which the others share, small. */
 static struct orl_annual_value long_run(size_t room, uint32_t samples, uint64_t seed)
 {
     char target[64];
@@ -143,7 +144,9 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The middle one of some: a sensor that is all but on the threshold falls to either side of it. */
+/*
+ * Returns the median of several runs: a sensor almost at the threshold falls on either side of it.
+ */
 static struct orl_annual_value find_truth(size_t room, uint32_t samples, int runs)
 {
     struct orl_annual_value found[LONG_RUNS];
@@ -157,13 +160,13 @@ static void try_room(size_t room, unsigned seeds, bool all, struct tally *ret)
 {
     const struct orl_annual_value truth = find_truth(room, all ? LONG : SHORT, all ? LONG_RUNS : 1);
     *ret = (struct tally){.n = 0};
-    assert_true(truth.value > 12 && truth.value < 88); /* or offsets lead nowhere */
+    assert_true(truth.value > 12 && truth.value < 88); /* otherwise offsets leave the range */
     for (unsigned seed = 0; seed < seeds; seed++) {
         char target[64];
         const double bound = truth.value + (all ? offsets[seed % 4] : short_offsets[seed % 3]);
         snprintf(target, sizeof target, "%s >= %.6g %%", rooms[room].figure, bound);
         const struct orl_annual_refinement found = decide(room, target, seed + 1, FIRST, 0);
-        count(&found, &truth, bound, ret);
+        count_verdict(&found, &truth, bound, ret);
     }
     print_message("%-14s %s %.1f %% [%.1f, %.1f]: %u seeds, interval holds it in %u, wrong %u, "
                   "undecided %u\n",
@@ -171,7 +174,7 @@ static void try_room(size_t room, unsigned seeds, bool all, struct tally *ret)
                   ret->covered, ret->wrong, ret->undecided);
 }
 
-/* Of few seeds one may miss. */
+/* With few seeds one interval may miss. */
 static void test_verdicts(void **state)
 {
     const char *text = getenv("ORIEL_VERDICT_SEEDS");
@@ -218,22 +221,21 @@ static void evaluate(size_t room, uint64_t seed, uint32_t samples,
     orl_annual_done(&year);
 }
 
-/* Returns three binomial standard errors of a share that so many independent tries have. */
+/* Returns three binomial standard errors of a share of that many independent trials. */
 static double three_errors(double share, double tries)
 {
     return 3 * sqrt(share * (1 - share) / tries);
 }
 
 /*
- * Sensors have paths of their own, so that the intervals are as many independent tries as there are
- * sensors and seeds, 576 of each metric: of 95 %, three standard errors are 2.7 %. (Of 24 seeds the
- * numbers that held scattered from seed to seed by 0.5 to 1.1 of the binomial variance, so that
- * sensors of one seed do not go together.) The reference, of 32 times as many paths, adds 1.5 % to
- * the spread, and takes half a percent from what holds. A mean sums hours of all bands of
- * illuminance, whose errors cancel more than the one factor of a sensor says
- * (annual/rows/coherence.h): of 2304 tries 97.7 % held, and of 576 such ones three standard errors
- * are 1.9 %. Where all errors of hours count as one common factor, 99 % and more hold the
- * reference.
+ * Sensors have separate paths, so intervals are independent trials: sensors times seeds, 576 of
+ * each metric. For 95 %, three standard errors are 2.7 %. (Over 24 seeds the numbers that held
+ * scattered from seed to seed by 0.5 to 1.1 of the binomial variance, so sensors of one seed are
+ * not correlated.) The reference, of 32 times as many paths, adds 1.5 % to the spread, and lowers
+ * the share that holds by half a per cent. A mean sums hours of all bands of illuminance, whose
+ * errors cancel more than a sensor's one factor predicts (annual/rows/coherence.h): of 2304
+ * trials 97.7 % held, and for 576 three standard errors are 1.9 %. If all errors of hours counted
+ * as one common factor, 99 % and more would hold the reference.
  */
 static void test_sensors(void **state)
 {

@@ -1,7 +1,7 @@
 /*
- * The backward technique against closed forms, and the other technique against it: the two share
- * neither density estimates nor the final gather. It says how far off it may be itself: by its
- * standard errors, which are tested too.
+ * The backward technique compared with closed forms, and with the gather technique; the two share
+ * neither density estimates nor the final gather. Backward states standard errors, which are tested
+ * too.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,8 +27,8 @@ static struct orl_result run_backward(const char *scene, const char *resource,
                                          .global = 100000});
 }
 
-/* Within 4 of its own standard errors (of 16 groups: once in 1000), which are below a share of it.
- */
+/* Asserts a difference within 4 stated standard errors (16 batches: once in 1000), which are below
+ * a share of the value. */
 static void assert_agrees(const struct orl_result *r, size_t i, double expected, double most_error)
 {
     const double off = fabs(r->illuminance_lx[i] - expected), se = r->standard_error_lx[i];
@@ -36,7 +36,8 @@ static void assert_agrees(const struct orl_result *r, size_t i, double expected,
         fail_msg("sensor %zu: %g +- %g is not %g", i, r->illuminance_lx[i], se, expected);
 }
 
-/* A lamp of radius a in a sphere: direct pi L a^2, and the rest by the sum of a geometric series.
+/*
+ * A lamp of radius a in a sphere: direct pi L a^2, and the rest as the sum of a geometric series.
  */
 static void test_integrating_sphere(void **state)
 {
@@ -58,7 +59,8 @@ static void test_integrating_sphere(void **state)
     }
 }
 
-/* 2 x 1.5 m of uniform sky at 2 m: the sky component in closed form (0.039089 of E_h), no walls. */
+/* A uniform sky seen through 2 x 1.5 m at 2 m: the sky component in closed form (0.039089 of E_h),
+ * no walls. */
 static void test_sky_component(void **state)
 {
     static const char scene[] =
@@ -81,8 +83,8 @@ static void test_sky_component(void **state)
 }
 
 /*
- * A sunny room with a clear window, by both: the gather's own noise and bias at 300000 photons are
- * some 2 %, and the unbiased one adds its standard error.
+ * A sunny room with a clear window, by both techniques: the gather's noise and bias at 300000
+ * photons are some 2 %, and the unbiased technique adds its standard error.
  */
 static void test_both_techniques(void **state)
 {
@@ -104,9 +106,9 @@ static void test_both_techniques(void **state)
 }
 
 /*
- * Standard errors: results scatter over seeds by no more than they tell. They tell more than that,
- * here by 1.6, for the groups share the even sequence of the photons, and are more alike together
- * than apart.
+ * Standard errors: results scatter over seeds by no more than the stated error. The stated error is
+ * larger, here by 1.6, because the batches share the low-discrepancy sequence of the photons and
+ * are therefore more alike together than apart.
  */
 static void test_standard_errors(void **state)
 {
@@ -122,14 +124,14 @@ static void test_standard_errors(void **state)
         orl_result_done(&r);
     }
     const double seen = (squares - sum * sum / SEEDS) / (SEEDS - 1);
-    /* A variance of 24 draws is good to sqrt(2 / 23) = 0.3 of itself, its logarithm to 0.3. */
+    /* A variance of 24 samples has a relative error of sqrt(2 / 23) = 0.3, its logarithm 0.3. */
     assert_true(log(seen / told) <= 0.9 && log(seen / told) >= log(0.1));
 }
 
 /*
- * Without interreflection walls are black to sensors: of the shelf's side of the room the sky and
- * the sun are left, by either technique; the gather has no density to be wrong by then. Its 4096
- * rays are drawn by the cosine alone: where the window takes up little, few of them find the sky.
+ * Without interreflection walls are black to sensors: on the shelf's side of the room only sky and
+ * sun remain, by either technique, and the gather has no density bias. Its 4096 rays are sampled by
+ * the cosine alone: where the window is small, few of them reach the sky.
  */
 static void test_no_reflections(void **state)
 {

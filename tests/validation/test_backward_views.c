@@ -1,6 +1,6 @@
 /*
- * Views by the backward technique: against closed forms where there are any, and against views from
- * photon maps elsewhere. Pixels are noisy; what is compared is the middle of parts of a picture.
+ * Views by the backward technique, compared with closed forms if there are any, otherwise with
+ * views from photon maps. Pixels are noisy, so the medians over parts of a picture are compared.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,14 +22,14 @@ typedef double picture[SIDE * SIDE][3];
 
 struct look {
     const char *scene, *view;
-    const char *pane;             /* a BSDF, or NULL */
-    enum orl_technique technique; /* AUTO: backward */
+    const char *pane;             /* BSDF, or NULL */
+    enum orl_technique technique; /* AUTO means backward */
     uint32_t pixel_samples;
     uint64_t photons;
     const enum orl_wish *wishes;
 };
 
-static void look(const struct look *l, picture ret)
+static void render_view(const struct look *l, picture ret)
 {
     char folder[64], path[128];
     cli_make_folder(folder);
@@ -53,14 +53,15 @@ static void look(const struct look *l, picture ret)
     cli_remove_folder(folder);
 }
 
-static int compare(const void *a, const void *b)
+static int compare_doubles(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
-/* Middle of the pixels' ratios, green channel, in one of PARTS x PARTS parts of two pictures: not
- * what lies on the edge of something bright, where the techniques place their rays differently. */
+/* Returns the median of the pixels' ratios, green channel, in one of PARTS x PARTS parts of two
+ * pictures. The median ignores edges of bright areas, where the techniques place their rays
+ * differently. */
 static double part_ratio(picture a, picture b, int column, int row)
 {
     enum { SIZE = SIDE / PARTS };
@@ -69,7 +70,7 @@ static double part_ratio(picture a, picture b, int column, int row)
         const int pixel = (row * SIZE + i / SIZE) * SIDE + column * SIZE + i % SIZE;
         ratios[i] = a[pixel][1] == b[pixel][1] ? 1 : a[pixel][1] / b[pixel][1];
     }
-    qsort(ratios, SIZE * SIZE, sizeof *ratios, compare);
+    qsort(ratios, SIZE * SIZE, sizeof *ratios, compare_doubles);
     return ratios[SIZE * SIZE / 2];
 }
 
@@ -82,20 +83,21 @@ static double mean(picture p)
 }
 
 /*
- * The same scene by both techniques: the middle ratio of a part's pixels is 1 within a share. The
- * gather's own bias is 2 or 3 % where photons are dense enough, more on small things; of 64 pixels
- * that scatter by some 10 % at 64 rays each the middle is good to 1.6 %.
+ * Asserts that the median ratio of both techniques in each part is 1 within a share. The gather's
+ * bias is 2 or 3 % where photons are dense enough, more on small objects; the median of 64 pixels
+ * that scatter by some 10 % at 64 rays each has an error of 1.6 %.
  */
 static void assert_both_alike(const char *scene, const char *pane, const char *view, double share)
 {
     static picture gathered, backward;
-    look(&(struct look){.scene = scene,
-                        .view = view,
-                        .pane = pane,
-                        .technique = ORL_TECHNIQUE_GATHER,
-                        .photons = extent(100000, 300000)},
-         gathered);
-    look(&(struct look){.scene = scene, .view = view, .pane = pane, .pixel_samples = 64}, backward);
+    render_view(&(struct look){.scene = scene,
+                               .view = view,
+                               .pane = pane,
+                               .technique = ORL_TECHNIQUE_GATHER,
+                               .photons = extent(100000, 300000)},
+                gathered);
+    render_view(&(struct look){.scene = scene, .view = view, .pane = pane, .pixel_samples = 64},
+                backward);
     for (int row = 0; row < PARTS; row++)
         for (int column = 0; column < PARTS; column++) {
             const double ratio = part_ratio(backward, gathered, column, row);
@@ -122,29 +124,30 @@ static void test_furnace(void **state)
                  "void light l 0 0 3 100 100 100\nl sphere lamp 0 0 4 0 0 0 .1\n"
                  "void plastic w 0 0 5 %g %g %g 0 0\nw bubble wall 0 0 4 0 0 0 1\n",
                  rho, rho, rho);
-        look(&(struct look){.scene = scene, .view = "-vtv -vp 0 .3 -.5 -vd 0 1 0 -vh 90 -vv 90"},
-             p);
+        render_view(
+            &(struct look){.scene = scene, .view = "-vtv -vp 0 .3 -.5 -vd 0 1 0 -vh 90 -vv 90"}, p);
         if (!(fabs(mean(p) / wall - 1) < 0.012))
             fail_msg("wall of %g: %g, not %g", rho, mean(p), wall);
-        look(&(struct look){.scene = scene, .view = "-vtv -vp 0 -.5 0 -vd 0 1 0 -vh 4 -vv 4"}, p);
+        render_view(
+            &(struct look){.scene = scene, .view = "-vtv -vp 0 -.5 0 -vd 0 1 0 -vh 4 -vv 4"}, p);
         assert_true(fabs(mean(p) / 100 - 1) < 0.01);
     }
 }
 
 /*
- * What mirrors a part and scatters another shows both: plates under an even sky of 1, seen from
- * above, show their albedo, by either technique. 1024 pixels of 16 rays with two draws each, which
- * scatter by less than their value: 0.6 %.
+ * Materials that mirror a part and scatter another show both: plates under a uniform sky of 1, seen
+ * from above, show their albedo by either technique. 1024 pixels of 16 rays with two samples each,
+ * which scatter by less than their value: 0.6 %.
  */
 static void test_mirrors_that_scatter(void **state)
 {
     static const struct {
         const char *material;
-        double shown; /* in green */
+        double shown; /* green channel */
     } plates[] = {
         {"void BRTDfunc m 10 .1 .1 .1 0 0 0 0 0 0 . 0 9 .3 .2 .1 .05 .05 .05 0 0 0\n", .3},
         {"void BRTDfunc m 10 .1 .1 .1 .2 .2 .2 0 0 0 . 0 9 0 .3 0 0 0 0 .1 .1 .1\n", .7},
-        /* Of the rough half's gloss, .3, Ward's formula loses .002 and less. */
+        /* Ward's formula loses .002 or less of the rough half's gloss, .3. */
         {"void metal a 0 0 5 .4 .4 .4 1 0\nvoid plastic b 0 0 5 .2 .2 .2 .3 .05\n"
          "void mixfunc m 4 a b .5 . 0 0\n",
          .42},
@@ -158,18 +161,18 @@ static void test_mirrors_that_scatter(void **state)
                  "%sm polygon plate 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n"
                  "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n",
                  plates[i / 2].material);
-        look(&(struct look){.scene = scene,
-                            .view = "-vtv -vp 0 0 1 -vd 0 0 -1 -vu 0 1 0 -vh 20 -vv 20",
-                            .technique = gathers ? ORL_TECHNIQUE_GATHER : ORL_TECHNIQUE_AUTO,
-                            .photons = gathers ? 100000 : 0},
-             p);
+        render_view(&(struct look){.scene = scene,
+                                   .view = "-vtv -vp 0 0 1 -vd 0 0 -1 -vu 0 1 0 -vh 20 -vv 20",
+                                   .technique = gathers ? ORL_TECHNIQUE_GATHER : ORL_TECHNIQUE_AUTO,
+                                   .photons = gathers ? 100000 : 0},
+                    p);
         if (!(fabs(mean(p) / plates[i / 2].shown - 1) < 0.018))
             fail_msg("plate %d shows %g, not %g", i, mean(p), plates[i / 2].shown);
     }
 }
 
-/* The furnace again, seen from outside it with -bv-: through the wall from
- * behind, by both techniques. Without that it is black. */
+/* The furnace seen from outside with -bv-: the view passes the wall from behind, by both
+ * techniques. Without -bv- it is black. */
 static void test_through_backs(void **state)
 {
     static const char scene[] = "void light l 0 0 3 100 100 100\nl sphere lamp 0 0 4 0 0 0 .1\n"
@@ -180,19 +183,22 @@ static void test_through_backs(void **state)
     static picture p;
     (void)state;
     for (int i = 0; i < 4; i++) {
-        look(&(struct look){.scene = scene,
-                            .view = views[i % 2],
-                            .photons = 200000,
-                            .technique = i < 2 ? ORL_TECHNIQUE_BACKWARD : ORL_TECHNIQUE_GATHER},
-             p);
+        render_view(
+            &(struct look){.scene = scene,
+                           .view = views[i % 2],
+                           .photons = 200000,
+                           .technique = i < 2 ? ORL_TECHNIQUE_BACKWARD : ORL_TECHNIQUE_GATHER},
+            p);
         if (!(fabs(mean(p) / wall - 1) < (i < 2 ? .012 : .03)))
             fail_msg("%d: %g, not %g", i, mean(p), wall);
     }
-    look(&(struct look){.scene = scene, .view = "-vtv -vp 0 -5 .5 -vd 0 1 0 -vh 6 -vv 6"}, p);
+    render_view(&(struct look){.scene = scene, .view = "-vtv -vp 0 -5 .5 -vd 0 1 0 -vh 6 -vv 6"},
+                p);
     assert_true(mean(p) == 0);
 }
 
-/* Thin glass of index 1.52 at that angle, t the share that one pass leaves: both polarisations. */
+/* Returns the transmittance of thin glass of index 1.52 at that angle for both polarisations; t is
+ * the share that one pass transmits. */
 static double through_glass(double cosine, double transmissivity)
 {
     const double n = 1.52, inside = sqrt(1 - (1 - cosine * cosine) / (n * n));
@@ -207,8 +213,8 @@ static double through_glass(double cosine, double transmissivity)
     return sum;
 }
 
-/* A view of 0.2 degrees into the middle of a disc of 0.533: straight, through a pane, in a mirror.
- * What panes and walls add is some millionths of it. */
+/* A view of 0.2 degrees into the middle of a disc of 0.533: direct, through a pane, in a mirror.
+ * Panes and walls add some millionths of it. */
 static void test_sun_disc(void **state)
 {
     static const char up[] = "-vtv -vp 2 1.5 .3 -vd 0 -1 1 -vh .2 -vv .2";
@@ -219,15 +225,15 @@ static void test_sun_disc(void **state)
     char scene[2048];
     (void)state;
     snprintf(scene, sizeof scene, "%s", ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL);
-    look(&(struct look){.scene = scene, .view = up, .photons = 2000}, p);
+    render_view(&(struct look){.scene = scene, .view = up, .photons = 2000}, p);
     assert_true(fabs(mean(p) / 1e6 - 1) < 0.005);
     snprintf(scene, sizeof scene, "%s",
              ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL ROOM_CLEAR ROOM_PANE);
-    look(&(struct look){.scene = scene, .view = up, .photons = 2000}, p);
+    render_view(&(struct look){.scene = scene, .view = up, .photons = 2000}, p);
     assert_true(fabs(mean(p) / (1e6 * through_glass(sqrt(0.5), 0.9)) - 1) < 0.005);
-    /* The mirror on the floor, seen from above, shows what is up. */
+    /* The mirror on the floor, seen from above, shows the sky. */
     snprintf(scene, sizeof scene, "%s%s", ROOM_SKY ROOM_SUN ROOM_GREY ROOM_SHELL, mirror);
-    look(&(struct look){.scene = scene, .view = down, .photons = 2000}, p);
+    render_view(&(struct look){.scene = scene, .view = down, .photons = 2000}, p);
     assert_true(fabs(mean(p) / 0.8e6 - 1) < 0.005);
 }
 
@@ -238,7 +244,7 @@ static void test_room_with_a_pane(void **state)
                       "-vtv -vp 2 .5 1.5 -vd 0 1 -.2 -vh 90 -vv 80", 0.06);
 }
 
-/* From outside, through the pane: the ground in front of it, the wall, and what is seen within. */
+/* From outside, through the pane: the ground in front of it, the wall, and the interior. */
 static void test_from_outside(void **state)
 {
     (void)state;
@@ -259,7 +265,7 @@ static void test_gloss_and_lamps(void **state)
                       NULL, "-vtv -vp 2 4.5 1.6 -vd 0 -1 -.1 -vh 80 -vv 80", 0.08);
 }
 
-/* A BSDF in the window, seen itself; a mirror shows the room once more. */
+/* A visible BSDF in the window; a mirror shows the room again. */
 static void test_lobes_and_mirrors(void **state)
 {
     char xml[2048];
@@ -271,7 +277,7 @@ static void test_lobes_and_mirrors(void **state)
                       xml, "-vtv -vp 3 4.5 1.6 -vd -.4 -1 -.1 -vh 80 -vv 80", 0.08);
 }
 
-/* A polished table shows the BSDF in the window, and the sun by way of both. */
+/* A polished table reflects the BSDF in the window, and the sun by way of both. */
 static void test_lobes_in_lobes(void **state)
 {
     char xml[2048];
@@ -283,7 +289,7 @@ static void test_lobes_in_lobes(void **state)
                       xml, "-vtv -vp 2 4.5 1.6 -vd 0 -1 -.3 -vh 70 -vv 70", 0.08);
 }
 
-/* What a BSDF stands for is seen, and lit as it is seen. */
+/* The geometry behind a proxy BSDF is visible, and lit as it is seen. */
 static void test_what_stands_behind(void **state)
 {
     char xml[2048];

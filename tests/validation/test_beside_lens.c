@@ -1,9 +1,9 @@
 /*
  * Sensors beside a ball of glass.
  *
- * A sensor in mid-air so close to a ball of glass that photons which fly by would be averaged over
- * a wider area than the ball is away. Light varies there within a centimetre: the interval has to
- * hold what paths find, whatever few photons bring.
+ * A free sensor is so close to a ball of glass that photons passing by would be averaged over a
+ * radius wider than the distance to the ball. Light varies there within a centimetre: the interval
+ * has to hold the value of path tracing, whatever the few photons contribute.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,12 +28,12 @@
     "w polygon west 0 0 12 0 0 0 0 4 0 0 4 3 0 0 3\n"                                              \
     "w polygon east 0 0 12 4 0 0 4 0 3 4 4 3 4 4 0\n"
 
-/* 1.2 and 70 cm from the ball, facing down. */
+/* Sensors 1.2 and 70 cm from the ball, facing down. */
 enum { SENSORS = 2, SEEDS = 6 };
 static const struct orl_sensor sensors[SENSORS] = {{{2.2, 2, 1.6}, {0, 0, -1}},
                                                    {{2.9, 2, 1.6}, {0, 0, -1}}};
 
-static struct orl_result run(enum orl_technique technique, uint32_t samples, uint64_t seed)
+static struct orl_result run_room(enum orl_technique technique, uint32_t samples, uint64_t seed)
 {
     return scene_run(&(struct scene_run){.scene = ROOM,
                                          .sensors = sensors,
@@ -47,10 +47,10 @@ static struct orl_result run(enum orl_technique technique, uint32_t samples, uin
 
 static void test_intervals_hold_beside_a_lens(void **state)
 {
-    struct orl_result truth = run(ORL_TECHNIQUE_BACKWARD, 32768, 1);
+    struct orl_result truth = run_room(ORL_TECHNIQUE_BACKWARD, 32768, 1);
     (void)state;
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-        struct orl_result r = run(ORL_TECHNIQUE_GATHER, 1024, seed);
+        struct orl_result r = run_room(ORL_TECHNIQUE_GATHER, 1024, seed);
         for (int i = 0; i < SENSORS; i++) {
             const double slack = 4 * truth.standard_error_lx[i], lx = truth.illuminance_lx[i];
             const double *interval = r.interval_95_lx[i];
@@ -59,7 +59,7 @@ static void test_intervals_hold_beside_a_lens(void **state)
                          r.illuminance_lx[i], interval[0], interval[1], lx,
                          truth.standard_error_lx[i]);
         }
-        /* Away from the ball the interval is narrow. */
+        /* The interval is narrow away from the ball. */
         assert_true(r.interval_95_lx[1][1] - r.interval_95_lx[1][0] < 0.2 * r.illuminance_lx[1]);
         orl_result_done(&r);
     }
@@ -82,7 +82,7 @@ static void test_intervals_hold_beside_a_lens(void **state)
     "1.2 0 1 2.8 0 1 2.8 0 2.4 1.2 0 2.4 1.2 0 1\n"                                                \
     "clear polygon pane 0 0 12 1.2 0 1 1.2 0 2.4 2.8 0 2.4 2.8 0 1\n" ball
 
-/* One ray of 250 of the first sensor meets the ball, which shows it the sky: a sixth of its light.
+/* One ray of 250 of the first sensor hits the ball, in which it sees the sky: a sixth of its light.
  * The others see a smaller ball, or see it from the side where it shows them the window. */
 static const struct orl_sensor by_window[] = {
     {{2.2, 2, 1.6}, {0, 0, -1}}, {{2, 3.5, 1.6}, {0, 0, -1}}, {{1, 2, 1.4}, {0.2, 0.2, -1}}};
@@ -100,9 +100,9 @@ static struct orl_result run_by_window(const char *scene, enum orl_technique tec
                                          .seed = seed});
 }
 
-/* The difference from the truth in stated standard errors: 16 groups state
- * each of these by 15 degrees of freedom, so that the rms should be 1.07. The three sensors of a
- * run share its photons: it is known to .2 by 12 runs, and the bound allows three times that. */
+/* Differences from the truth in stated standard errors: 16 batches give them 15 degrees of freedom,
+ * so the rms should be 1.07. The three sensors of a run share its photons: 12 runs determine the
+ * rms to .2, and the bound allows three times that. */
 static void test_sky_in_small_balls_is_found(void **state)
 {
     static const char *const scenes[] = {WINDOW_ROOM("crystal sphere ball 0 0 4 2 .5 1.6 .4\n"),

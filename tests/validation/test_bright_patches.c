@@ -1,7 +1,7 @@
 /*
- * A beam of sun through a small pane in the roof of a black room is a patch on the floor, and all
- * the light. Few even rays of a sensor meet it, one of 4096 or so; and photons crowd there as much
- * as anywhere, so that leaves are a millimetre wide and as bright as they come. Seeds are fixed.
+ * A sun beam through a small pane in the roof of a black room is a patch on the floor, and all the
+ * light. Few uniform rays of a sensor hit it, about one of 4096. Photons are dense there, so that
+ * leaves of the map are a millimetre wide and very bright. Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -35,7 +35,7 @@ static const struct orl_sensor sensors[SENSORS] = {{{.5, 2.5, 1.5}, {0, 0, -1}},
                                                    {{3.5, 4.5, 2.5}, {-1, -1, -1}},
                                                    {{3, 2, 2}, {-.5, .5, -1}}};
 
-/* The patch as a point, good to 1e-3 at these distances. */
+/* Treats the patch as a point, accurate to 1e-3 at these distances. */
 static double truth(const struct orl_sensor *sensor)
 {
     const double half = 0.5 * 0.533 * ORL_DEG_TO_RAD, transmittance = 0.88146;
@@ -48,10 +48,10 @@ static double truth(const struct orl_sensor *sensor)
 }
 
 /*
- * Of 256 rays that are aimed some 60 to 200 meet the patch, whose rim is a third of it: 4 to 8 % a
- * sensor, 1 % for the mean of 24. To that its leaves add 1 to 2 %, for they end no sooner than
- * their photons do. With even rays alone the root mean square is 0.9. Of 24 intervals 95 % cover,
- * with a binomial scatter of 1.1; 19 are almost four times that below.
+ * Of 256 guided rays some 60 to 200 hit the patch, whose rim is a third of it: 4 to 8 % per sensor,
+ * 1 % for the mean of 24. Its leaves add 1 to 2 %, because they extend as far as their photons.
+ * With uniform rays alone the root mean square is 0.9. Of 24 intervals 95 % cover, with a binomial
+ * scatter of 1.1; 19 is almost four times that below.
  */
 static void test_patch(void **state)
 {

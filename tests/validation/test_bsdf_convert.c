@@ -1,6 +1,6 @@
 /*
- * BSDFs in other bases: what is the same stays the same, light in all is kept, and differences are
- * told as what they are.
+ * BSDFs in other bases: an equal basis keeps values, total light is kept, and differences are
+ * reported correctly.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -34,7 +34,7 @@ static struct orl_bsdf_made convert(const struct orl_bsdf *bsdf, enum orl_bsdf_b
     return made;
 }
 
-/* Directions on no border of any basis, in all four quarters. */
+/* Returns directions on no border of any basis, in all four quarters. */
 static struct orl_vec3 some_direction(int i, bool front)
 {
     const double r = 0.031 + 0.94 * fmod(0.618034 * i, 1), phi = 2.4 * i + 0.1;
@@ -54,7 +54,7 @@ static void assert_same(const struct orl_bsdf *a, const struct orl_bsdf *b, doub
             }
 }
 
-/* Values are floats, of which a mean over equal ones is one again but for rounding. */
+/* Values are floats; a mean over equal ones is the same value except for rounding. */
 static void the_same_basis_is_the_same(void **state)
 {
     struct orl_bsdf *tree = load_text(read_fixture("tests/fixtures/bsdf_lcp8.xml"));
@@ -78,8 +78,9 @@ static void the_same_basis_is_the_same(void **state)
     orl_bsdf_unref(tree);
 }
 
-/* Of diffuse light, whatever the basis: exactly by cells of cells, else within what points along
- * incident cells leave of a panel with 8 by 8 directions, in whose borders they fall. */
+/* Diffuse light keeps its total in any basis: exactly if cells consist of cells, otherwise within
+ * the error of points along incident cells for a panel with 8 by 8 directions, on whose borders
+ * they fall. */
 static void light_in_all_is_kept(void **state)
 {
     static const struct {
@@ -104,7 +105,7 @@ static void light_in_all_is_kept(void **state)
     orl_bsdf_unref(tree);
 }
 
-/* Two sheets: the light that the second lacks comes evenly to all sides. */
+/* Two sheets: the light that the second lacks is missing evenly in all directions. */
 static void differences_are_told(void **state)
 {
     static const char *const texts[2] = {"void trans s 0 0 7 .5 .5 .5 0 0 .6 0\n"
@@ -127,8 +128,9 @@ static void differences_are_told(void **state)
                 c.of[1][1].cone_worst == 0);
     assert_int_equal(orl_bsdf_compare(sheets[0], sheets[1], crew, NULL, &c, NULL), 0);
     for (int front = 0; front < 2; front++) {
-        /* .3 and .2 of the light, of which the second has four fifths; drawn by 16384 paths from
-         * each of 64 cells. A cone holds whole cells of half a degree: a tenth more or less. */
+        /* A share of .3 and .2 of the light, of which the second has four fifths; sampled by 16384
+         * paths from each of 64 cells. A cone holds whole cells of half a degree: a tenth more or
+         * less. */
         const double missing = 0.2 * 0.3, cone = missing * 2 * (1 - cos(ORL_DEG_TO_RAD));
         assert_close(c.of[front][1].albedo_worst, -missing, 0.002);
         assert_close(c.of[front][1].albedo_rms, missing, 0.002);
@@ -150,8 +152,8 @@ static double worst(const struct orl_bsdf_comparison *c)
     return most;
 }
 
-/* As far as it goes: the file is smaller than one that is not culled, and three times as much light
- * that a cell may send elsewhere loses more than is asked for. */
+/* Culling stays within its limits: the file is smaller than without culling, and three times the
+ * allowed share per cell loses more than requested. */
 static void a_cull_loses_what_it_may(void **state)
 {
     static const double within = 0.01;
@@ -182,7 +184,7 @@ static void a_cull_loses_what_it_may(void **state)
     orl_bsdf_made_done(&more);
     orl_bsdf_made_done(&whole);
     orl_bsdf_made_done(&made);
-    to.resolution = 4; /* of which cells are too wide for that */
+    to.resolution = 4; /* these cells are too wide for that */
     assert_int_equal(
         orl_bsdf_convert_within(tree, "a fixture", &to, 1e-4, &env, &unseen, &made, &lost, &err),
         ORL_ERR_RANGE);

@@ -1,18 +1,19 @@
 /*
- * BSDFs fitted to what a goniophotometer would measure of samples in closed form
+ * BSDFs fitted to simulated goniophotometer measurements of samples in closed form
  * (tests/support/scatterers.h): 12 incident directions, 10 000 rows each, 2 % of noise, nothing
- * beyond 88 degrees nor around where light comes from.
+ * beyond 88 degrees nor around the incident light.
  *
- * Bounds. Totals: 1 %, 2 % from 75 degrees on. A Gaussian of scatter that 10 000 places see, half
- * of them on a raster of 2 degrees, is told by its density to a few per mille; noise adds 2 % over
- * the root of some hundred rows. Peaks: 0.5 degrees, and 3 % of the light within 5 degrees, both of
- * the sample averaged over the cells of the tree, out and in, which is all that a tree can have. In
- * rings of incidence that the tree has, but for the last ones, which are 6 degrees wide and more.
+ * Bounds. Totals: 1 %, and 2 % from 75 degrees on. The density of 10 000 directions, half of them
+ * on a raster of 2 degrees, determines a Gaussian of scatter to a few per mille; noise adds 2 %
+ * over the root of some hundred rows. Peaks: 0.5 degrees, and 3 % of the light within 5 degrees,
+ * both compared with the sample averaged over the cells of the tree, outgoing and incident, the
+ * best that a tree can store. They are tested in the tree's rings of incidence except the last
+ * ones, which are 6 degrees wide and more.
  *
- * A sample that is not isotropic is measured from 13 incident directions (10 in the short form,
- * which is harder), 40 000 rows, and fitted as a tree of rank 4: rms of cells over that of the
- * sample itself, to 80 degrees of incidence, at most 16 %: half of what pabopto2bsdf and bsdf2ttree
- * make of such rows would be 16 to 20 (33 and 41 % were measured).
+ * An anisotropic sample is measured from 13 incident directions (10 in the short form, which is
+ * harder), 40 000 rows, and fitted as a tree of rank 4. The rms of cells over that of the sample,
+ * to 80 degrees of incidence, is at most 16 %: half of the errors of pabopto2bsdf and bsdf2ttree
+ * would be 16 to 20 (33 and 41 % were measured).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,7 +33,7 @@
 
 enum { SCANS = 24 };
 
-/* Cells a side of the tree at hand: 64, and 32 in the short form of rank 4. */
+/* Cells per side of the current tree: 64, and 32 in the short form of rank 4. */
 static int side = 64;
 
 /* ---- Fitting --------------------------------------------------------------------------------- */
@@ -59,7 +60,7 @@ static void measure_rows(struct bench *bench, enum scatterer which, double theta
     bench->contents[bench->n++] = (struct orl_file){.data = text, .size = size};
 }
 
-static void measure(struct bench *bench, enum scatterer which, double theta, double phi)
+static void measure_scan(struct bench *bench, enum scatterer which, double theta, double phi)
 {
     measure_rows(bench, which, theta, phi, 10000);
 }
@@ -107,11 +108,11 @@ static struct orl_bsdf *load(const struct orl_bsdf_fitted *fitted)
     return bsdf;
 }
 
-/* ---- Looking --------------------------------------------------------------------------------- */
+/* ---- Comparison ------------------------------------------------------------------------------ */
 
 struct seen {
     double total, cone[2];
-    struct orl_vec3 middle[2]; /* of the light in the cone */
+    struct orl_vec3 middle[2]; /* direction of the light in the cone */
 };
 
 static struct orl_vec3 in_cell(int x, int y, double u, double v)
@@ -120,7 +121,7 @@ static struct orl_vec3 in_cell(int x, int y, double u, double v)
         (struct orl_square){2 * (x + u) / side - 1, 2 * (y + v) / side - 1});
 }
 
-/* Over a cell; close to a peak of a third of a degree by many places. */
+/* Returns the mean over a cell; uses many points close to a peak of a third of a degree. */
 static double mean_of(enum scatterer which, struct orl_vec3 in, int x, int y)
 {
     struct orl_vec3 peaks[2];
@@ -135,7 +136,7 @@ static double mean_of(enum scatterer which, struct orl_vec3 in, int x, int y)
     return sum / (fine * fine);
 }
 
-/* Light of the tree's ring of incidence that is r from the middle of the disk. */
+/* Returns incident light in the tree's ring at radius r from the middle of the disk. */
 static struct orl_vec3 in_ring(int ring, double part)
 {
     const double inner = 2.0 * ring / side, outer = 2.0 * (ring + 1) / side;
@@ -152,8 +153,8 @@ static double mean_in_ring(enum scatterer which, int ring, int x, int y)
     return sum / PARTS;
 }
 
-/* Of light from a ring, by the means of cells: of the sample, or of its BSDF. */
-static struct seen look(enum scatterer which, int ring, const struct orl_bsdf *bsdf)
+/* Evaluates light from a ring by the means of cells, of the sample or of its BSDF. */
+static struct seen evaluate_ring(enum scatterer which, int ring, const struct orl_bsdf *bsdf)
 {
     const struct orl_vec3 in = in_ring(ring, 0.5);
     struct orl_vec3 peaks[2];
@@ -185,11 +186,12 @@ static double apart_deg(struct orl_vec3 a, struct orl_vec3 b)
     return 2 * asin(0.5 * orl_length(orl_sub(u, v))) / ORL_DEG_TO_RAD;
 }
 
-static void compare(enum scatterer which, const struct orl_bsdf *bsdf, int ring)
+static void compare_ring(enum scatterer which, const struct orl_bsdf *bsdf, int ring)
 {
     const struct orl_vec3 in = in_ring(ring, 0.5);
     const double theta = acos(in.z) / ORL_DEG_TO_RAD;
-    const struct seen truth = look(which, ring, NULL), got = look(which, ring, bsdf);
+    const struct seen truth = evaluate_ring(which, ring, NULL),
+                      got = evaluate_ring(which, ring, bsdf);
     struct orl_vec3 peaks[2];
     const int n_peaks = scatterer_peaks(which, in, peaks);
     const double off = got.total / scatterer_albedo(which, in) - 1;
@@ -210,10 +212,10 @@ static void measure_row(struct bench *bench, enum scatterer which)
 {
     static const double thetas[] = {8, 16, 24, 32, 40, 48, 56, 62, 68, 74, 79, 83};
     for (size_t i = 0; i < sizeof thetas / sizeof *thetas; i++)
-        measure(bench, which, thetas[i], 180);
+        measure_scan(bench, which, thetas[i], 180);
 }
 
-/* Of perfectly diffuse light: rings of the same projected solid angle. */
+/* Returns the share of ideally diffuse light: rings have equal projected solid angle. */
 static double diffuse_of(enum scatterer which)
 {
     enum { RINGS = 40 };
@@ -224,7 +226,7 @@ static double diffuse_of(enum scatterer which)
     return sum / RINGS;
 }
 
-/* What scans tell: totals, and those of the ones left out as the others predict them. */
+/* Checks the scans' totals, and the leave-one-out predictions by the other scans. */
 static void check_scans(enum scatterer which, const struct orl_bsdf_fitted *fitted)
 {
     double squares = 0;
@@ -233,14 +235,14 @@ static void check_scans(enum scatterer which, const struct orl_bsdf_fitted *fitt
         const struct orl_bsdf_fitted_scan *s = &fitted->scans[i];
         const double albedo = scatterer_albedo(which, scatterer_direction(s->theta_deg, 180));
         assert_true(fabs(s->total / albedo - 1) < (s->theta_deg < 75 ? 0.01 : 0.02));
-        /* Four errors are next to never; leaves' own quadrature is good to 0.2 %. */
+        /* Four errors are very rare; the leaves' own quadrature has an error of 0.2 %. */
         assert_true(fabs(s->total - albedo) < 4 * s->total_error + 0.002);
         if (!s->left_out)
             continue;
         squares += (s->predicted - albedo) * (s->predicted - albedo);
         left_out++;
     }
-    /* All but the last, as the first one's mirror image stands on its other side. */
+    /* All scans but the last are predicted; the first one's mirror image is on its other side. */
     assert_int_equal(left_out, fitted->n_scans - 1);
     const double rms = sqrt(squares / (double)left_out);
     const struct orl_bsdf_share told =
@@ -249,11 +251,11 @@ static void check_scans(enum scatterer which, const struct orl_bsdf_fitted *fitt
     print_message("# %s: left out, off by %.1e, told %.1e; diffuse light %.5f off by %+.1e\n",
                   scatterers[which].name, rms, told.error, diffuse, told.value - diffuse);
     assert_true(fabs(told.value - diffuse) < 2 * told.error + 0.0005);
-    /* What is told compares with measured totals, which have errors of their own. */
+    /* The predicted errors compare with measured totals, which have errors, too. */
     assert_true(told.error < 2 * rms + 0.003 && rms < 2 * told.error + 0.003);
 }
 
-static void check(enum scatterer which)
+static void check_fit(enum scatterer which)
 {
     static const int rings[] = {6, 12, 18, 20, 25, 29, 30};
     side = 64;
@@ -264,7 +266,7 @@ static void check(enum scatterer which)
     assert_int_equal(fitted.symmetry, ORL_BSDF_FIT_ISOTROPIC);
     check_scans(which, &fitted);
     for (size_t i = 0; i < sizeof rings / sizeof *rings; i++)
-        compare(which, bsdf, rings[i]);
+        compare_ring(which, bsdf, rings[i]);
     orl_bsdf_unref(bsdf);
     orl_bsdf_fitted_done(&fitted);
     clear(&bench);
@@ -275,34 +277,34 @@ static void check(enum scatterer which)
 static void lambert(void **state)
 {
     (void)state;
-    check(SCATTERER_LAMBERT);
+    check_fit(SCATTERER_LAMBERT);
 }
 
 static void ward(void **state)
 {
     (void)state;
-    check(SCATTERER_WARD);
+    check_fit(SCATTERER_WARD);
 }
 
 static void slab(void **state)
 {
     (void)state;
-    check(SCATTERER_SLAB);
+    check_fit(SCATTERER_SLAB);
 }
 
 static void peak(void **state)
 {
     (void)state;
-    check(SCATTERER_PEAK);
+    check_fit(SCATTERER_PEAK);
 }
 
 static void crossing(void **state)
 {
     (void)state;
-    check(SCATTERER_CROSSING);
+    check_fit(SCATTERER_CROSSING);
 }
 
-/* Of a quadrant's incident cells one in four, to 80 degrees. */
+/* Uses one in four of a quadrant's incident cells, to 80 degrees. */
 static double rms_of(enum scatterer which, const struct orl_bsdf *bsdf)
 {
     double squares = 0, all = 0;
@@ -340,13 +342,14 @@ static void anisotropic(void **state)
     clear(&bench);
 }
 
-/* Of light along the normal what is mirrored goes where the lamp stands. */
+/* Light along the normal is mirrored toward the lamp, where the peak cannot be measured; this is
+ * reported. */
 static void a_hidden_peak_is_told(void **state)
 {
     struct bench bench = {0};
     (void)state;
-    measure(&bench, SCATTERER_PEAK, 0, 180);
-    measure(&bench, SCATTERER_PEAK, 20, 180);
+    measure_scan(&bench, SCATTERER_PEAK, 0, 180);
+    measure_scan(&bench, SCATTERER_PEAK, 20, 180);
     struct orl_bsdf_fitted fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_3, 8, 1);
     assert_int_equal(fitted.n_scans, 2);
     assert_true(fitted.scans[0].hidden_deg > 3.9 && fitted.scans[0].hidden_deg < 4.2);
@@ -372,7 +375,7 @@ static void threads_do_not_matter(void **state)
     assert_int_equal(one.xml_size, three.xml_size);
     assert_memory_equal(one.xml, three.xml, one.xml_size);
     struct orl_bsdf *bsdf = load(&one);
-    /* Mirror images are the same, to the last bit. */
+    /* Mirror images are equal to the last bit. */
     for (int i = 0; i < 100; i++) {
         const struct orl_vec3 in = scatterer_direction(37 + 0.4 * i, 11 + i);
         const struct orl_vec3 out = scatterer_direction(80 - 0.7 * i, 47 - 3 * i);

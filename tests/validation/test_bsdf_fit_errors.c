@@ -1,15 +1,15 @@
 /*
- * Whether the standard error that `bsdf fit` states of a total covers what it is off by, of samples
- * in closed form (tests/support/scatterers.h): with noise and without, of many rows and few, from
- * steep to grazing light, all of it by several seeds.
+ * Compares the standard error that `bsdf fit` states of a total with the actual error, for samples
+ * in closed form (tests/support/scatterers.h): with noise and without, with many rows and few, from
+ * steep to grazing light, with several seeds.
  *
- * Bounds. The ratio of the rms made to the rms stated, of n scans, scatters by 1/sqrt(2 n): it is
- * at most 2.2 of these above 1. Of the 5 scans of the short form's one seed it scatters by 32 %,
- * and is at most 1.70; of the 20 of the long suite's four seeds by 16 %, and is at most 1.35. What
- * is stated holds more than chance does (rows too far apart, the rim that none was measured in), so
- * that it may be several times too large where nothing is wrong; over all kinds the ratio is at
- * least a third. Shares within one, two and three errors are at least those of normal ones, but for
- * four standard deviations of that many.
+ * Bounds. The ratio of the actual rms to the stated rms, of n scans, scatters by 1/sqrt(2 n): it is
+ * at most 2.2 of these above 1. For the 5 scans of the short form's one seed it scatters by 32 %,
+ * and is at most 1.70; for the 20 of the long suite's four seeds by 16 %, and is at most 1.35. The
+ * stated error includes more than noise (rows too far apart, the rim without measurements), so that
+ * it may be several times too large in good cases; over all kinds the ratio is at least a third.
+ * Shares within one, two and three errors are at least those of a normal distribution, less four
+ * standard deviations of that number.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -29,7 +29,7 @@
 enum { ANGLES = 5 };
 static const double thetas[ANGLES] = {8, 32, 56, 74, 83};
 static const double normal_shares[3] = {0.6827, 0.9545, 0.9973};
-/* Of lobes that a tree of 64 cells a side has, of rank 4. */
+/* Levels of a tree of rank 4 with 64 cells per side, for lobes. */
 static const unsigned levels[2] = {6, 9};
 
 struct tally {
@@ -62,7 +62,7 @@ static struct orl_fit_shape shape_of(enum scatterer which, const struct scattere
     return shape;
 }
 
-static void count(struct tally *tally, double made, double stated)
+static void count_error(struct tally *tally, double made, double stated)
 {
     tally->count++;
     tally->made2 += made * made;
@@ -71,7 +71,7 @@ static void count(struct tally *tally, double made, double stated)
         tally->within[k] += fabs(made) < (k + 1) * stated;
 }
 
-/* By the number of the angle; found once. */
+/* Returns the albedo by the number of the angle; computed once. */
 static double albedo_of(enum scatterer which, size_t angle)
 {
     static double known[SCATTERERS][ANGLES];
@@ -89,8 +89,8 @@ static void of_kind(enum scatterer which, double noise, unsigned rows, struct ta
         for (uint64_t seed = 1; seed <= extent(1, 4); seed++) {
             const struct scatterer_scan scan = {thetas[i], 180, rows, noise, true, 100 * i + seed};
             struct orl_fit_shape shape = shape_of(which, &scan);
-            count(&tally, shape.total - albedo, shape.total_error);
-            count(all, shape.total - albedo, shape.total_error);
+            count_error(&tally, shape.total - albedo, shape.total_error);
+            count_error(all, shape.total - albedo, shape.total_error);
             orl_fit_shape_done(&shape);
         }
     }

@@ -1,7 +1,7 @@
 /*
- * The virtual goniophotometer against closed forms. Where nothing else is said a figure is to be
- * within six of its own standard errors, which of 16 batches chance exceeds in 1 of 40 000 cases,
- * and some rounding.
+ * The virtual goniophotometer compared with closed forms. Unless stated otherwise a value must be
+ * within six of its standard errors, which with 16 batches chance exceeds in 1 of 40 000 cases,
+ * plus rounding.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -18,7 +18,7 @@
 
 enum { QUARTER_RINGS = 5, STEPS = 64 };
 
-/* Klems quarter: edges of its rings, and their cells. */
+/* Klems quarter: edges of its rings, and their numbers of cells. */
 static const double edges_deg[QUARTER_RINGS + 1] = {0, 9, 27, 45, 63, 90};
 static const int ring_cells[QUARTER_RINGS] = {1, 8, 12, 12, 8};
 
@@ -41,7 +41,7 @@ static double omega_of(size_t cell)
     return ORL_PI * (cos2_deg(edges_deg[r]) - cos2_deg(edges_deg[r + 1])) / ring_cells[r];
 }
 
-/* Place i of STEPS by projected solid angle in a ring: the cosine there. */
+/* Returns the cosine at point i of STEPS, by projected solid angle in a ring. */
 static double ring_cosine(int ring, int i)
 {
     const double low = cos2_deg(edges_deg[ring + 1]), high = cos2_deg(edges_deg[ring]);
@@ -68,7 +68,8 @@ static void a_lambertian_sheet_is_the_same_everywhere(void **state)
         const struct orl_vec3 in = direction(0.3, -0.4, front ? 1 : -1);
         assert_share(made.diffuse[front][0], 0.2, 0);
         assert_share(made.diffuse[front][1], 0.3, 0);
-        /* Even points leave less than chance: 6 errors of a cell with 1/41 of 1230 paths. */
+        /* Stratified points have less variance than random ones: 6 errors of a cell with 1/41 of
+         * 1230 paths. */
         for (int i = 0; i < 16; i++) {
             const struct orl_vec3 out = direction(0.9 * cos(i), 0.9 * sin(i), 1);
             assert_close(eval(bsdf, in, out), (front ? 0.2 : 0.3) / ORL_PI, 0.08);
@@ -79,8 +80,8 @@ static void a_lambertian_sheet_is_the_same_everywhere(void **state)
     orl_bsdf_made_done(&made);
 }
 
-/* What a clear slab of that transmissivity of a unit of length and that thickness does, in its mean
- * over a ring. */
+/* Returns a clear slab's mean reflectance and transmittance over a ring, for that transmissivity
+ * per unit of length and that thickness. */
 static void mean_slab(int ring, double thickness, double clarity, double *ret_r, double *ret_t)
 {
     *ret_r = *ret_t = 0;
@@ -94,8 +95,8 @@ static void mean_slab(int ring, double thickness, double clarity, double *ret_r,
     }
 }
 
-/* Of coloured glass, in a box that reaches out of the cell: green is what luma is most of, so that
- * of shares by luma those of three channels are the sum. */
+/* A coloured glass slab in a box larger than the cell. Green dominates luma, so the luma shares are
+ * the weighted sum over the three channels. */
 static void a_clear_slab_is_fresnels_with_all_passes(void **state)
 {
     static const double cell[4] = {-0.5, 0.5, 0, 0.7}, clarity[3] = {0.5, 0.8, 0.3};
@@ -117,12 +118,14 @@ static void a_clear_slab_is_fresnels_with_all_passes(void **state)
             transmitted += luma[c] * t;
         }
         for (int front = 0; front < 2; front++) {
-            /* Means of 64 steps are off by 1e-5 towards the horizon. */
+            /* Means of 64 steps are off by 1e-5 near the horizon. */
             assert_share(made.directions[i].shares[front][0], reflected, 3e-5);
             assert_share(made.directions[i].shares[front][1], transmitted, 3e-5);
         }
     }
-    /* All of it goes straight through, in its colours: 16-bit shares of luminance. */
+    /*
+     * All of the transmitted light is straight, in the glass's colours: 16-bit shares of luminance.
+     */
     const struct orl_rgb f = orl_bsdf_eval(bsdf, direction(0, 0, -1), direction(0, 0, 1));
     for (int c = 0; c < 3; c++) {
         double r, t;
@@ -133,8 +136,8 @@ static void a_clear_slab_is_fresnels_with_all_passes(void **state)
     orl_bsdf_made_done(&made);
 }
 
-/* Reflectance of a pane that absorbs nothing, all passes summed: glass is thin, and keeps each
- * polarisation to itself. Its mean over projected solid angle. */
+/* Returns the reflectance of a pane that absorbs nothing, all passes summed, averaged over
+ * projected solid angle. Glass is thin, and treats the polarisations separately. */
 static double pane_reflectance(double c)
 {
     const double inside = sqrt(1 - (1 - c * c) / (1.52 * 1.52));
@@ -153,11 +156,11 @@ static void mean_pane(double low_deg, double high_deg, double *ret_r, double *re
     *ret_t = 1 - *ret_r;
 }
 
-/* A frosted pane: clear outside, even diffusion behind. Light goes back and forth between both. */
+/* A frosted pane: clear outside, ideally diffuse behind, with interreflection between both. */
 static void a_frosted_pane_is_a_pane_and_a_sheet(void **state)
 {
     const double rho = 0.3, tau = 0.5;
-    /* Transmissivity 1: nothing is absorbed. */
+    /* Transmissivity 1: no absorption. */
     const struct panel panel = {.text = "void glass g 0 0 3 1 1 1\n"
                                         "void trans s 0 0 7 .8 .8 .8 0 0 .625 0\n"
                                         "g polygon pane 0 0 12 0 0 -.1 1 0 -.1 1 1 -.1 0 1 -.1\n"
@@ -174,7 +177,7 @@ static void a_frosted_pane_is_a_pane_and_a_sheet(void **state)
         mean_pane(edges_deg[ring_of(i)], edges_deg[ring_of(i) + 1], &r, &t);
         assert_share(s[0][1], t * tau * gain, 2e-5);
         assert_share(s[0][0], r + t * rho * td * gain, 2e-5);
-        /* From the inside light meets the sheet first, whatever its direction. */
+        /* From the inside light hits the sheet first, whatever its direction. */
         assert_share(s[1][1], tau * td * gain, 2e-5);
         assert_share(s[1][0], rho + tau * tau * rd * gain, 2e-5);
     }
@@ -184,15 +187,15 @@ static void a_frosted_pane_is_a_pane_and_a_sheet(void **state)
 /* ---- A laser cut panel ----------------------------------------------------------------------- */
 
 /*
- * Acrylic with cuts at right angles: every ray inside meets them beyond the critical angle, so that
- * cuts only turn y around. A ray's way is then a straight line through equal layers, and how many
- * it crosses, odd or even, says where it leaves to. For light in the plane across the cuts.
+ * Acrylic with cuts at right angles: every ray inside hits them beyond the critical angle, so that
+ * cuts only reverse y. A ray is then a straight line through equal layers, and the parity of the
+ * number crossed determines the exit direction. For light in the plane across the cuts.
  */
 static double deflected_share(double sine, double aspect, double n)
 {
     const double inside = asin(sine / n), crossed = aspect * tan(inside);
     const double whole = floor(crossed), rest = crossed - whole;
-    /* Of places between two cuts, that share crosses one more. */
+    /* For positions between two cuts, that share crosses one more. */
     return fmod(whole, 2) == 1 ? 1 - rest : rest;
 }
 
@@ -210,9 +213,10 @@ static void a_laser_cut_panel_follows_snell(void **state)
     struct orl_bsdf_made made = panel_make(&panel);
     struct orl_bsdf *bsdf = panel_read(&made);
     (void)state;
-    /* Light from outside and above, at 40 degrees: a cell from 35 to 45, 15 degrees to either side.
-     * Its mean, by the first pass alone, whose share the others (odd numbers of passes) change
-     * little: r^2 of it. */
+    /*
+     * Light from outside and above, at 40 degrees: a cell from 35 to 45, 15 degrees to either side.
+     * Computes its mean by the first pass only; later passes (odd numbers) change its share by r^2.
+     */
     double up = 0, down = 0;
     const double low = cos2_deg(45), high = cos2_deg(35);
     for (int i = 0; i < PARTS; i++)
@@ -221,7 +225,7 @@ static void a_laser_cut_panel_follows_snell(void **state)
             const double sine = sqrt(1 - c * c);
             const double side = (15 * ORL_DEG_TO_RAD) * ((k + 0.5) / PARTS - 0.5);
             const double z = sqrt(1 - sine * sine / (n * n)); /* inside */
-            /* Slope across the cuts, of a ray that goes to the side as well. */
+            /* Slope across the cuts of a ray with a sideways component. */
             const double slope = sine * cos(side) / n / z;
             const double r = fresnel(c, n), t = (1 - r) * (1 - r) / (1 - r * r);
             const double share = deflected_share(n * sin(atan(slope)), aspect, n);
@@ -232,11 +236,11 @@ static void a_laser_cut_panel_follows_snell(void **state)
     const struct orl_vec3 in = direction(0, sin(40 * ORL_DEG_TO_RAD), -1);
     const double to_up = eval(bsdf, in, direction(0, sin(40 * ORL_DEG_TO_RAD), 1)) * omega;
     const double to_down = eval(bsdf, in, direction(0, -sin(40 * ORL_DEG_TO_RAD), 1)) * omega;
-    /* r is 0.05: passes beyond the first carry 0.25 % of the light, and may fall either way. */
+    /* r is 0.05: passes beyond the first carry 0.25 % of the light, in either direction. */
     assert_close(to_up, up, 0.003);
     assert_close(to_down, down, 0.003);
     assert_close(to_up + to_down, up + down, 2e-4);
-    assert_true(up > 0.3 && down > 0.05); /* it does both */
+    assert_true(up > 0.3 && down > 0.05); /* the cell has both directions */
     orl_bsdf_unref(bsdf);
     orl_bsdf_made_done(&made);
 }

@@ -1,6 +1,6 @@
 /*
- * Venetian blinds on the virtual goniophotometer, against closed forms: flat slats, endless, one
- * above the other. Tolerances as in test_bsdf_make.c.
+ * Venetian blinds on the virtual goniophotometer, compared with closed forms: flat slats, endless,
+ * one above the other. Tolerances as in test_bsdf_make.c.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -16,7 +16,7 @@
 
 enum { CELLS = 41, STEPS = 32, STRIPS = 100 };
 
-/* Klems quarter: place (i, k) of STEPS each in a cell, where light travels to. */
+/* Klems quarter: direction (i, k) of STEPS each in a cell, toward which light travels. */
 static struct orl_vec3 place_in(int cell, int i, int k)
 {
     static const double edges_deg[] = {0, 9, 27, 45, 63, 90};
@@ -31,7 +31,8 @@ static struct orl_vec3 place_in(int cell, int i, int k)
     return orl_v3(s * cos(phi), s * sin(phi), c);
 }
 
-/* The widths of steps at the horizon, where slopes have no bound, are felt to 1e-3. */
+/* Returns the rounding error: the widths of steps at the horizon, where slopes are unbounded,
+ * matter to 1e-3. */
 static double rounding(int cell)
 {
     return cell >= 33 ? 1e-3 : 2e-4;
@@ -40,8 +41,8 @@ static double rounding(int cell)
 /* ---- Mirrors --------------------------------------------------------------------------------- */
 
 /*
- * Unfolded, a ray is a straight line through equal layers: of all places to come in, the share
- * `rest` meets one slat more than the others. Each takes a fifth of the light.
+ * Unfolded, a ray is a straight line through equal layers: the share `rest` of all entry points
+ * hits one slat more than the others. Each slat absorbs a fifth of the light.
  */
 static void mirrors_are_a_line_through_layers(void **state)
 {
@@ -64,7 +65,7 @@ static void mirrors_are_a_line_through_layers(void **state)
         for (int front = 0; front < 2; front++) {
             const struct orl_bsdf_share *s = made.directions[in].shares[front];
             assert_close(s[1].value, transmitted, 6 * s[1].error + rounding(in));
-            assert_true(s[0].value == 0); /* nothing comes back */
+            assert_true(s[0].value == 0); /* nothing is reflected */
         }
     }
     orl_bsdf_made_done(&made);
@@ -72,12 +73,12 @@ static void mirrors_are_a_line_through_layers(void **state)
 
 /* ---- Matt slats ------------------------------------------------------------------------------ */
 
-/* A piece of a line in the plane across the slats: places along it (z) and across (y). */
+/* A segment in the plane across the slats: coordinates along it (z) and across (y). */
 struct segment {
     double z0, y0, z1, y1;
 };
 
-/* The share of what an endless strip sends out evenly that comes to another: crossed strings. */
+/* Returns the form factor between endless diffuse strips, by crossed strings. */
 static double seen(struct segment a, struct segment b)
 {
     const double crossed = hypot(a.z0 - b.z1, a.y0 - b.y1) + hypot(a.z1 - b.z0, a.y1 - b.y0);
@@ -90,8 +91,8 @@ static struct segment strip(int i, double y)
     return (struct segment){(double)i / STRIPS - 1, y, (i + 1.0) / STRIPS - 1, y};
 }
 
-/* What the strips of both slats send out of what one of them gets, in the end: towards the back,
- * the front. first: light that falls onto strips of the lower one; the whole light is 1. */
+/* Computes the light that the strips of both slats finally emit toward the back and the front.
+ * first: light incident on strips of the lower slat; the total is 1. */
 static void radiosity(const double first[STRIPS], double spacing, double rho, double ret_out[2])
 {
     static double between[STRIPS][STRIPS];
@@ -115,7 +116,7 @@ static void radiosity(const double first[STRIPS], double spacing, double rho, do
             ret_out[end] += (sent[0][i] + sent[1][i]) * seen(strip(i, 0), ends[end]);
 }
 
-/* As ISO 15099 has it, with strips as narrow as need be in place of five. */
+/* Matt slats follow ISO 15099, with as many strips as needed instead of five. */
 static void matt_slats_are_a_cavity(void **state)
 {
     static const double cell[4] = {0, 1, -0.4, 0.4}, spacing = 0.8, rho = 0.6;
@@ -132,7 +133,7 @@ static void matt_slats_are_a_cavity(void **state)
                 const struct orl_vec3 d = place_in(in, i, k);
                 const double slope = fabs(d.y) / d.z, reach = fmin(1, spacing / slope);
                 direct += fmax(0, 1 - slope / spacing) / (STEPS * STEPS);
-                /* Evenly over what it reaches of the slat. */
+                /* Light is uniform over the part of the slat that it reaches. */
                 for (int s = 0; s < STRIPS && reach > (double)s / STRIPS; s++)
                     first[s] +=
                         fmin(1, reach * STRIPS - s) / STRIPS * slope / spacing / (STEPS * STEPS);
@@ -147,18 +148,18 @@ static void matt_slats_are_a_cavity(void **state)
     orl_bsdf_made_done(&made);
 }
 
-/* ---- Which way round ------------------------------------------------------------------------- */
+/* ---- Orientation ----------------------------------------------------------------------------- */
 
-/* Transmission of light that comes from there; z < 0 is outside. */
+/* Transmission of light from that direction; z < 0 is outside. */
 static double let_through(const struct orl_bsdf *bsdf, double x, double y, double side)
 {
     return orl_bsdf_albedo(bsdf, direction(x, y, side), ORL_BSDF_TRANSMIT).g;
 }
 
 /*
- * Black slats whose outer edges are the higher ones, at 45 degrees and edge above edge: light from
- * outside and above passes between them, and from inside and below; no other does. Then the same
- * turned, whose outer edges are further to the right, where x is more.
+ * Black slats whose outer edges are higher, at 45 degrees and edge above edge: only light from
+ * outside and above, or from inside and below, passes between them. Then the same slats rotated,
+ * whose outer edges are further to the right, at larger x.
  */
 static void up_and_left_and_outside_are_where_they_are(void **state)
 {
@@ -174,12 +175,12 @@ static void up_and_left_and_outside_are_where_they_are(void **state)
         struct orl_bsdf_made made = panel_make(k ? &turned : &tilted);
         struct orl_bsdf *bsdf = panel_read(&made);
         const double x = k ? s : 0, y = k ? 0 : s;
-        /* A cell of Klems full is 10 and 15 degrees wide: most of it passes. */
+        /* A cell of Klems full is 10 and 15 degrees wide: most of its light passes. */
         assert_true(let_through(bsdf, x, y, -1) > 0.8);
         assert_true(let_through(bsdf, -x, -y, 1) > 0.8);
         assert_true(let_through(bsdf, -x, -y, -1) == 0);
         assert_true(let_through(bsdf, x, y, 1) == 0);
-        /* It goes on as it came. */
+        /* The light keeps its direction. */
         assert_true(eval(bsdf, direction(x, y, -1), direction(-x, -y, 1)) > 10);
         assert_true(eval(bsdf, direction(x, y, -1), direction(x, y, 1)) == 0);
         orl_bsdf_unref(bsdf);

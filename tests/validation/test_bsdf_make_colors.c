@@ -1,8 +1,8 @@
 /*
- * Tensor trees in colour: what they say by red, green and blue, beside closed forms, beside
- * matrices of the same panel, and as panes of a room. Tolerances of cells: colours of cells that
- * are one are as alike as their cull asks for, 5 % of a value, those of cells that are apart as a
- * quarter of it; shares in a file are 16 bits.
+ * Tensor trees in colour: red, green and blue compared with closed forms, with matrices of the same
+ * panel, and as panes of a room. Tolerances of cells: colours of merged cells differ by at most the
+ * cull's 5 % of a value, those of separate cells by at most a quarter of it; shares in a file have
+ * 16 bits.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -28,13 +28,13 @@ static const double square[4] = {0, 1, 0, 1};
 static const enum orl_bsdf_basis bases[] = {ORL_BSDF_TENSOR_TREE_3, ORL_BSDF_TENSOR_TREE_4,
                                             ORL_BSDF_KLEMS_FULL};
 
-/* A pane that lets through .2, .5 and .8 of what comes straight. */
+/* A pane with normal transmittances of .2, .5 and .8. */
 static const double passes[COLORS] = {0.2177, 0.5427, 0.8659};
 #define PANE "void glass p 0 0 3 .2177 .5427 .8659\n"
-/* Diffuse, .54, .36 and .18 through. */
+/* Diffuse transmission of .54, .36 and .18. */
 #define SHEET "void trans p 0 0 7 .9 .6 .3 0 0 .6 0\n"
 #define LYING "p polygon f 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n"
-/* Facets to the left and to the right that are of one luminance. */
+/* Facets facing left and right with equal luminance. */
 static const char roof[] =
     "void plastic a 0 0 5 .9 .1 .1 0 0\nvoid plastic b 0 0 5 .1 .4123 .1 0 0\n"
     "a polygon left 0 0 12 0 0 -.5 .5 0 0 .5 1 0 0 1 -.5\n"
@@ -55,7 +55,7 @@ static struct orl_bsdf *read_panel(const struct panel *panel)
 
 /* ---- Closed forms ---------------------------------------------------------------------------- */
 
-/* By middles of the tree's rings. Even points find a ring's mean to 1 %. */
+/* Compared at the middles of the tree's rings. Stratified points find a ring's mean to 1 %. */
 static void a_filter_is_fresnels_in_every_colour(void **state)
 {
     enum { RINGS = 8 };
@@ -80,8 +80,8 @@ static void a_filter_is_fresnels_in_every_colour(void **state)
                 assert_close(of(back, c), r, 0.05 * r);
             }
         }
-        /* Straight on the peak has the pane's colours: two levels of a quarter of 5 %, and 0.3 %
-         * for the cell's angles. */
+        /* At normal incidence the peak has the pane's colours: two levels of a quarter of 5 %, and
+         * 0.3 % for the cell's angles. */
         const struct orl_vec3 in = direction(0.01, 0.02, -1);
         const struct orl_rgb peak = orl_bsdf_eval(bsdf, in, orl_neg(in));
         assert_close(peak.r / peak.g, 0.2 / 0.5, 0.028 * 0.4);
@@ -90,7 +90,7 @@ static void a_filter_is_fresnels_in_every_colour(void **state)
     }
 }
 
-/* Twelve numbers, whatever cells were counted by. */
+/* The tree has twelve numbers, whatever the resolution. */
 static void an_even_sheet_has_one_colour(void **state)
 {
     static const double shares[2][COLORS] = {{0.36, 0.24, 0.12}, {0.54, 0.36, 0.18}};
@@ -122,7 +122,7 @@ static void an_even_sheet_has_one_colour(void **state)
 
 /* ---- Cells ----------------------------------------------------------------------------------- */
 
-/* The braces of all parts' luminances. */
+/* Returns the braces of all parts' luminances. */
 static char *visible_of(const char *xml)
 {
     const char *end = strstr(xml, "CIE-u");
@@ -139,7 +139,7 @@ static char *visible_of(const char *xml)
     return text;
 }
 
-/* Where all light to a cell has one colour, colour takes no more cells: to the byte. */
+/* If all light to a cell has one colour, colour adds no cells: equal to the byte. */
 static void colour_leaves_luminance_alone(void **state)
 {
     static const char *const texts[] = {SHEET LYING,
@@ -168,8 +168,8 @@ static void colour_leaves_luminance_alone(void **state)
     }
 }
 
-/* What luminances do not tell apart: light from above goes red to the left, green to the right. By
- * what comes to either half a matrix says the same, but for noise and cells across the middle. */
+/* Colours split cells that luminances do not: light from above goes red to the left, green to the
+ * right. A matrix has the same totals for either half, except noise and cells across the middle. */
 static void colours_alone_are_told_apart(void **state)
 {
     double left[3][COLORS], right[3][COLORS];
@@ -187,7 +187,7 @@ static void colours_alone_are_told_apart(void **state)
         for (int k = 0; k < N * N; k++) {
             const double r = sqrt((k / N + 0.5) / N), phi = 2 * ORL_PI * (k % N + 0.37) / N;
             const struct orl_vec3 out = direction(r * cos(phi), r * sin(phi), 1);
-            for (int q = 0; q < 4; q++) { /* of a tree four cells meet in the middle */
+            for (int q = 0; q < 4; q++) { /* four cells of a tree meet in the middle */
                 const struct orl_vec3 in = direction(q & 1 ? 0.02 : -0.02, q & 2 ? 0.03 : -0.03, 1);
                 const struct orl_rgb f = orl_bsdf_eval(bsdf, in, out);
                 for (int c = 0; c < COLORS; c++)
@@ -206,7 +206,8 @@ static void colours_alone_are_told_apart(void **state)
     }
 }
 
-/* For any number of threads; and what is symmetric is so to the last bit, in each colour. */
+/* The bytes are equal for any number of threads, and a symmetric panel is symmetric to the last
+ * bit, in each colour. */
 static void bytes_are_the_same(void **state)
 {
     char *first = NULL;
@@ -241,9 +242,9 @@ static void bytes_are_the_same(void **state)
     free(first);
 }
 
-/* Glass that takes nothing of blue: all of it is reflected or transmitted, and no more; half of
- * what noise and one chromaticity for several cells would add from single directions is lost by
- * that. */
+/* Glass without absorption in blue: all blue is reflected or transmitted, and no more. Noise, and
+ * one chromaticity for several cells, would otherwise add light for single directions; the bound
+ * for the mean allows for the light that the limit removes. */
 static void no_colour_gains(void **state)
 {
     (void)state;
@@ -317,8 +318,7 @@ static void expect_no_difference(const struct orl_bsdf *a, const struct orl_bsdf
         assert_true(fabs(c.of[part / 2][part % 2].color.albedo_worst) < 1e-4);
 }
 
-/* Compares albedos at 256 directions. orl_bsdf_compare does so at many more, and takes over a
- * second. */
+/* Compares albedos at 256 directions. orl_bsdf_compare uses many more, and takes over a second. */
 static void assert_same_albedos(const struct orl_bsdf *a, const struct orl_bsdf *b)
 {
     enum { N = 64 };
@@ -332,7 +332,8 @@ static void assert_same_albedos(const struct orl_bsdf *a, const struct orl_bsdf 
     }
 }
 
-/* A tree as that tree again is what it was; grey it lacks what its colours are off by. */
+/* A tree converted to an equal tree is unchanged; converted to grey it reports its colour
+ * differences. */
 static void conversions_keep_colour_or_say_so(void **state)
 {
     const struct panel panel = {.text = SHEET LYING,
@@ -347,7 +348,7 @@ static void conversions_keep_colour_or_say_so(void **state)
         assert_same_albedos(tree, after);
         if (bases[i] != ORL_BSDF_KLEMS_FULL && !extent_is_long()) {
             orl_bsdf_unref(after);
-            continue; /* the long suite compares all, and goes all ways back */
+            continue; /* the long suite compares all, and converts back in all ways */
         }
         expect_no_difference(tree, after);
         struct orl_bsdf *again = converted(after, ORL_BSDF_TENSOR_TREE_4, true);
@@ -361,8 +362,8 @@ static void conversions_keep_colour_or_say_so(void **state)
     const struct orl_bsdf_comparison c = compared(tree, gray);
     assert_true(c.colored[0] && !c.colored[1]);
     const double luma = orl_luma((struct orl_rgb){0.54, 0.36, 0.18});
-    assert_close(c.of[0][1].color.albedo_worst, luma - 0.18,
-                 0.005); /* blue: the most of the three */
+    /* Blue has the largest difference of the three. */
+    assert_close(c.of[0][1].color.albedo_worst, luma - 0.18, 0.005);
     assert_true(fabs(c.of[0][1].albedo_worst) < 1e-5);
     orl_bsdf_unref(gray);
     orl_bsdf_unref(tree);
@@ -390,7 +391,7 @@ struct reading {
     double lx[SENSORS], error[SENSORS];
 };
 
-/* Under a sky of one colour. */
+/* Returns the reading under a sky of one colour. */
 static struct reading read_room(const char *pane, const char *xml, int channel)
 {
     static const char *const skies[COLORS] = {"3 0 0", "0 1.5 0", "0 0 12"};
@@ -412,8 +413,8 @@ static struct reading read_room(const char *pane, const char *xml, int channel)
     return reading;
 }
 
-/* Trees and the matrix as panes of a room, and the material itself: within four errors of both, and
- * 1.5 % for chromaticities and what 16 cells a side, or 145, leave of angles. */
+/* Trees and the matrix as panes of a room, and the material itself, agree within four errors of
+ * both, and 1.5 % for chromaticities and the angular resolution of 16 cells per side, or 145. */
 static void rooms_have_the_same_light(void **state)
 {
     static const char *const materials[2] = {PANE, SHEET}, *const panels[2] = {PANE LYING,

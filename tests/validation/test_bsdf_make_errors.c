@@ -1,15 +1,15 @@
 /*
- * Whether errors that `bsdf make` states are errors made: how many cells lie within one, two and
- * three of them of what an independent run says, whose own errors count too (both in joint
- * errors). That run has 4 to 32 times the paths of those with a fixed number, in the short form 2
- * to 8 times; it states its errors by the same code, so that errors that are stated too small by a
- * factor show in full whatever the number of its paths is.
+ * Compares the errors that `bsdf make` states with the actual errors: the number of cells within
+ * one, two and three of them (in joint errors) of an independent run. That run has 4 to 32 times
+ * the paths of those with a fixed number, in the short form 2 to 8 times. It states its errors by
+ * the same code, so that errors stated too small by a factor show in full for any number of its
+ * paths.
  *
  * Bounds. An error from 16 batches is Student's t of 15 degrees of freedom: 0.6669, 0.9361 and
  * 0.9910 of cells. A share of n cells scatters by sqrt(p (1 - p) / n); four of these are allowed,
- * and twice as many for cells of one item are not quite independent and all seeds share the longer
- * run. Cells that few paths came to have room for one path more, and so are more often within: the
- * upper bounds say how much room is too much.
+ * and twice as many because cells of one item are not quite independent and all seeds share the
+ * longer run. Cells with few paths include a margin of one more path, and are therefore more often
+ * within: the upper bounds limit that margin.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -29,10 +29,10 @@
 static const double square[4] = {0, 1, 0, 1};
 static const double nominal[3] = {0.6669, 0.9361, 0.9910};
 
-/* Half of the light through, evenly. */
+/* Uniform diffuse transmission of half of the light. */
 static const char sheet[] = "void trans s 0 0 7 .8 .8 .8 0 0 .5 0\n"
                             "s polygon p 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n";
-/* A laser cut panel: all is clear. */
+/* A laser cut panel, completely clear. */
 static const char cut[] = "void dielectric d 0 0 5 1 1 1 1.491 0\n"
                           "!genbox d part 4 1 1.5 | xform -t -2 0 -1.5\n";
 /* A saw of clear plastic with paint on a tooth's back. */
@@ -42,7 +42,7 @@ static const char saw[] = "void dielectric d 0 0 5 1 1 1 1.5 0\n"
                           "d polygon slope 0 0 12 -1 0 -.2 -1 1 -.6 2 1 -.6 2 0 -.2\n"
                           "d polygon riser 0 0 12 -1 1 -.6 -1 1 -.2 2 1 -.2 2 1 -.6\n"
                           "p polygon paint 0 0 12 0 .2 -.8 0 .5 -.8 .6 .5 -.8 .6 .2 -.8\n";
-/* A sheet that scatters about what goes straight. */
+/* A sheet that scatters around the straight direction. */
 static const char frosted[] = "void trans s 0 0 7 .8 .8 .8 .04 .15 .7 .8\n"
                               "s polygon p 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n";
 /* A matt blind. */
@@ -53,10 +53,10 @@ static const char blind[] = "void plastic w 0 0 5 .7 .7 .7 0 0\n"
 
 struct tally {
     size_t count, within[3];
-    double squares; /* of differences in errors */
+    double squares; /* sum of squared differences in units of errors */
 };
 
-static void count(struct tally *tally, double off, double error)
+static void count_error(struct tally *tally, double off, double error)
 {
     const double z = fabs(off) / error;
     assert_true(error > 0);
@@ -66,15 +66,15 @@ static void count(struct tally *tally, double off, double error)
         tally->within[k] += z < k + 1;
 }
 
-/* room: by how much more of the cells may be within one and two errors. */
+/* room: allowed excess of the share of cells within one and two errors. */
 static void assert_true_errors(const struct tally *tally, const char *name, double room)
 {
     const double n = (double)tally->count;
     print_message("# %s: of %zu cells %.3f %.3f %.4f, mean square %.2f\n", name, tally->count,
                   (double)tally->within[0] / n, (double)tally->within[1] / n,
                   (double)tally->within[2] / n, tally->squares / n);
-    assert_true(tally->count > extent(150, 300)); /* a seed, and two */
-    /* A square of t has the mean 15/13, and scatters by 1.84. */
+    assert_true(tally->count > extent(150, 300)); /* one seed, and two */
+    /* The square of t has the mean 15/13 and the standard deviation 1.84. */
     assert_true(tally->squares / n < 15.0 / 13 + 4 * sqrt(2) * 1.84 / sqrt(n));
     for (int k = 0; k < 3; k++) {
         const double p = nominal[k], share = (double)tally->within[k] / n;
@@ -86,13 +86,13 @@ static void assert_true_errors(const struct tally *tally, const char *name, doub
 
 /* ---- Matrices -------------------------------------------------------------------------------- */
 
-/* A BSDF as it was made, with its text read. */
+/* A computed BSDF with its XML parsed. */
 struct made {
     struct orl_bsdf_made made;
-    struct orl_bsdf *bsdf, *errors; /* errors: of trees */
+    struct orl_bsdf *bsdf, *errors; /* errors: for trees */
 };
 
-static struct made make(struct panel panel, uint64_t seed)
+static struct made make_bsdf(struct panel panel, uint64_t seed)
 {
     panel.seed = seed;
     panel.threads = 2;
@@ -114,7 +114,7 @@ static void done(struct made *m)
     orl_bsdf_made_done(&m->made);
 }
 
-/* Where light of a cell comes from, on that side. */
+/* Returns the direction from which light of a cell comes, on that side. */
 static struct orl_vec3 origin(const struct orl_bsdf_made *made, size_t cell, double side)
 {
     const struct orl_bsdf_made_direction *d = &made->directions[cell];
@@ -122,7 +122,7 @@ static struct orl_vec3 origin(const struct orl_bsdf_made *made, size_t cell, dou
     return direction(s * cos(phi), s * sin(phi), side);
 }
 
-/* Of a part of a matrix, by the direction that light comes from and the cell it leaves to. */
+/* Value in a part of a matrix, by the incident direction and the outgoing cell. */
 static double value(const struct made *m, int part, size_t i, size_t k)
 {
     const bool front = part / 2, transmitted = part % 2;
@@ -144,12 +144,12 @@ static void compare_part(const struct made *m, const struct made *longer, int pa
         const double e0 = (double)m->made.errors[part / 2][part % 2][i];
         const double e1 = (double)longer->made.errors[part / 2][part % 2][i];
         if (is >= 0.01 * peak)
-            count(tally, value(m, part, i / n, i % n) - is, hypot(e0, e1));
+            count_error(tally, value(m, part, i / n, i % n) - is, hypot(e0, e1));
     }
 }
 
-/* Shares of directions, reflected and transmitted. Where nothing but a path in millions is left to
- * chance, as of a sheet that scatters evenly, they may be known to less than is worth to state. */
+/* Compares the directions' reflected and transmitted shares. If almost nothing is random, as for a
+ * sheet that scatters evenly, they may be known better than the smallest stated error. */
 static void compare_shares(const struct orl_bsdf_made *made, const struct orl_bsdf_made *longer,
                            struct tally *tally)
 {
@@ -158,17 +158,17 @@ static void compare_shares(const struct orl_bsdf_made *made, const struct orl_bs
         const struct orl_bsdf_share *a = &made->directions[i / 4].shares[i / 2 % 2][i % 2];
         const struct orl_bsdf_share *b = &longer->directions[i / 4].shares[i / 2 % 2][i % 2];
         if (a->value > 0 || b->value > 0)
-            count(tally, a->value - b->value, hypot(hypot(a->error, b->error), least));
+            count_error(tally, a->value - b->value, hypot(hypot(a->error, b->error), least));
     }
 }
 
-/* All seeds, at so many paths or to an accuracy; returns the largest error stated. */
+/* Tallies all seeds, with that many paths or to an accuracy; returns the largest stated error. */
 static double tally_up(struct panel panel, const struct made *longer, const char *name, double room)
 {
     struct tally tally = {0}, shares = {0};
     double worst = 0;
     for (uint64_t seed = 1; seed <= extent(1, 2); seed++) {
-        struct made m = make(panel, seed);
+        struct made m = make_bsdf(panel, seed);
         assert_true(m.made.reached);
         worst = fmax(worst, m.made.worst);
         for (int part = 0; part < 4; part++)
@@ -184,7 +184,7 @@ static double tally_up(struct panel panel, const struct made *longer, const char
 static const struct {
     const char *name, *text;
     const double *cell;
-    uint32_t paths; /* few: down to some ten in a cell; of the saw, where one may weigh 50 others,
+    uint32_t paths; /* few: as low as ten in a cell; for the saw, where one may weigh 50 others,
                        some hundred */
     double room, accuracy;
 } cases[] = {{"sheet", sheet, NULL, 512, 0.4, 0.15},
@@ -199,13 +199,13 @@ static void of_matrices(void **state)
         struct panel panel = {
             .text = cases[i].text, .basis = ORL_BSDF_KLEMS_QUARTER, .cell = cases[i].cell};
         panel.paths = (uint32_t)extent(1 << 12, 1 << 14);
-        struct made longer = make(panel, 77);
+        struct made longer = make_bsdf(panel, 77);
         panel.paths = cases[i].paths;
         tally_up(panel, &longer, cases[i].name, cases[i].room);
         panel.paths = 128;
         panel.paths_most = 1 << 14;
         panel.accuracy = cases[i].accuracy;
-        /* Of thousands of errors of 15 degrees of freedom the largest is twice too large. */
+        /* Among thousands of errors of 15 degrees of freedom the largest is twice too large. */
         assert_true(tally_up(panel, &longer, "to an accuracy", 0.2) < 2 * panel.accuracy);
         done(&longer);
     }
@@ -213,7 +213,7 @@ static void of_matrices(void **state)
 
 /* ---- Trees ----------------------------------------------------------------------------------- */
 
-/* The middle of a cell of the square, of so many a side. */
+/* Returns the middle of a cell of the square, with that many cells per side. */
 static struct orl_vec3 cell_middle(size_t cell, size_t side, bool above)
 {
     struct orl_vec3 d = orl_square_to_hemisphere(
@@ -237,8 +237,8 @@ static void compare_tree(const struct made *m, const struct made *longer, size_t
             peak = pass == 0 ? fmax(peak, is) : peak;
             const double value = eval(m->bsdf, in, out);
             if (pass == 1 && value >= 0.01 * peak && value > 0)
-                count(tally, value - is,
-                      hypot(eval(m->errors, in, out), eval(longer->errors, in, out)));
+                count_error(tally, value - is,
+                            hypot(eval(m->errors, in, out), eval(longer->errors, in, out)));
         }
 }
 
@@ -256,8 +256,8 @@ static const struct {
     {"cells joined within a fifth of their mean", frosted, NULL, 8, ORL_BSDF_ASYMMETRIC, 0.2, 0,
      0.7}};
 
-/* Cells that are one are right or wrong together, but by what each of them is off by: of what they
- * are off by together the shares scatter more than n cells' do. */
+/* Merged cells are right or wrong together, apart from their individual deviations: because of the
+ * common deviation the shares scatter more than those of n cells. */
 static void of_trees(void **state)
 {
     struct made longer = {.bsdf = NULL};
@@ -273,15 +273,15 @@ static void of_trees(void **state)
         panel.cull = 1e-9;
         panel.paths = (uint32_t)extent(1 << 12, 1 << 14);
         if (i == 0 || trees[i].text != trees[i - 1].text) {
-            done(&longer); /* the same panel has the same longer run */
-            longer = make(panel, 77);
+            done(&longer); /* an equal panel has an equal longer run */
+            longer = make_bsdf(panel, 77);
         }
         panel.cull = trees[i].cull;
         panel.accuracy = trees[i].accuracy;
         panel.paths_most = 1 << 15;
         panel.paths = panel.accuracy > 0 ? 2048 : (uint32_t)extent(2048, 4096);
         for (uint64_t seed = 1; seed <= extent(1, 2); seed++) {
-            struct made m = make(panel, seed);
+            struct made m = make_bsdf(panel, seed);
             assert_true(m.made.reached);
             assert_true(panel.accuracy == 0 || m.made.worst < 2 * panel.accuracy);
             assert_true((m.made.joined > 0.02) == (i > 2));

@@ -1,7 +1,7 @@
 /*
- * What the virtual goniophotometer promises whatever the panel: the same bytes for any number of
- * threads, errors that are those made, accuracy or a word, energy, reciprocity, symmetry; and what
- * it refuses.
+ * Guarantees of the virtual goniophotometer for any panel: equal bytes for any number of threads,
+ * correct error estimates, the accuracy or a warning, energy, reciprocity, symmetry; and the inputs
+ * that it refuses.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -16,8 +16,7 @@
 #include "fixtures/bsdf_ask.h"
 #include "support/panels.h"
 
-/* A saw of clear plastic, whose teeth are not symmetric and go on into each other; coloured paint
- * on one tooth's back. */
+/* A saw of clear plastic with asymmetric teeth without gaps; coloured paint on one tooth's back. */
 static const char saw[] = "void dielectric d 0 0 5 1 1 1 1.5 0\n"
                           "void plastic p 0 0 5 .7 .5 .2 .1 .1\n"
                           "d polygon flat 0 0 12 -1 -1 0 2 -1 0 2 2 0 -1 2 0\n"
@@ -26,7 +25,7 @@ static const char saw[] = "void dielectric d 0 0 5 1 1 1 1.5 0\n"
                           "p polygon paint 0 0 12 0 .2 -.8 0 .5 -.8 .6 .5 -.8 .6 .2 -.8\n";
 static const double square[4] = {0, 1, 0, 1};
 
-/* Half of the light through, evenly. */
+/* Uniform diffuse transmission of half of the light. */
 static const char sheet[] = "void trans s 0 0 7 .8 .8 .8 0 0 .5 0\n"
                             "s polygon p 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n";
 
@@ -57,8 +56,7 @@ static void bytes_do_not_depend_on_threads(void **state)
     free(first);
 }
 
-/* Of 41 * 41 values that are all the same: errors stated are errors made, and below the accuracy.
- */
+/* For 41 * 41 equal values the stated errors are the actual errors, and below the accuracy. */
 static void errors_are_stated_and_kept(void **state)
 {
     const struct panel panel = {
@@ -87,7 +85,7 @@ static void errors_are_stated_and_kept(void **state)
             far = fmax(far, fabs(eval(bsdf, in, out) * ORL_PI / 0.4 - 1));
         }
     /* Student's t with 15 degrees of freedom has a variance of 15/13. Rounds stop when errors look
-     * small, by which a few are. */
+     * small, so a few stated errors are too small. */
     assert_true(squares > 0.8 && squares < 1.6);
     assert_true(far < 6 * 0.04);
     orl_bsdf_unref(bsdf);
@@ -112,7 +110,7 @@ static void an_accuracy_out_of_reach_is_said(void **state)
 
 /* ---- Physics --------------------------------------------------------------------------------- */
 
-/* The direction that light of a cell comes from, on that side. */
+/* Returns the direction from which light of a cell comes, on that side. */
 static struct orl_vec3 origin_of(const struct orl_bsdf_made *made, size_t cell, double side)
 {
     const struct orl_bsdf_made_direction *d = &made->directions[cell];
@@ -120,7 +118,7 @@ static struct orl_vec3 origin_of(const struct orl_bsdf_made *made, size_t cell, 
     return direction(s * cos(phi), s * sin(phi), side);
 }
 
-/* The cell that is half a turn away. */
+/* Returns the cell rotated by half a turn. */
 static size_t turned(const struct orl_bsdf_made *made, size_t cell)
 {
     const struct orl_vec3 d = origin_of(made, cell, 1);
@@ -133,7 +131,7 @@ static size_t turned(const struct orl_bsdf_made *made, size_t cell)
     return 0;
 }
 
-/* Of clear and reflecting surfaces, light goes back the way it came, and none is lost. */
+/* Clear and reflecting surfaces are reciprocal and lose no light. */
 static void energy_is_kept_and_paths_go_both_ways(void **state)
 {
     const struct panel panel = {
@@ -193,12 +191,12 @@ static void symmetry_is_exact_where_asked_for(void **state)
         }
         varied = varied || fabs(f - 0.4 / ORL_PI) > 1e-3;
     }
-    assert_true(varied); /* it is noise that is the same */
+    assert_true(varied); /* the equal values contain noise */
     orl_bsdf_unref(bsdf);
     orl_bsdf_made_done(&made);
 }
 
-/* ---- What is refused ------------------------------------------------------------------------- */
+/* ---- Refused inputs -------------------------------------------------------------------------- */
 
 static void what_is_no_panel_is_refused(void **state)
 {

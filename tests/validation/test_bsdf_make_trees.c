@@ -1,6 +1,6 @@
 /*
  * Tensor trees from the virtual goniophotometer: closed forms, agreement with matrices of the same
- * panel, and that cells are one where nothing tells them apart. Tolerances as in test_bsdf_make.c.
+ * panel, and merging of cells without significant differences. Tolerances as in test_bsdf_make.c.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -19,14 +19,14 @@
 
 static const double square[4] = {0, 1, 0, 1};
 
-/* The middle of a cell of a square of so many a side, above. */
+/* Returns the middle of a cell of a square with that many cells per side, above. */
 static struct orl_vec3 cell_direction(int x, int y, int side)
 {
     return orl_square_to_hemisphere(
         (struct orl_square){2 * (x + 0.5) / side - 1, 2 * (y + 0.5) / side - 1});
 }
 
-/* What has no shape is one number a part, however fine the cells it was counted by. */
+/* A featureless panel has one number per part, however fine the cells. */
 static void an_even_sheet_is_four_numbers(void **state)
 {
     static const enum orl_bsdf_basis bases[] = {ORL_BSDF_TENSOR_TREE_3, ORL_BSDF_TENSOR_TREE_4};
@@ -58,10 +58,12 @@ static void an_even_sheet_is_four_numbers(void **state)
     }
 }
 
-/* Slabs of 1.5, in rings of the same projected solid angle: what is straight is all there is. */
+/*
+ * Slabs of index 1.5, in rings of equal projected solid angle: all transmitted light is straight.
+ */
 static void a_slab_is_fresnels_in_every_ring(void **state)
 {
-    enum { RINGS = 8, STEPS = 64 }; /* of a resolution of 16 */
+    enum { RINGS = 8, STEPS = 64 }; /* resolution 16 */
     const struct panel panel = {.text = "void dielectric d 0 0 5 .7 .7 .7 1.5 0\n"
                                         "!genbox d slab 4 4 .5 | xform -t -2 -2 -.5\n",
                                 .basis = ORL_BSDF_TENSOR_TREE_3,
@@ -85,7 +87,7 @@ static void a_slab_is_fresnels_in_every_ring(void **state)
         for (int k = 0; k < 7; k++) { /* from all sides */
             const struct orl_vec3 in = direction(sine * cos(k), sine * sin(k), -1);
             const double got = orl_bsdf_albedo(bsdf, in, ORL_BSDF_TRANSMIT).g;
-            /* Of 4096 even points, and 0.8 % where faint cells were made one. */
+            /* The error of 4096 stratified points, and 0.8 % where faint cells were merged. */
             assert_close(got, transmitted, 0.003);
             assert_true(eval(bsdf, in, orl_neg(in)) > 10 * got / ORL_PI);
         }
@@ -95,7 +97,7 @@ static void a_slab_is_fresnels_in_every_ring(void **state)
     orl_bsdf_made_done(&made);
 }
 
-/* Of the same panel: trees as matrices, whichever way it is counted. */
+/* Trees and matrices of the same panel agree, for either way of counting. */
 static void trees_and_matrices_agree(void **state)
 {
     struct panel panel = {.text = "void dielectric d 0 0 5 1 1 1 1.5 0\n"
@@ -124,7 +126,8 @@ static void trees_and_matrices_agree(void **state)
     orl_bsdf_made_done(&matrix);
 }
 
-/* Black slats at 45 degrees, as in test_bsdf_make_blinds.c: which way is up, left and out. */
+/* Black slats at 45 degrees, as in test_bsdf_make_blinds.c, fix the directions up, left and
+ * outside. */
 static void directions_are_where_they_are(void **state)
 {
     static const double s = 0.70710678;
@@ -148,7 +151,7 @@ static void directions_are_where_they_are(void **state)
     }
 }
 
-/* Mirrored trees are measured once and are the same to the bit; and so are they for any threads. */
+/* Mirrored trees are measured once and equal to the bit, also for any number of threads. */
 static void mirrors_and_threads_change_nothing(void **state)
 {
     char *first = NULL;
@@ -166,7 +169,7 @@ static void mirrors_and_threads_change_nothing(void **state)
             struct orl_bsdf *bsdf = panel_read(&made);
             first = strdup(made.xml);
             for (int i = 0; i < 30; i++) {
-                const double r = 0.0301 * i + 0.0131; /* on no border of cells */
+                const double r = 0.0301 * i + 0.0131; /* not on a border of cells */
                 const struct orl_vec3 in = direction(r * cos(i), r * sin(i), -1);
                 for (int m = 1; m < 4; m++) {
                     const double sx = m & 1 ? -1 : 1, sy = m & 2 ? -1 : 1;
@@ -184,8 +187,8 @@ static void mirrors_and_threads_change_nothing(void **state)
     free(first);
 }
 
-/* A panel whose mirrors are looked for is made as one of which they are told; where its geometry or
- * its materials have none, none is found. */
+/* A panel whose mirror planes are detected equals one for which they are given; no plane is
+ * detected if its geometry or its materials are asymmetric. */
 static void mirrors_are_found(void **state)
 {
     static const double tall[4] = {0, 1, 0, 0.8};
@@ -200,7 +203,7 @@ static void mirrors_are_found(void **state)
          tall, ORL_BSDF_LEFT_RIGHT},
         {"void metal m 0 0 5 .8 .8 .8 .9 .1\nm polygon s 0 0 12 0 0 0 0 .8 0 .3 .8 -.6 .3 0 -.6\n",
          tall, ORL_BSDF_UP_DOWN},
-        /* A hole of a hundredth of the cell. */
+        /* A hole with a hundredth of the cell's area. */
         {"void plastic w 0 0 5 .7 .7 .7 0 0\nw polygon s 0 0 12 0 0 0 1 0 0 1 .8 0 0 .8 0\n"
          "void metal m 0 0 5 .8 .8 .8 1 0\nm ring r 0 0 8 .2 .3 .01 0 0 1 0 .05\n",
          tall, ORL_BSDF_ASYMMETRIC},
@@ -222,16 +225,16 @@ static void mirrors_are_found(void **state)
         struct orl_bsdf_made found = panel_make(&panel);
         panel.symmetry = cases[i].has;
         struct orl_bsdf_made told = panel_make(&panel);
-        assert_string_equal(found.xml, told.xml); /* which names the mirrors */
+        assert_string_equal(found.xml, told.xml); /* the XML names the mirror planes */
         orl_bsdf_made_done(&found);
         orl_bsdf_made_done(&told);
     }
 }
 
 /*
- * What an accuracy says holds: of a laser cut panel, against ten times the paths of another seed.
- * Cells from 2 % of the peak on, clear of where errors begin to count; the worst of about a
- * thousand lies within 4.5 standard errors (of 15 degrees of freedom, and one in 10^3 by chance),
+ * A stated accuracy is met for a laser cut panel, compared with ten times the paths of another
+ * seed. Cells from 2 % of the peak on, clear of the threshold where errors count: the worst of
+ * about a thousand is within 4.5 standard errors (of 15 degrees of freedom, one in 10^3 by chance),
  * the rms within one of them.
  */
 static void an_accuracy_is_kept(void **state)
@@ -273,7 +276,7 @@ static void an_accuracy_is_kept(void **state)
             worst = fmax(worst, fabs(off));
             count++;
         }
-    assert_true(count > (int)extent(125, 500)); /* cells along a peak, of a quarter as many */
+    assert_true(count > (int)extent(125, 500)); /* cells along a peak, a quarter as many */
     assert_true(sqrt(squares / count) < accuracy);
     assert_true(worst < 4.5 * accuracy);
     orl_bsdf_unref(reference);

@@ -1,7 +1,7 @@
 /*
- * How many caustic photons there are when nobody says: as many as are worth it. A gleam on a
- * ceiling gets few, and costs no more than half of what the rest does; a spot behind a lens keeps
- * its light; panes that scatter the sun get as many as the rest. The plan foresees what they take.
+ * Number of caustic photons if the job does not set it: according to their yield. A gleam on a
+ * ceiling gets few, which cost at most half of the rest of the work; a spot behind a lens keeps its
+ * light; panes that scatter the sun get as many as the global map. The plan estimates their cost.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,11 +18,11 @@
 
 enum { GLOBAL = 200000 };
 
-/* The gleam with photons by the plan and with many, of three threads: several cases look at them.
- */
+/* The gleam with photons by the plan and with many, on three threads; several cases use them. */
 static struct orl_result gleam_by_plan, gleam_of_many;
 
-/* A board on the floor of 2 % gloss in the sun; and a ball of glass, 10 cm wide, above the floor.
+/*
+ * A board of 2 % gloss on the floor in the sun; and a ball of glass, 10 cm wide, above the floor.
  */
 #define GLOSS                                                                                      \
     "void plastic f 0 0 5 .3 .3 .3 .02 .1\nf polygon gloss 0 0 12 .2 .2 .01 3.8 .2 .01 "           \
@@ -33,7 +33,7 @@ static struct orl_result gleam_by_plan, gleam_of_many;
 static struct orl_result run_as(const char *scene, const char *bsdf, uint64_t caustic,
                                 uint32_t threads, bool bounded)
 {
-    /* Behind the ball along the sun's way, in the sun beside it, and at the ceiling. */
+    /* Behind the ball along the sun's direction, in the sun beside it, and at the ceiling. */
     static const struct orl_sensor sensors[] = {{{2, 1.66, .0001}, {0, 0, 1}},
                                                 {{2.6, 1.66, .0001}, {0, 0, 1}},
                                                 {{2, 2.5, 2.9999}, {0, 0, -1}},
@@ -50,8 +50,8 @@ static struct orl_result run_as(const char *scene, const char *bsdf, uint64_t ca
                                          .threads = threads});
 }
 
-static struct orl_result run(const char *scene, const char *bsdf, uint64_t caustic,
-                             uint32_t threads)
+static struct orl_result run_job(const char *scene, const char *bsdf, uint64_t caustic,
+                                 uint32_t threads)
 {
     return run_as(scene, bsdf, caustic, threads, false);
 }
@@ -64,7 +64,9 @@ static const struct orl_map_info *map_of(const struct orl_result *r, const char 
     return NULL;
 }
 
-/* Sensor by sensor as near as both standard errors allow: 16 batches have tails, hence 4. */
+/*
+ * Expects equal light at each sensor within 4 joint standard errors, since 16 batches have tails.
+ */
 static void expect_same_light(const struct orl_result *a, const struct orl_result *b, size_t first)
 {
     for (size_t i = first; i < a->n_sensors; i++) {
@@ -108,8 +110,8 @@ static void test_a_gleam_gets_few(void **state)
 static void test_a_spot_is_kept(void **state)
 {
     (void)state;
-    struct orl_result r = run(ROOM LENS, NULL, ORL_PHOTONS_BY_PLAN, 2);
-    struct orl_result more = run(ROOM LENS, NULL, GLOBAL, 2);
+    struct orl_result r = run_job(ROOM LENS, NULL, ORL_PHOTONS_BY_PLAN, 2);
+    struct orl_result more = run_job(ROOM LENS, NULL, GLOBAL, 2);
     assert_true(r.illuminance_lx[0] > 2 * r.illuminance_lx[1]);
     expect_foreseen(&r);
     expect_same_light(&r, &more, 0);
@@ -118,9 +120,9 @@ static void test_a_spot_is_kept(void **state)
 }
 
 /*
- * A lamp whose light falls past a prism on black walls, and through it and beside it on the floor:
- * a caustic photon takes 48 emissions, and what lands is worth as many as of the rest. Those of the
- * plan take rays in proportion to what they may improve.
+ * The light of a lamp passes a prism onto black walls, and through and beside it onto the floor. A
+ * caustic photon takes 48 emissions, and those that land are worth as many as the global ones. The
+ * planned photons take rays in proportion to the error that they may reduce.
  */
 static void test_a_prism_is_bounded(void **state)
 {
@@ -133,13 +135,13 @@ static void test_a_prism_is_bounded(void **state)
         "void spotlight lamp 0 0 7 1000 1000 1000 100 -1 0 -.5\n"
         "lamp ring bulb 0 0 8 2.4 2.1 1.8 -1 0 -.5 0 .03\n";
     (void)state;
-    struct orl_result r = run(scene, NULL, ORL_PHOTONS_BY_PLAN, 2);
+    struct orl_result r = run_job(scene, NULL, ORL_PHOTONS_BY_PLAN, 2);
     const struct orl_map_info *global = map_of(&r, "global"), *caustic = map_of(&r, "caustic");
     print_message("%llu caustic photons of %llu emissions; global %llu of %llu; %s\n",
                   (unsigned long long)caustic->stored, (unsigned long long)caustic->emitted,
                   (unsigned long long)global->stored, (unsigned long long)global->emitted,
                   r.plan.foresight.why);
-    assert_true(caustic->stored >= 20000); /* a map's worth */
+    assert_true(caustic->stored >= 20000); /* a full map */
     assert_true(caustic->emitted <= 4 * global->emitted);
     expect_foreseen(&r);
     orl_result_done(&r);
@@ -150,8 +152,8 @@ static void test_scattering_panes_get_all(void **state)
     char xml[2048];
     (void)state;
     scene_uniform_bsdf(0.2, xml);
-    struct orl_result r = run(ROOM_SKY ROOM_SUN ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE, xml,
-                              ORL_PHOTONS_BY_PLAN, 2);
+    struct orl_result r = run_job(ROOM_SKY ROOM_SUN ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE, xml,
+                                  ORL_PHOTONS_BY_PLAN, 2);
     assert_int_equal(r.plan.photons_caustic, GLOBAL);
     expect_foreseen(&r);
     orl_result_done(&r);
@@ -165,8 +167,8 @@ static bool says(const struct orl_result *r, const char *words)
     return false;
 }
 
-/* A million photons of a gleam are bounded by their worth, in time and with a word; those of a lens
- * are not, nor is what would take no longer than a pilot. */
+/* A million photons of a gleam are limited by their yield, in time and with a warning; those of a
+ * lens are not, and neither are those that take no longer than a pilot. */
 static void test_askers_are_bounded(void **state)
 {
     (void)state;
@@ -191,12 +193,12 @@ static void test_askers_are_bounded(void **state)
     orl_result_done(&few);
 }
 
-/* Whoever asks for exactly a number gets it; and no number depends on the crew. */
+/* A job with an exact number gets that number; no number depends on the crew. */
 static void test_numbers(void **state)
 {
     (void)state;
-    struct orl_result asked = run(ROOM GLOSS, NULL, 5000, 1);
-    struct orl_result one = run(ROOM GLOSS, NULL, ORL_PHOTONS_BY_PLAN, 1);
+    struct orl_result asked = run_job(ROOM GLOSS, NULL, 5000, 1);
+    struct orl_result one = run_job(ROOM GLOSS, NULL, ORL_PHOTONS_BY_PLAN, 1);
     const struct orl_result *const three = &gleam_by_plan;
     assert_int_equal(asked.plan.photons_caustic, 5000);
     assert_false(asked.plan.foresight.made);
@@ -212,8 +214,8 @@ static void test_numbers(void **state)
 static int run_gleams(void **state)
 {
     (void)state;
-    gleam_by_plan = run(ROOM GLOSS, NULL, ORL_PHOTONS_BY_PLAN, 3);
-    gleam_of_many = run(ROOM GLOSS, NULL, extent(50000, 100000), 3);
+    gleam_by_plan = run_job(ROOM GLOSS, NULL, ORL_PHOTONS_BY_PLAN, 3);
+    gleam_of_many = run_job(ROOM GLOSS, NULL, extent(50000, 100000), 3);
     return 0;
 }
 

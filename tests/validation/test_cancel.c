@@ -1,4 +1,5 @@
-/* A job cancelled at any step of any technique says so, and leaves nothing half-made behind. */
+/* A job cancelled at any step of any technique returns the cancel error, and leaves no partial
+ * files. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,7 +16,8 @@
 #include "support/room.h"
 #include "support/techniques.h"
 
-/* The flag is set by the first report from there on: a stage's number and the share of it. */
+/* The first progress report at or after this point sets the flag: a stage's number and its
+ * fraction. */
 struct trap {
     atomic_bool cancel;
     double at;
@@ -43,8 +45,8 @@ static size_t count_files(const char *folder)
     return count;
 }
 
-/* A run of the room with maps and a view; the store is the folder. */
-static int run(enum orl_technique technique, const char *folder, struct trap *trap)
+/* Runs the room with maps and a view; the folder is the store. */
+static int run_room(enum orl_technique technique, const char *folder, struct trap *trap)
 {
     char xml[2048];
     struct orl_error err = {0};
@@ -75,9 +77,9 @@ static int run(enum orl_technique technique, const char *folder, struct trap *tr
 }
 
 /*
- * At POINTS places from the beginning on. Behind the last report of a stage the next one hears of
- * it, and of the last stage nobody: then it may succeed. Maps that were finished before stay,
- * whole: the next run finds them.
+ * Cancels at POINTS points. After a stage's last report the next stage sees the flag; after the
+ * last stage's none does, so the job may succeed. Maps finished before remain complete, and the
+ * next run finds them.
  */
 static void check(void **state)
 {
@@ -87,19 +89,19 @@ static void check(void **state)
     int cancelled = 0;
     cli_make_folder(folder);
     atomic_init(&trap.cancel, false);
-    assert_int_equal(run(technique, folder, &trap), 0);
+    assert_int_equal(run_room(technique, folder, &trap), 0);
     const size_t whole = count_files(folder);
     cli_remove_folder(folder);
     for (int i = 0; i < POINTS; i++) {
         cli_make_folder(folder);
         trap = (struct trap){.at = (double)i * ORL_STAGE_COUNT / POINTS};
-        const int code = run(technique, folder, &trap);
+        const int code = run_room(technique, folder, &trap);
         assert_true(code == 0 || code == ORL_ERR_CANCELLED);
         cancelled += code < 0;
         assert_in_range(count_files(folder), code < 0 ? 0 : whole, whole);
         if (i == POINTS / 2) {
             trap = (struct trap){.at = INFINITY};
-            assert_int_equal(run(technique, folder, &trap), 0);
+            assert_int_equal(run_room(technique, folder, &trap), 0);
             assert_int_equal(count_files(folder), whole);
         }
         cli_remove_folder(folder);

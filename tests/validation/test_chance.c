@@ -1,7 +1,8 @@
 /*
- * What the backward technique has to happen on: suns by way of curved or very many mirrors. Asked
- * for by name it misses that light and says so, with about how much it is; and says nothing where
- * that is not felt, or found. Left to itself the plan takes photons instead.
+ * Light that the backward technique finds only by chance: suns by way of curved or very many
+ * mirrors. If the job names backward, it misses that light and warns with an estimate of the
+ * amount, but not if the amount is insignificant or was found. If the plan selects the technique,
+ * it uses photons.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,7 +20,7 @@
 #define SKY "void glow g 0 0 4 20 20 20 0\ng source sky 0 0 4 0 0 1 180\n"
 #define GLARE "void mirror m 0 0 3 .9 .9 .9\n"
 
-/* Away from the sun, towards what mirrors it. */
+/* The sensor faces away from the sun, toward the mirrors. */
 static const struct orl_sensor sensor = {{0, -3, 0}, {0, 1, 0}};
 
 static const char *warning_of(const struct orl_result *result)
@@ -36,7 +37,7 @@ static double sun_lx(void)
     return ORL_EFFICACY_LM_PER_W * 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
 }
 
-static struct orl_result run(const char *scene, enum orl_technique technique)
+static struct orl_result run_scene(const char *scene, enum orl_technique technique)
 {
     return scene_run(&(struct scene_run){.scene = scene,
                                          .sensors = &sensor,
@@ -47,7 +48,7 @@ static struct orl_result run(const char *scene, enum orl_technique technique)
                                          .samples = 512});
 }
 
-/* What a warning says is lacking. */
+/* Returns the missing illuminance in a warning. */
 static double said_lx(const char *warning)
 {
     double lx = 0;
@@ -58,14 +59,14 @@ static double said_lx(const char *warning)
 }
 
 /*
- * That backward misses what is expected, within a quarter of what it says: it is known to a tenth
- * by photons, and no more is promised; that its interval is widened to hold it; and that the plan
- * finds it.
+ * Expects that backward misses this light, within a quarter of its estimate (photons know it to a
+ * tenth, and no more is promised); that its interval is widened to hold it; and that the plan's
+ * technique finds it.
  */
 static void check_missed(const char *scene, double missed)
 {
-    struct orl_result backward = run(scene, ORL_TECHNIQUE_BACKWARD),
-                      planned = run(scene, ORL_TECHNIQUE_AUTO);
+    struct orl_result backward = run_scene(scene, ORL_TECHNIQUE_BACKWARD),
+                      planned = run_scene(scene, ORL_TECHNIQUE_AUTO);
     const char *warning = warning_of(&backward);
     if (!warning || !(fabs(said_lx(warning) - missed) < 0.25 * missed))
         fail_msg("missed %g lx, but: %s", missed, warning ? warning : "nothing is said");
@@ -84,7 +85,7 @@ static void check_missed(const char *scene, double missed)
     orl_result_done(&planned);
 }
 
-/* An accuracy that paths alone think they have come to does not count as met. */
+/* A goal is not reported as met if only the stated errors of paths meet it. */
 static void check_not_met(const char *scene)
 {
     struct orl_result r =
@@ -99,7 +100,9 @@ static void check_not_met(const char *scene)
     orl_result_done(&r);
 }
 
-/* A ball of radius r spreads it: straight back, at a distance s, by (r / (r + 2 s))^2. */
+/*
+ * A ball of radius r spreads the sun's light: straight back, at a distance s, by (r / (r + 2 s))^2.
+ */
 static void a_mirror_ball(void **state)
 {
     (void)state;
@@ -108,8 +111,8 @@ static void a_mirror_ball(void **state)
 }
 
 /*
- * Flat strips on an arc about the sensor's place, each turned to send the sun there: they face more
- * ways than there are images for, which the widest have.
+ * Flat strips on an arc around the sensor, each turned to reflect the sun to it. They have more
+ * orientations than there are virtual suns, which the widest strips get.
  */
 static void a_trough_of_strips(void **state)
 {
@@ -132,7 +135,7 @@ static void a_trough_of_strips(void **state)
     check_missed(scene, missed);
 }
 
-/* ---- Nothing to be told of ------------------------------------------------------------------- */
+/* ---- No warning ------------------------------------------------------------------------------ */
 
 static void check_quiet(const char *scene, uint32_t samples)
 {
@@ -146,14 +149,14 @@ static void check_quiet(const char *scene, uint32_t samples)
     orl_result_done(&r);
 }
 
-/* A chromed rod of 4 mm, 3 m away: a thousandth of the sky's light. */
+/* A chromed rod of 4 mm, 3 m away, reflects a thousandth of the sky's light. */
 static void a_thin_rod(void **state)
 {
     (void)state;
     check_quiet(SUN SKY GLARE "m cylinder rod 0 0 7 0 0 -1 0 0 1 .002\n", 1024);
 }
 
-/* A lamp is no sun: one that hangs behind the sensor, in a ball, is met by one path of 25. */
+/* A wide lamp is no sun: the one behind the sensor, seen in a ball, is hit by one path of 25. */
 static void a_wide_lamp(void **state)
 {
     (void)state;

@@ -1,15 +1,15 @@
 /*
  * CIE 171:2006, "Test cases to assess the accuracy of lighting computer programs", cases 5.4
- * to 5.8: flux, glass and reflection. The report's ideas and shapes of rooms are used, none of its
- * numbers: some of those are known to be wrong (5.7 among them: Ashdown's errata), so that every
- * reference is worked out here, in closed form.
+ * to 5.8: flux, glass and reflection. The report's ideas and room shapes are used, but none of its
+ * numbers, some of which are known to be wrong (5.7 among them: Ashdown's errata). Every reference
+ * is computed here, in closed form.
  *
- * Where this departs from the report: lamps are small spheres and the sun, for Oriel has no point
- * sources; 5.8's formula is exact for the mean over all surfaces of any closed room, which is what
- * is compared.
+ * Departures from the report: lamps are small spheres and the sun, because Oriel has no point
+ * sources; 5.8's formula is exact for the mean over all surfaces of any closed room, which is
+ * compared.
  *
- * Seeds are fixed. Tolerance 1 % throughout; samples and photons are chosen so that three sigma,
- * over seeds, are below it: what that takes is said at each case.
+ * Seeds are fixed. The tolerance is 1 % throughout; samples and photons are chosen so that three
+ * sigma, over seeds, are below it, as stated at each case.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -37,7 +37,7 @@ static const double deg = ORL_DEG_TO_RAD;
 
 enum { CELLS = 28, FACE_SENSORS = CELLS * CELLS };
 
-/* One sensor somewhere in each cell of a grid on each face, so that the sum is unbiased. */
+/* Places one random sensor in each cell of a grid on each face, so that the sum is unbiased. */
 static void spread_sensors(struct orl_sensor *sensors)
 {
     uint32_t state = 12345;
@@ -54,7 +54,7 @@ static void spread_sensors(struct orl_sensor *sensors)
     }
 }
 
-/* Whether a place on a face is in the hole. */
+/* Returns true if a point on a face is in the hole. */
 static bool in_hole(const struct cie_hole *hole, int face, struct orl_vec3 p)
 {
     struct orl_vec3 corner, a, b;
@@ -66,7 +66,8 @@ static bool in_hole(const struct cie_hole *hole, int face, struct orl_vec3 p)
     return s > 0 && s < 1 && t > 0 && t < 1;
 }
 
-/* Lumens that end on all faces, of which `kept` is what they keep; a hole (or NULL) keeps all. */
+/* Returns the lumens that end on all faces, of which `kept` is the absorbed share; a hole (or NULL)
+ * absorbs all. */
 static double flux_inside(const char *scene, uint32_t samples, uint64_t photons, double kept,
                           const struct cie_hole *hole)
 {
@@ -92,11 +93,11 @@ static double flux_inside(const char *scene, uint32_t samples, uint64_t photons,
 }
 
 /*
- * What passes an opening arrives inside: a black room with a hole in the roof or in the facade,
- * under an even sky, E_h A and E_h A / 2. And what a lamp sends out: pi L times its surface. So
- * many rays, 2.4 million for the smallest, that each hole is found by some 30 000: 0.6 % if they
- * were independent, and they are spread evenly; and what the places of the sensors in their cells
- * add, near the sill above all: 0.2 %.
+ * Flux through an opening arrives inside: a black room with a hole in the roof or in the facade,
+ * under a uniform sky, E_h A and E_h A / 2. And a lamp's flux: pi L times its surface. There are so
+ * many rays, 2.4 million for the smallest hole, that some 30 000 find each: 0.6 % if they were
+ * independent, and they are stratified. The random sensor positions in their cells add 0.2 %,
+ * mostly near the sill.
  */
 static void test_flux_conservation(void **state)
 {
@@ -129,9 +130,9 @@ static void test_flux_conservation(void **state)
 }
 
 /*
- * The same with interreflection: what comes in is kept by the walls, 1 - rho of what meets them, or
- * goes out again. Through an open hole, and through a pane that is not there (index 1), which is a
- * photon port. Photons make 0.3 % of noise at 200 000, and rays less: 1 % is three sigma.
+ * Flux with interreflection: the walls absorb 1 - rho of the light that hits them, or it leaves.
+ * Through an open hole, and through an invisible pane (index 1), which is a photon port. Photons
+ * make 0.3 % of noise at 200 000, and rays less: 1 % is three sigma.
  */
 static void test_flux_with_reflection(void **state)
 {
@@ -144,7 +145,8 @@ static void test_flux_with_reflection(void **state)
         const struct cie_hole *hole = &holes[i & 1];
         const double rho = reflectances[i >> 1 & 1];
         const double seen = hole->face == CIE_CEILING ? ORL_PI : ORL_PI / 2;
-        if (!stability_full() && i != 1 && i != 6) /* each opening, reflectance and pane once */
+        if (!stability_full() && i != 1 &&
+            i != 6) /* tests each opening, reflectance and pane once */
             continue;
         snprintf(text, sizeof text,
                  SKY "void plastic w 0 0 5 %g %g %g 0 0\nvoid glass p 0 0 4 1 1 1 1\n", rho, rho,
@@ -162,9 +164,9 @@ static void test_flux_with_reflection(void **state)
 /* ---- 5.5: clear glass, by angle -------------------------------------------------------------- */
 
 /*
- * A pane of clear glass, index 1.52, that lets 96 % through in one pass (88 % in all, as 6 mm do),
- * before a sensor that faces a narrow sun: in the open, and as the window of a black room. Nothing
- * is random but where on the disc, 0.05 degrees wide, the sun is sampled.
+ * A pane of clear glass, index 1.52, with a transmittance of 96 % in one pass (88 % in all, as 6 mm
+ * have), in front of a sensor that faces a narrow sun: in the open, and as the window of a black
+ * room. The only random variable is the sample on the disc, 0.05 degrees wide.
  */
 static double behind_pane(double angle_deg, bool in_room)
 {
@@ -227,8 +229,8 @@ static double sun_lx(void)
 }
 
 /*
- * What is read off a lit field of photons. In the quick form, at 300 000, density reads up to 1 %
- * low near free edges and 0.3 % is noise.
+ * Returns the tolerance of values read from a lit field of photons. In the quick form, at 300 000,
+ * the density is up to 1 % low near free edges and the noise is 0.3 %.
  */
 static double read_tolerance(void)
 {
@@ -241,9 +243,9 @@ static uint64_t read_photons(void)
 
 /*
  * A lit square on the ground, reflectance 0.3, and sensors on a wall along its edge and on a
- * ceiling above: E = rho E_s F. The sun stands behind the wall's sensors and above the ceiling's.
- * The large field is as good as endless: of its photons one in 2000 lies where sensors look, so it
- * has more of them. The small one, in the long form, is what few rays meet: a million.
+ * ceiling above: E = rho E_s F. The sun is behind the wall's sensors and above the ceiling's. The
+ * large field is practically endless: one in 2000 of its photons lies where sensors look, so it has
+ * more of them. The small one, in the long form, is hit by few rays: a million photons.
  */
 static void test_diffuse_reflection(void **state)
 {
@@ -270,7 +272,7 @@ static void test_diffuse_reflection(void **state)
                                          .global = (k == 2 ? 8 : 1) * read_photons()},
                      lx);
         for (int i = 0; i < POINTS; i++) {
-            /* Walls see what lies north of them. */
+            /* Walls see the area north of them. */
             const double south = i < WALL ? fmax(2 - a / 2, 0) : 2 - a / 2;
             const double factor = oracle_rectangle(sensors[i].position, sensors[i].direction,
                                                    orl_v3(2 - a / 2, south, 0), orl_v3(a, 0, 0),
@@ -284,12 +286,12 @@ static void test_diffuse_reflection(void **state)
 }
 
 /*
- * A lit wall 4 x 3 m at y = 4, reflectance 0.6, a black box 4 x 1 x 0.2 m that stands before it at
- * y = 2.5, and sensors on the opposite wall and on the floor this side of the box. The sun is 60
- * degrees high behind them: box and wall do not shade each other. What it gives the floor directly
- * is taken off by a run with a black wall, the same to the bit. Directions are the noise: with as
- * many as here the worst sensor, which sees a sliver of the wall, spreads by 0.9 % over 12 seeds
- * and by half of that in the long form.
+ * A lit wall 4 x 3 m at y = 4, reflectance 0.6; a black box 4 x 1 x 0.2 m in front of it at y
+ * = 2.5; and sensors on the opposite wall and on the floor this side of the box. The sun is 60
+ * degrees high behind them: box and wall do not shade each other. Its direct light on the floor is
+ * subtracted by a run with a black wall, equal to the bit. The noise is that of directions: here
+ * the worst sensor, which sees a sliver of the wall, spreads by 0.9 % over 12 seeds and by half of
+ * that in the long form.
  */
 static void test_internal_obstruction(void **state)
 {
@@ -316,7 +318,8 @@ static void test_internal_obstruction(void **state)
     scene_run_lx(&run, without);
     for (int i = 0; i < n; i++) {
         const struct orl_vec3 p = sensors[i].position;
-        /* The wall shows from where the line over the box's nearer or farther edge meets it. */
+        /* The wall is visible above the point where the line over the box's nearer or farther edge
+         * hits it. */
         const double edge = p.z < 1 ? 2.5 : 2.7;
         const double low = p.z + (1 - p.z) * (4 - p.y) / (edge - p.y);
         const double factor =
@@ -332,13 +335,13 @@ static void test_internal_obstruction(void **state)
 /* ---- 5.8: interreflection -------------------------------------------------------------------- */
 
 /*
- * A cube of 4 m, grey all over, a lamp of 2 cm in its middle. As much is absorbed as sent out, so
- * that the mean over the surfaces is exactly E_ind = Phi rho / (S (1 - rho)), but for the light
- * that meets the lamp: 5e-5 of each bounce. By symmetry an eighth of one face says all:
- * Gauss-Legendre, 5 x 5 nodes, good to 1e-4 of the direct part.
+ * A cube of 4 m, grey all over, with a lamp of 2 cm in its middle. Absorbed and emitted flux are
+ * equal, so the mean over the surfaces is exactly E_ind = Phi rho / (S (1 - rho)), except for the
+ * light that hits the lamp: 5e-5 of each bounce. By symmetry an eighth of one face is enough:
+ * Gauss-Legendre, 5 x 5 nodes, accurate to 1e-4 of the direct part.
  *
- * A photon lands 1 / (1 - rho) times, give or take rho / (1 - rho): with N of them the sum is known
- * to sqrt(rho / N): of 300 000 to 0.18 %, a fifth of the tolerance.
+ * A photon lands 1 / (1 - rho) times with a standard deviation of about rho / (1 - rho): N photons
+ * determine the sum to sqrt(rho / N), 0.18 % for 300 000, a fifth of the tolerance.
  */
 static void test_internal_reflection(void **state)
 {

@@ -1,29 +1,29 @@
 /*
- * CIE 171:2006, "Test cases to assess the accuracy of lighting computer programs", cases 5.9 to
- * 5.14: daylight through openings. The report's room, openings, masks and skies are used, none of
- * its numbers (several are known to be wrong: 5.9 and 5.13 by Dau Design's and others' errata, 5.14
- * for the taller masks): references are integrals over the opening, worked out here. Values are in
- * percent of the open horizontal illuminance, as there.
+ * CIE 171:2006, "Test cases to assess the accuracy of lighting computer programs", cases 5.9
+ * to 5.14: daylight through openings. The report's room, openings, masks and skies are used, but
+ * none of its numbers (several are known to be wrong: 5.9 and 5.13 by Dau Design's and others'
+ * errata, 5.14 for the taller masks). References are integrals over the opening, computed here.
+ * Values are in percent of the open horizontal illuminance, as in the report.
  *
  * Room: 4 x 4 x 3 m, black. Roof openings in the middle, 1 x 1 and 4 x 4 m; facade openings in the
- * south, 2 x 1 m with the sill at 1 m, and all of it, 4 x 3 m. Points lie in the middle plane, x =
- * 2: on the wall (of the roof's cases the southern, else the northern) from 2.75 m down in steps of
- * 0.5 m, on the floor (and ceiling) at every 0.5 m from 0.25 m of the southern wall. Skies: the
- * fifteen of ISO 15469 and the overcast one of 1955, sun in the south at 60 degrees; no direct sun.
- * Masks run along the whole facade. Ground and masks reflect 30 %.
+ * south, 2 x 1 m with the sill at 1 m, and the whole facade, 4 x 3 m. Points lie in the middle
+ * plane, x = 2: on the wall (southern for the roof cases, otherwise northern) from 2.75 m down in
+ * steps of 0.5 m, on the floor (and ceiling) at every 0.5 m from 0.25 m of the southern wall.
+ * Skies: the fifteen of ISO 15469 and the overcast one of 1955, sun in the south at 60 degrees; no
+ * direct sun. Masks run along the whole facade. Ground and masks reflect 30 %.
  *
- * As in the report the ground is taken to be lit evenly and endless: here it is the lower half of
- * the sky, of radiance 0.3 E_h / pi. The masks are surfaces that reflect what arrives there.
+ * As in the report the ground is uniformly lit and endless: here it is the lower half of the sky,
+ * of radiance 0.3 E_h / pi. The masks are surfaces that reflect the light that arrives there.
  *
- * The skies are written as files can say them, by perezlum.cal, which blends sky and ground about
- * the horizon: by half there, by 5 % at 8 degrees. The references blend likewise, for it is the
- * file that is rendered. The pattern's ground value is the mean of what the low sky is in the half
- * that the case looks at, so that little changes: what it does is said in a line of the test's
- * output, as the largest difference to the standard's own sky.
+ * The skies are written as scene files can express them, by perezlum.cal, which blends sky and
+ * ground about the horizon: by half there, by 5 % at 8 degrees. The references blend likewise,
+ * because the file is rendered. The pattern's ground value is the mean of the low sky in the half
+ * that the case sees, so that little changes: the test prints a line with the largest difference
+ * from the standard's own sky.
  *
- * Seeds are fixed. Rays: those that find the opening are 1 to 30 % of the hemisphere's; even ones,
- * so that only its edges are noisy, as (rays)^-3/4, and what a pane mirrors is drawn evenly, too.
- * Over all skies and points 0.3 to 0.5 % was the most.
+ * Seeds are fixed. Rays: 1 to 30 % of the hemisphere's rays find the opening; they are stratified,
+ * so that only its edges are noisy, as (rays)^-3/4, and reflections of a pane are stratified, too.
+ * The largest error over all skies and points was 0.3 to 0.5 %.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -41,19 +41,22 @@
 #include "support/stability.h"
 
 static const double reflectance = 0.3;
-static const double pass = 0.96; /* of the pane, one way straight through: 88 % in all */
+static const double pass =
+    0.96; /* transmissivity of the pane in one pass at normal incidence: 88 % in all */
 
 /* ---- The sky of a case ----------------------------------------------------------------------- */
 
 struct sky {
     struct oracle_sky shape;
-    double scale;   /* of the shape, so that the open horizontal irradiance is 1 */
-    double low;     /* what the pattern blends with about the horizon */
-    bool plain;     /* the standard's own, not blended */
-    char text[768]; /* sky and ground as a scene has them */
+    double scale;   /* scale of the shape, so that the open horizontal irradiance is 1 */
+    double low;     /* value with which the pattern blends about the horizon */
+    bool plain;     /* true: the standard's sky, not blended */
+    char text[768]; /* sky and ground as scene text */
 };
 
-/* Looking north (1) or south (-1) at a sky that is low at that sine of the altitude. */
+/*
+ * Makes a sky for a view north (1) or south (-1), with its low value at that sine of the altitude.
+ */
 static struct sky make_sky(int number, double towards, double sine)
 {
     struct sky s = {.shape = oracle_sky(number, orl_v3(0, -0.5, sqrt(0.75)))};
@@ -75,8 +78,8 @@ static struct sky make_sky(int number, double towards, double sine)
     return s;
 }
 
-/* Radiance from a direction that nothing stands in: (z + 1.01)^10 of the sky to its inverse of low.
- */
+/* Radiance from an unobstructed direction: the weights of sky and low value are (z + 1.01)^10 and
+ * its inverse. */
 static double open_radiance(const struct sky *s, struct orl_vec3 d)
 {
     if (d.z <= 0)
@@ -86,9 +89,9 @@ static double open_radiance(const struct sky *s, struct orl_vec3 d)
     return s->plain ? sky : (up * sky + s->low / up) / (up + 1 / up);
 }
 
-/* ---- What arrives through an opening --------------------------------------------------------- */
+/* ---- Light through an opening ---------------------------------------------------------------- */
 
-/* Radiance seen from a point through the opening; ctx is the mask's. */
+/* Radiance seen from a point through the opening; ctx is the mask's data. */
 typedef double (*outlook)(const struct sky *s, const void *ctx, struct orl_vec3 point,
                           struct orl_vec3 d);
 
@@ -101,8 +104,8 @@ static double no_mask(const struct sky *s, const void *ctx, struct orl_vec3 poin
 }
 
 /*
- * Over the opening's area by midpoints. More of them upwards, where masks and the horizon cut the
- * light off: half a step of the width that is left is the error, 0.2 % at most.
+ * Integrates over the opening's area by midpoints, with more rows than columns, because masks and
+ * the horizon cut the light off: the error is half a step of the remaining width, 0.2 % at most.
  */
 static double through_opening(const struct sky *s, const struct cie_hole *hole, bool glazed,
                               const struct orl_sensor *sensor, outlook look, const void *ctx)
@@ -146,7 +149,7 @@ static void add_point(struct points *points, const char *where, struct orl_vec3 
     snprintf(points->names[points->n++], sizeof points->names[0], "%s %.2f m", where, label);
 }
 
-/* Every point in the long form, else each third: the bounds are the same. */
+/* Returns true for every point in the long form, otherwise for each third: the bounds are equal. */
 static bool is_wanted(int i)
 {
     return stability_full() || i % 3 == 1;
@@ -175,7 +178,7 @@ struct daylight_case {
     struct cie_hole hole;
     bool glazed;
     uint32_t rays;
-    uint64_t photons;    /* for what stands outside; 1: nothing does */
+    uint64_t photons;    /* photons for objects outside; 1: none exist */
     const char *outside; /* scene text, or "" */
     outlook look;
     const void *ctx;
@@ -220,7 +223,7 @@ static void end_set(const struct references *set, double blending)
     references_end(set);
 }
 
-/* All skies in the long form; else a clear one, which no symmetry helps. */
+/* Returns the next sky: all in the long form, otherwise a clear one, which has no symmetry. */
 static int next_sky(int number)
 {
     if (stability_full())
@@ -261,7 +264,7 @@ static void test_openings(const char *name, const struct daylight_case *openings
     add_flat(&points, false, 0);
     if (!roof)
         add_flat(&points, true, 0);
-    /* Roofs show nothing lower than 4 degrees, and little below 7. */
+    /* Roofs see nothing below 4 degrees, and little below 7. */
     run_openings(&set, cases, 2, &points, roof ? 1 : -1, roof ? 0.13 : 0.01);
 }
 
@@ -289,9 +292,9 @@ static void test_facade_glazed(void **state)
 /* ---- 5.13 and 5.14: masks -------------------------------------------------------------------- */
 
 /*
- * Where only the mask is seen, some 0.2 % of the open sky's light, single results scatter over
- * seeds by 1.4 % in the quick form: 130 000 rays, of which 250 meet it. The long form has four
- * times as many, and 15 times the photons: 0.3 %.
+ * If only the mask is visible, some 0.2 % of the open sky's light, single results scatter over
+ * seeds by 1.4 % in the quick form: 130 000 rays, of which 250 hit it. The long form has four times
+ * as many, and 15 times the photons: 0.3 %.
  */
 static double mask_tolerance(void)
 {
@@ -303,8 +306,8 @@ static uint64_t mask_photons(void)
 }
 
 /*
- * A horizontal mask of some depth above the facade. Its underside is lit by the ground, but for
- * what the facade, black, hides of it.
+ * A horizontal mask above the facade with that depth. The ground lights its underside, except the
+ * part that the black facade hides.
  */
 static double under_mask(const struct sky *s, const void *ctx, struct orl_vec3 point,
                          struct orl_vec3 d)
@@ -346,9 +349,9 @@ static void test_horizontal_mask(void **state)
 }
 
 /*
- * A vertical mask 6 m south of the facade, as long as is seen through the opening. It is lit by the
- * northern half of sky and ground, but for the room, a black box, which hides a little; found at
- * nodes and interpolated.
+ * A vertical mask 6 m south of the facade, as long as is visible through the opening. The northern
+ * half of sky and ground lights it, except the small part that the room, a black box, hides. The
+ * irradiance is computed at nodes and interpolated.
  */
 enum { MASK_X = 13, MASK_Z = 19 };
 static const double mask_y = -6, mask_left = -4, mask_right = 8;
@@ -358,7 +361,7 @@ struct vertical_mask {
     double lit[MASK_X][MASK_Z]; /* irradiance, on nodes from x = -4 to 8 and over the height */
 };
 
-/* Whether a ray that goes north from the mask meets the room. */
+/* Returns true if a ray that goes north from the mask hits the room. */
 static bool meets_room(struct orl_vec3 p, struct orl_vec3 d)
 {
     double enter = 0, leave = INFINITY;
@@ -380,7 +383,7 @@ static void light_mask(const struct sky *s, struct vertical_mask *mask)
                                          mask->height * (n % MASK_Z) / (MASK_Z - 1));
         double sum = 0;
         for (int i = 0; i < ROWS * COLUMNS; i++) {
-            /* Even in cos^2 about the mask's normal, which is north. */
+            /* Uniform in cos^2 about the mask's normal, which is north. */
             const double c2 = (i / COLUMNS + 0.5) / ROWS, r = sqrt(1 - c2);
             const double phi = 2 * ORL_PI * (i % COLUMNS + 0.5) / COLUMNS;
             const struct orl_vec3 d = orl_v3(r * cos(phi), sqrt(c2), r * sin(phi));

@@ -1,9 +1,9 @@
 /*
- * Illuminances with known answers, all the way through orl_run: skies, windows, the sun, an
- * integrating sphere, a furnace of glass, Lambertian panes.
+ * Illuminances with known values, computed through orl_run: skies, windows, the sun, an integrating
+ * sphere, a furnace of glass, Lambertian panes.
  *
  * Photometry: a radiance of 1 in every channel is 179 lm/W. Seeds are fixed. Tolerances are three
- * standard errors of what is random, plus what the closed form leaves out, said at each test.
+ * standard errors of the random part, plus the error of the closed form, stated at each test.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -38,7 +38,7 @@
     "w polygon north 0 0 12 0 5 0 4 5 0 4 5 3 0 5 3\n"                                             \
     "w polygon south 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 "                                        \
     "1 0 1 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n"
-/* What fills the hole; faces the room. */
+/* Fills the hole; faces the room. */
 #define PANE "p polygon pane 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
 
 static const double efficacy = ORL_EFFICACY_LM_PER_W;
@@ -55,10 +55,11 @@ static void assert_within(double value, double expected, double relative)
         fail_msg("%.6g is not within %.2g of %.6g", value, relative, expected);
 }
 
-/* ---- Skies ------------------------------------------------------------------------------------
+/*
+ * ---- Skies ------------------------------------------------------------------------------------
  */
 
-/* An even hemisphere of 4096 rays: a smooth integrand is good to 1e-3, an edge of sky to
+/* A stratified hemisphere of 4096 rays: a smooth integrand has an error of 1e-3, an edge of the sky
  * 1/4096^.75. */
 static void test_open_sky(void **state)
 {
@@ -76,8 +77,8 @@ static void test_open_sky(void **state)
 }
 
 /*
- * 7 pi Lz / 9 and 0.396177 of it. Radiance's formula blends into the ground near the horizon, which
- * moves the vertical one by some tenths of a percent.
+ * 7 pi Lz / 9, and 0.396177 of it on a wall. Radiance's formula blends into the ground near the
+ * horizon, which changes the vertical value by some tenths of a percent.
  */
 static void test_overcast_sky(void **state)
 {
@@ -91,7 +92,8 @@ static void test_overcast_sky(void **state)
 
 /*
  * Sky component through an unglazed window of 2 x 1.5 m, 2 m away, at the sill and one jamb. It
- * fills 4 % of the hemisphere, 2600 of the 65536 rays; even ones, so that only its edges are noisy.
+ * fills 4 % of the hemisphere, 2600 of the 65536 rays, which are stratified, so that only its edges
+ * are noisy.
  */
 static void test_sky_component(void **state)
 {
@@ -110,10 +112,11 @@ static void test_sky_component(void **state)
     assert_within(lx, 0.029330 * efficacy * 7 * ORL_PI / 9, 0.01);
 }
 
-/* ---- The sun ----------------------------------------------------------------------------------
+/*
+ * ---- The sun ----------------------------------------------------------------------------------
  */
 
-/* E = DNI tau cos in the patch, tau of a lossless pane at 45 degrees; nothing beside it. */
+/* E = DNI tau cos in the patch, tau of a lossless pane at 45 degrees; zero beside it. */
 static void test_sun_patch(void **state)
 {
     /* The patch is the window moved by (0, z, -z): y from 1 to 2.5. */
@@ -139,8 +142,9 @@ static void test_sun_patch(void **state)
 
 /*
  * A blade a metre above a sensor halves the sun's disc, 9 mm wide there, over a slope as wide as a
- * town: what is clear of that slope must not lift other sensors, out of the shadow's edge (to 0.39
- * of the sun) or through a shelf half a millimetre above; those on the slope see all of the sun.
+ * town. The offset for that wide slope must not lift other sensors out of the shadow's edge (to
+ * 0.39 of the sun) or through a shelf half a millimetre above. Sensors on the slope see all of the
+ * sun.
  */
 static void test_edge_of_a_shadow_in_a_wide_scene(void **state)
 {
@@ -164,7 +168,7 @@ static void test_edge_of_a_shadow_in_a_wide_scene(void **state)
                                                                : ORL_TECHNIQUE_GATHER,
                                          .samples = 4096},
                      lx);
-        /* 256 even rays or more to an edge: 256^-.75. */
+        /* At least 256 stratified rays per edge: 256^-.75. */
         assert_within(lx[0], 0.5 * 0.6 * sun_normal_lx(), 0.016);
         assert_true(lx[1] == 0);
         assert_within(lx[2], sun_normal_lx(), 1e-4);
@@ -173,7 +177,7 @@ static void test_edge_of_a_shadow_in_a_wide_scene(void **state)
     }
 }
 
-/* A sensor on the roof, one in front of the window, and one inside, of a sealed room. */
+/* Sensors on the roof, in front of the window, and inside, of a sealed room. */
 static void test_inside_and_outside(void **state)
 {
     static const struct orl_sensor sensors[3] = {
@@ -192,8 +196,8 @@ static void test_inside_and_outside(void **state)
 }
 
 /*
- * A room without a window, lit outside: inside it is dark. And one where no light is at all: given
- * up after some batches of paths, not after the millions that were asked for, and said so.
+ * A room without a window, lit outside, is dark inside. A scene without any light ends after some
+ * batches of paths, not after the requested millions, with a warning.
  */
 static void test_room_without_window(void **state)
 {
@@ -221,10 +225,11 @@ static void test_room_without_window(void **state)
     orl_result_done(&result);
 }
 
-/* ---- Interreflection --------------------------------------------------------------------------
+/*
+ * ---- Interreflection --------------------------------------------------------------------------
  */
 
-/* Exporters round: a wall whose corners differ by 0.03 mm, and so lie in no plane, is as tight. */
+/* Exporters round: a wall whose corners differ by 0.03 mm, and so are not coplanar, is as tight. */
 static void test_room_of_rounded_numbers(void **state)
 {
     static const char scene[] =
@@ -252,10 +257,11 @@ static void test_room_of_rounded_numbers(void **state)
 }
 
 /*
- * A lamp of radius a in a sphere of radius 1: E_direct = pi L a^2, and of what the wall sends back
- * a share a^2 falls on the lamp and is lost: E = E_direct / (1 - rho (1 - a^2)). A path of n lands
- * geometrically often, relative variance rho. A sensor's 4096 rays each read an estimate of
- * variance 1/62 (k = 64), and those of neighbouring leaves share three quarters of their photons.
+ * A lamp of radius a in a sphere of radius 1: E_direct = pi L a^2, and a share a^2 of the light
+ * that the wall reflects hits the lamp and is lost: E = E_direct / (1 - rho (1 - a^2)). The number
+ * of landings of a path is geometric, with relative variance rho. A sensor's 4096 rays each read an
+ * estimate of variance 1/62 (k = 64), and those of neighbouring leaves share three quarters of
+ * their photons.
  */
 static void test_integrating_sphere(void **state)
 {
@@ -286,9 +292,9 @@ static void test_integrating_sphere(void **state)
 }
 
 /*
- * A furnace: inside a box of lossless glass under an even sky all around, every direction shows
- * radiance 1, straight or mirrored any number of times. So does what a sensor sees past a dark ball
- * but for the ball; on the ball's own surface there is nothing in the way.
+ * A furnace: inside a box of lossless glass under a uniform sky all around, every direction has
+ * radiance 1, straight or mirrored any number of times. A sensor beside a dark ball sees radiance 1
+ * except the ball; on the ball's own surface nothing is in the way.
  */
 static void test_glass_furnace(void **state)
 {
@@ -301,15 +307,15 @@ static void test_glass_furnace(void **state)
     (void)state;
     scene_run_lx(
         &(struct scene_run){.scene = scene, .sensors = sensors, .n_sensors = 3, .global = 200}, lx);
-    /* Mirrored rays that meet the ball: less than 0.5 % of a hemisphere, times their share. */
+    /* Mirrored rays that hit the ball: less than 0.5 % of a hemisphere, times their share. */
     for (int i = 0; i < 3; i++)
         assert_within(lx[i], efficacy * ORL_PI, 0.005);
 }
 
 /*
- * Glass of refractive index 1 that absorbs nothing is not there: what its port emits must light the
- * room as the open hole does, although photons start in another way. A million photons each; single
- * sensors were seen to scatter by 0.9 % over seeds, which makes 3 sigma of a difference 4 %.
+ * Glass of refractive index 1 without absorption is invisible: the light of its port must equal
+ * that of the open hole, although photons start in another way. With a million photons each, single
+ * sensors scattered by 0.9 % over seeds, so 3 sigma of a difference are 4 %.
  */
 static void test_hole_and_invisible_pane(void **state)
 {
@@ -334,16 +340,16 @@ static void test_hole_and_invisible_pane(void **state)
 }
 
 /*
- * Lamps from afar: radiance times the area that is seen, over the distance squared. At 5 m a tube
- * of 35 cm is .1 % further away; 4096 even samples leave .05 %. That they are far is what is hard:
- * rays are floats, and near the rim of what is round must not be thought to meet it too soon (of a
- * tube at 30 m three rays in four were).
+ * Distant lamps: radiance times the visible area, over the distance squared. At 5 m a tube of 35 cm
+ * is .1 % further away; 4096 stratified samples have an error of .05 %. The difficulty is the
+ * distance: rays are floats, and near the rim of a round lamp must not count as hitting it too soon
+ * (three rays in four did for a tube at 30 m).
  */
 static void test_lamps_of_any_shape(void **state)
 {
     static const struct {
         const char *lamp;
-        double area; /* as seen from along x, m2 */
+        double area; /* visible area along x, m2 */
     } lamps[] = {{"l sphere s 0 0 4 0 0 0 .06\n", ORL_PI * .06 * .06},
                  {"l cylinder c 0 0 7 0 0 .175 0 0 -.175 .06\n", .35 * .12},
                  {"l cone c 0 0 8 0 0 .175 0 0 -.175 .06 .03\n", .35 * .09},
@@ -367,7 +373,7 @@ static void test_lamps_of_any_shape(void **state)
         }
 }
 
-/* A sensor in mid-air reads what one on a small plate there reads. */
+/* A free sensor has the same value as one on a small plate in its place. */
 static void test_mid_air(void **state)
 {
     static const struct orl_sensor sensor = {{2, 3, 1}, {0, 0, 1}};
@@ -388,9 +394,9 @@ static void test_mid_air(void **state)
 }
 
 /*
- * Above all that there is, in a wide scene of few photons, a sensor sees the sky alone: 5 m above
- * ground that lies in the shade of a roof, but for a hole right under the sensor. Of the sky's
- * light the rays' error is below 1 %; the ground's would be a third.
+ * Above a wide scene with few photons, a sensor sees only the sky: 5 m above ground that is in the
+ * shade of a roof, except a hole right under the sensor. The rays' error of the sky's light is
+ * below 1 %; the ground's light would be a third.
  */
 static void test_high_above_the_ground(void **state)
 {

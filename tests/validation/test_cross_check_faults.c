@@ -1,7 +1,7 @@
 /*
- * The cross-check under fault injection: a result that lacks one kind of light, because the
- * strategy that finds it was switched off, against paths in the whole scene. It is to be warned of,
- * and the class of light named (oriel/run.h). On sound results nothing is said. Seeds are fixed.
+ * The cross-check under fault injection: a result lacks one kind of light, because the strategy
+ * that finds it was switched off, and is compared with paths in the whole scene. The job must warn,
+ * and name the class of light (oriel/run.h). Correct results cause no warning. Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,7 +31,7 @@
 #define EAST "w polygon east 0 0 12 5 0 0 5 0 3 5 4 3 5 4 0\n"
 #define EAST_MIRROR "m polygon east 0 0 12 5 0 0 5 0 3 5 4 3 5 4 0\n"
 #define SOUTH "w polygon south 0 0 12 0 0 0 0 0 3 5 0 3 5 0 0\n"
-/* With two windows. */
+/* South wall with two windows. */
 #define SOUTH_OPEN                                                                                 \
     "w polygon south 0 0 48 0 0 0 0 0 3 5 0 3 5 0 0 0 0 0 .5 0 1 2 0 1 2 0 2.5 .5 0 2.5 .5 0 1 "   \
     "3 0 1 4.5 0 1 4.5 0 2.5 3 0 2.5 3 0 1 .5 0 1\n"
@@ -50,8 +50,8 @@ static const struct orl_sensor sensors[SENSORS] = {
 /* A fault: the job leaves out an effect, or runs on a scene that lacks a part. */
 static const struct fault {
     const char *name, *whole, *faulty;
-    int left_out;     /* the effect; ORL_EFFECT_COUNT: none */
-    unsigned classes; /* of which most is missing then: flags 1 << class */
+    int left_out;     /* effect left out; ORL_EFFECT_COUNT: none */
+    unsigned classes; /* classes most of which is then missing: flags 1 << class */
 } faults[] = {
     {"images of lamps", MATERIALS SHELL EAST_MIRROR SOUTH LAMP("a", "1"), NULL,
      ORL_EFFECT_CAUSTICS_MIRROR, 1U << ORL_LIGHT_MIRRORED},
@@ -94,7 +94,7 @@ static double now_s(void *ctx)
     return 0;
 }
 
-/* Checks a result that was found otherwise against paths in that world. */
+/* Cross-checks a result, computed before by other means, against paths in that world. */
 static void check_against(struct orl_world *world, struct orl_crew *crew, uint64_t seed,
                           struct orl_result *result)
 {

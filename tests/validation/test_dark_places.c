@@ -1,6 +1,6 @@
 /*
- * Dark places beside lit ones, in views from irradiance records, which are too wide to tell them
- * apart: there views gather.
+ * Dark places beside lit ones, in views by irradiance records. The records are too wide to resolve
+ * them, so the view uses final gathering there.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,13 +24,14 @@ static const char scene[] =
 static const char down[] = "-vtl -vp .28 2 .04 -vd 0 0 -1 -vu 0 1 0 -vh .24 -vv .24";
 static const double height = 0.05, edge = 0.4, left = 0.16, width = 0.24;
 
-/* What the floor sees of the sky that far out of the shade, if the plate's edge is endless. */
+/* Returns the share of the sky that the floor sees at that distance from the shade's edge, for an
+ * endless plate edge. */
 static double sky_seen(double out)
 {
     return 0.5 * (1 + out / sqrt(out * out + height * height));
 }
 
-/* The mean over pixels of their radiance over the true one, between two places. */
+/* Returns the mean over pixels, between two places, of their radiance over the true one. */
 static double ratio_between(double (*rgb)[3], double from, double to)
 {
     double sum = 0, n = 0;
@@ -45,10 +46,10 @@ static double ratio_between(double (*rgb)[3], double from, double to)
 }
 
 /*
- * 5 to 15 cm into the shade a tenth to a fortieth of the sky is seen. Of the 243 rays of a record
- * in so small a picture some 12 get out, which scatter by 29 %; the view has at least 10 records
- * there, and three maps 30: 5 %. Twice that for what is interpolated between them, three times for
- * chance.
+ * A tenth to a fortieth of the sky is visible 5 to 15 cm into the shade. Of the 243 rays of a
+ * record in so small a picture some 12 get out, which scatter by 29 %; the view has at least 10
+ * records there, and three maps 30: 5 %. The interpolation between records is allowed twice that,
+ * chance three times.
  */
 static void test_under_a_plate(void **state)
 {

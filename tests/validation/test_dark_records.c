@@ -1,7 +1,7 @@
 /*
- * Rooms that get next to no light by a door ajar, or by two doors: photons are few there, and what
- * density estimates and records tell nearest to a dark place is of where it is brighter. Truths are
- * of plain path tracing with 4 million paths a sensor (support/brute.h). Seeds are fixed.
+ * Rooms with very little light through a door ajar, or through two doors: photons are few there,
+ * and density estimates and records next to a dark place describe a brighter one. Truths are from
+ * plain path tracing with 4 million paths per sensor (support/brute.h). Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -33,7 +33,7 @@ static void check_room(const char *name, enum orl_technique technique, const str
     orl_result_done(&r);
 }
 
-/* Records gave 1.57 +- .10 and 1.36 +- .08 at the last two. */
+/* Records gave 1.57 +- .10 and 1.36 +- .08 of the truth at the last two. */
 static void test_records(void **state)
 {
     static const struct truth truths[] = {
@@ -43,7 +43,7 @@ static void test_records(void **state)
                sizeof truths / sizeof *truths);
 }
 
-/* On the floor: the density gave 1.38 [.81, 1.94]. */
+/* On the floor the density gave 1.38 [.81, 1.94] of the truth. */
 static void test_density(void **state)
 {
     static const struct truth truths[] = {{2, {0.6208, 0.03}}};

@@ -1,5 +1,5 @@
-/* Results without any light are an error, unless the job expects them or it is night; places
- * without light among others are a warning. */
+/* Results without any light are an error, unless the job expects them or it is night; some dark
+ * places are a warning. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,7 +11,7 @@
 #include "support/room.h"
 #include "support/techniques.h"
 
-/* A box without a window in the daylight, and what lies about it. */
+/* A box without a window in daylight, with a hull around it. */
 #define BOX "!genbox w box 2 2 2 -i\n!genbox w hull 2.2 2.2 2.2 | xform -t -.1 -.1 -.1\n"
 
 static const struct orl_sensor inside_and_out[2] = {{{1, 1, 1}, {0, 0, 1}}, {{1, 1, 9}, {0, 0, 1}}};
@@ -55,7 +55,7 @@ static void all_dark(void **state)
     }
 }
 
-/* One of two: the numbers stand, with a warning that says which. */
+/* One dark sensor of two: the values are kept, with a warning that names the dark one. */
 static void some_dark(void **state)
 {
     const struct scene_run run = box(ROOM_SKY ROOM_SUN ROOM_GREY BOX, of_technique(state), 2);
@@ -65,7 +65,7 @@ static void some_dark(void **state)
     orl_result_done(&result);
 }
 
-/* By views alone, with rounds or without: no sensor tells of light. */
+/* Black views without sensors are an error, with rounds or without. */
 static void black_views(void **state)
 {
     for (int in_rounds = 0; in_rounds < 2; in_rounds++) {

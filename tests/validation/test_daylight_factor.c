@@ -1,4 +1,4 @@
-/* Daylight factors against closed forms, and as they go with shades and rounds. */
+/* Daylight factors compared with closed forms, and with shades and rounds. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,12 +11,14 @@
 
 #include "support/year.h"
 
-/* Something must be there: a stone far below the sensor. */
+/* A stone far below the sensor, since a scene must not be empty. */
 #define NOTHING_NEAR "void plastic w 0 0 5 0 0 0 0 0\nw sphere stone 0 0 4 0 0 -50 .1\n"
 
 static const struct year_site izmir = {38.42, 27.14, 2};
 
-/* Within 4.5 standard errors, and what bins of 3 degrees make of the sky's slope. */
+/*
+ * Asserts within 4.5 standard errors, plus the error of bins of 3 degrees for the sky's gradient.
+ */
 static void assert_factor(const struct orl_annual_result *year, size_t sensor, double wanted)
 {
     const double found = (double)year->overcast[sensor] / 10000;
@@ -26,7 +28,8 @@ static void assert_factor(const struct orl_annual_result *year, size_t sensor, d
         fail_msg("%.5f is not %.5f", found, wanted);
 }
 
-static struct orl_annual_result run(const char *scene, const struct orl_sensor *sensors, size_t n)
+static struct orl_annual_result run_year(const char *scene, const struct orl_sensor *sensors,
+                                         size_t n)
 {
     return year_run(&(struct year_run){
         .scene = scene, .site = izmir, .sensors = sensors, .n_sensors = n, .samples = 2048});
@@ -34,13 +37,14 @@ static struct orl_annual_result run(const char *scene, const struct orl_sensor *
 
 /*
  * L = Lz (1 + 2 sin) / 3 gives a level plane 7 pi / 9 Lz, and an upright one (pi / 2 + 4 / 3) / 3
- * Lz: 0.3961 of that; the ground of 20 % adds 0.1 there. Facing down there is the ground alone.
+ * Lz: 0.3961 of that; the ground of 20 % adds 0.1 there. A sensor facing down there sees only the
+ * ground.
  */
 static void test_open_sky(void **state)
 {
     static const struct orl_sensor sensors[] = {
         {{0, 0, 1}, {0, 0, 1}}, {{0, 0, 1}, {0, 1, 0}}, {{0, 0, 1}, {0, 0, -1}}};
-    struct orl_annual_result year = run(NOTHING_NEAR, sensors, 3);
+    struct orl_annual_result year = run_year(NOTHING_NEAR, sensors, 3);
     (void)state;
     assert_factor(&year, 0, 1);
     assert_factor(&year, 1, (ORL_PI / 2 + 4.0 / 3) * 3 / (7 * ORL_PI) + 0.1);
@@ -48,7 +52,7 @@ static void test_open_sky(void **state)
     orl_annual_done(&year);
 }
 
-/* A black wall to the zenith, nearly, leaves half of the sky; in the east, and between bins. */
+/* A black wall almost to the zenith leaves half of the sky; in the east, and between bins. */
 static void test_half_a_sky(void **state)
 {
     static const char east[] =
@@ -57,28 +61,29 @@ static void test_half_a_sky(void **state)
         "w polygon wall 0 0 12 -9204 -3911 -1 9206 3901 -1 9206 3901 1e4 -9204 -3911 1e4\n";
     static const struct orl_sensor sensor = {{0, 0, 0}, {0, 0, 1}};
     (void)state;
-    struct orl_annual_result year = run(east, &sensor, 1);
+    struct orl_annual_result year = run_year(east, &sensor, 1);
     assert_factor(&year, 0, 0.5);
     orl_annual_done(&year);
-    year = run(askew, &sensor, 1);
+    year = run_year(askew, &sensor, 1);
     assert_factor(&year, 0, 0.5);
     orl_annual_done(&year);
 }
 
-/* A level black plate overhead, in which a round hole shows the sky from 60 degrees up: of L, from
- * sin a up, pi Lz / 3 (1 - s^2 + 4 / 3 (1 - s^3)). */
+/* A level black plate overhead, whose round hole shows the sky from 60 degrees up: the light of L
+ * above sin a = s is pi Lz / 3 (1 - s^2 + 4 / 3 (1 - s^3)). */
 static void test_round_opening(void **state)
 {
     static const char plate[] = NOTHING_NEAR "w ring plate 0 0 8 0 0 1 0 0 -1 .5773502692 1e5\n";
     static const struct orl_sensor sensor = {{0, 0, 0}, {0, 0, 1}};
     const double s = sin(ORL_PI / 3);
     (void)state;
-    struct orl_annual_result year = run(plate, &sensor, 1);
+    struct orl_annual_result year = run_year(plate, &sensor, 1);
     assert_factor(&year, 0, 3.0 / 7 * (1 - s * s + 4.0 / 3 * (1 - s * s * s)));
     orl_annual_done(&year);
 }
 
-/* It is of open shades whatever the hours have; and the same bytes on 1, 2 and 7 threads. */
+/* The factor is that of open shades whatever the hours have; and the bytes are equal for 1, 2 and 7
+ * threads. */
 static void test_shades_and_threads(void **state)
 {
     static const char room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
@@ -113,7 +118,7 @@ static void test_shades_and_threads(void **state)
     orl_annual_done(&bare);
 }
 
-/* More paths until the target is sure: those of all rounds count. */
+/* More paths until the target is certain: the paths of all rounds count. */
 static void test_rounds(void **state)
 {
     static const char room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;

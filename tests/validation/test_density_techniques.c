@@ -1,10 +1,10 @@
 /*
- * The techniques that read photons where they lie: direct and precomputed. Both agree with closed
- * forms up to edges and into corners, let nothing through a wall, are the same for any number of
- * threads; precomputed irradiance is found again by the next job, and interpolated without steps.
+ * The techniques that read photon density directly: direct and precomputed. Both agree with closed
+ * forms up to edges and into corners, let nothing through a wall, and are equal for any number of
+ * threads; precomputed irradiance is reused by the next job, and interpolated without steps.
  *
- * An estimate over k = 2048 photons of even light scatters by 1 / sqrt(2048) = 2.2 %; fewer, where
- * the bandwidth was narrowed by chance: down to 128, 8.8 %.
+ * An estimate over k = 2048 photons of uniform light scatters by 1 / sqrt(2048) = 2.2 %; with
+ * fewer, where the bandwidth was narrowed by chance (down to 128), by 8.8 %.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,10 +28,10 @@ static const struct orl_vec3 up = {0, 0, 1};
 enum { PLACES = 7, GRID = PLACES * PLACES };
 
 /*
- * A floor under an even sky: pi times its radiance everywhere. Places go from one edge to the other
- * in both directions, 1 mm from edges and corners included. Single ones may be off by four times
- * the scatter of 2048 photons, or by as much as twice where a plane is extrapolated to an edge; the
- * mean of all 49, which have about 300000 / 2048 discs to themselves, by four times 2.2 % / 7.
+ * A floor under a uniform sky: pi times its radiance everywhere. Places go from one edge to the
+ * other in both directions, including 1 mm from edges and corners. Single ones may be off by four
+ * times the scatter of 2048 photons, or by twice as much where a plane is extrapolated to an edge;
+ * the mean of all 49, which have about 300000 / 2048 independent discs, by four times 2.2 % / 7.
  */
 static void test_floor_under_sky(void **state)
 {
@@ -63,8 +63,8 @@ static void test_floor_under_sky(void **state)
 }
 
 /*
- * What a floor sees of the sky, over all of it, at a distance from a black wall 0.3 m high that
- * goes on for y to one side and for 4 - y to the other.
+ * Returns the share of the whole sky that a floor sees, at a distance from a black wall 0.3 m high
+ * that extends y to one side and 4 - y to the other.
  */
 static double seen_beside_wall(double distance, double y)
 {
@@ -80,7 +80,8 @@ static double seen_beside_wall(double distance, double y)
 enum { DISTANCES = 4, ALONG = 7, FOOT = DISTANCES * ALONG };
 static const double from_wall[DISTANCES] = {0.001, 0.02, 0.05, 0.1};
 
-/* Relative errors at the foot of the wall, by distance: means over its length and some maps. */
+/* Measures relative errors at the foot of the wall, by distance: means over its length and some
+ * maps. */
 static void measure_foot(enum orl_technique technique, double ret_off[DISTANCES])
 {
     enum { MAPS = 3 };
@@ -111,10 +112,10 @@ static void measure_foot(enum orl_technique technique, double ret_off[DISTANCES]
 }
 
 /*
- * Beside a wall there is half the sky, and two thirds a hand's breadth away. 256 photons, which
- * estimates start from, take half a disc of 10 cm, and their mean is off by a seventh. A plane
- * through them scatters by 1.9 / 16 = 12 %, and the mean over 21 places by 2.6 %: three times that
- * is allowed, though most estimates go on to more photons.
+ * Half the sky is visible beside a wall, and two thirds a hand's breadth away. 256 photons, with
+ * which estimates start, cover half a disc of 10 cm, and their mean is off by a seventh. A plane
+ * fitted to them scatters by 1.9 / 16 = 12 %, and the mean over 21 places by 2.6 %: three times
+ * that is allowed, though most estimates use more photons.
  */
 static void test_wall_foot(void **state)
 {
@@ -130,8 +131,8 @@ static void test_wall_foot(void **state)
 }
 
 /*
- * A black shed stands on the floor, its walls 1 mm thick. No light gets in: whatever is read there
- * has come through the wall. Outside, beside the wall, the sky is halved, pi / 2, at worst.
+ * A black shed stands on the floor, its walls 1 mm thick. No light gets in: any value read there
+ * leaked through the wall. Outside, beside the wall, the sky is halved, pi / 2, at worst.
  */
 static void test_thin_wall(void **state)
 {
@@ -162,7 +163,7 @@ static void test_thin_wall(void **state)
     }
 }
 
-/* ---- The same results ------------------------------------------------------------------------ */
+/* ---- Equal results --------------------------------------------------------------------------- */
 
 /* A room with sun, sky, a BSDF pane and a view. */
 static struct orl_result run_room(enum orl_technique technique, uint32_t threads,
@@ -224,7 +225,7 @@ static void test_threads(void **state)
     }
 }
 
-/* The next job reads the precomputed map, without the global one, which is no longer there. */
+/* The next job reads the precomputed map without the global one, which has been removed. */
 static void test_found_again(void **state)
 {
     char folder[64], path[512];
@@ -251,7 +252,7 @@ static void test_found_again(void **state)
 
 enum { STRIDES = 400 };
 
-/* The largest difference between neighbours along a line over the floor, over the mean. */
+/* Returns the largest difference between neighbours along a line over the floor, over the mean. */
 static double largest_jump(double stride_m)
 {
     struct orl_sensor sensors[STRIDES];
@@ -272,9 +273,9 @@ static double largest_jump(double stride_m)
 }
 
 /*
- * Where a function is continuous, differences vanish with the distance; a step of 1 % would stay as
- * it is. Over 2 mm, a fiftieth of the distance between records (32 photons each), the light may
- * change by as much as that, and a tenth of it over 0.2 mm.
+ * For a continuous function, differences vanish with the distance; a step of 1 % would remain. Over
+ * 2 mm, a fiftieth of the distance between records (32 photons each), the light may change by a
+ * fiftieth, and by a tenth of that over 0.2 mm.
  */
 static void test_no_steps(void **state)
 {

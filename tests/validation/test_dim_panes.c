@@ -1,10 +1,10 @@
 /*
- * Panes that let hardly any light through are all the light of a black room under an even sky: a
- * tinted glass, a shade and a BSDF. Few rays would pass them if chance decided, and those that did
- * would bring much; where none did, a sensor would think itself sure of the dark. Every ray that
- * meets such a pane is to find its share.
+ * Panes of very low transmittance provide all the light of a black room under a uniform sky: a
+ * tinted glass, a shade and a BSDF. With Russian roulette few rays would pass them, each with a
+ * large weight; without any, a sensor would state certain darkness. Every ray that hits such a pane
+ * must get its share.
  *
- * The sky has radiance 1 all around, so that a pane shows its transmittance, and a sensor takes an
+ * The sky has radiance 1 all around, so that a pane shows its transmittance, and a sensor is an
  * integral over the pane. Seeds are fixed.
  */
 #include <setjmp.h>
@@ -36,7 +36,7 @@
 
 enum { SENSORS = 4, SEEDS = 10, PANES = 3, SIDE = 100 };
 
-/* In mid-air, where every technique gathers. */
+/* Free sensors, at which every technique uses final gathering. */
 static const struct orl_sensor sensors[SENSORS] = {{{2, 1.5, .8}, {0, 0, 1}},
                                                    {{1, 2.5, 1.2}, {0, -1, 0}},
                                                    {{3, 3.5, 1}, {0, -1, .5}},
@@ -44,7 +44,7 @@ static const struct orl_sensor sensors[SENSORS] = {{{2, 1.5, .8}, {0, 0, 1}},
 
 static const char *const panes[PANES] = {GLASS, SHADE, BSDF};
 
-/* Irradiance by midpoints, good to 1e-3 at these distances. */
+/* Returns the irradiance by midpoints, accurate to 1e-3 at these distances. */
 static double truth(const struct orl_material *pane, const struct orl_sensor *sensor)
 {
     const struct orl_vec3 n = orl_normalize(sensor->direction);
@@ -64,12 +64,12 @@ static double truth(const struct orl_material *pane, const struct orl_sensor *se
 }
 
 /*
- * Of 4096 rays some 100 to 400 meet the pane, evenly: what is left is its outline, 2 % of such a
- * count and less; 5 % of the root mean square is twice that. Left to chance, 4 to 40 would get
- * through, for 15 to 50 %. Of 40 intervals 95 % cover, with a binomial scatter of 1.4: 32 are four
+ * Of 4096 rays some 100 to 400 hit the pane, stratified: the remaining error is its outline, 2 % of
+ * such a count and less; a root mean square of 5 % is twice that. With roulette, 4 to 40 would get
+ * through, for 15 to 50 %. Of 40 intervals 95 % cover, with a binomial scatter of 1.4: 32 is four
  * times that below.
  */
-static void check(enum orl_technique technique, const char *pane)
+static void check_pane(enum orl_technique technique, const char *pane)
 {
     char scene[4096], xml[2048];
     scene_uniform_bsdf(0.01, xml);
@@ -110,10 +110,10 @@ static void test_dim_panes(void **state)
 {
     (void)state;
     for (int p = 0; p < PANES; p++)
-        check(ORL_TECHNIQUE_GATHER, panes[p]);
-    check(ORL_TECHNIQUE_PRECOMPUTED, panes[0]);
-    check(ORL_TECHNIQUE_DIRECT, panes[0]);
-    check(ORL_TECHNIQUE_BACKWARD, panes[0]);
+        check_pane(ORL_TECHNIQUE_GATHER, panes[p]);
+    check_pane(ORL_TECHNIQUE_PRECOMPUTED, panes[0]);
+    check_pane(ORL_TECHNIQUE_DIRECT, panes[0]);
+    check_pane(ORL_TECHNIQUE_BACKWARD, panes[0]);
 }
 
 int main(void)

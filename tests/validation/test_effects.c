@@ -1,8 +1,8 @@
 /*
- * Effect by effect, two rooms: one that does not call for it, where the plan skips it, the result
- * is the forced one within the plan's bound, and the work is less (ratios are printed); and one
- * that does, made to be easily missed, where it is never skipped and skipping it by wish is seen to
- * matter.
+ * Two rooms for each effect. In one the effect is insignificant: the plan skips it, the result
+ * equals the forced one within the plan's bound, and the work is less (ratios are printed). In the
+ * other, made to be easily missed, the effect is never skipped, and an override to skip it changes
+ * the result.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +16,7 @@
 #include "support/extent.h"
 #include "support/room.h"
 
-/* A room of 4 x 5 x 3 m whose walls are w, without its south wall. */
+/* A room of 4 x 5 x 3 m with walls of material w, without its south wall. */
 #define FLOOR_AND_WALLS                                                                            \
     "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"                                             \
     "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"                                              \
@@ -31,7 +31,7 @@
     "w polygon south 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 "                                        \
     "1 0 1 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n"
 #define PANE "p polygon pane 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
-/* The window walled up, but for a pane of 0.32 x 0.32 m: 0.1 m2. */
+/* The window closed except a pane of 0.32 x 0.32 m: 0.1 m2. */
 #define SMALL                                                                                      \
     "w polygon infill 0 0 30 1 0 1 1 0 2.5 3 0 2.5 3 0 1 1 0 1 "                                   \
     "2 0 1.5 2.32 0 1.5 2.32 0 1.82 2 0 1.82 2 0 1.5\n"                                            \
@@ -49,21 +49,22 @@
 struct pair {
     enum orl_effect effect;
     const char *without, *with;
-    bool by_view; /* a view asks for it */
+    bool by_view; /* true: a view needs the effect */
 };
 
 static const struct pair pairs[] = {
-    /* A sun of a ten thousandth of a watt; one that shines through 0.1 m2 only. */
+    /* First: a sun of a ten thousandth of a watt. Second: one that shines through only 0.1 m2. */
     {ORL_EFFECT_SUN, ROOM SKY DIM_SUN, GREY GLASS SHELL SOUTH SMALL SKY SUN, false},
-    /* No sky; one a thousand times dimmer than what the sun brings. */
+    /* First: no sky. Second: one a thousand times dimmer than the sun's light. */
     {ORL_EFFECT_SKY, ROOM SUN,
      ROOM SUN "void glow g 0 0 4 .5 .5 .5 0\ng source sky 0 0 4 0 0 1 180\n", false},
-    /* Nothing outside; a building opposite in the sun that the window does not see. */
+    /* First: nothing outside. Second: a sunlit building opposite that the window does not see. */
     {ORL_EFFECT_EXTERIOR, ROOM SKY SUN,
      ROOM SKY SUN_BEHIND "void plastic o 0 0 5 .7 .7 .7 0 0\n"
                          "o polygon opposite 0 0 12 0 -20 0 0 -20 6 4 -20 6 4 -20 0\n",
      false},
-    /* A mirror in a box where no light comes; two tiles of 4 cm that throw the sun on one spot. */
+    /* First: a mirror in a box without light. Second: two tiles of 4 cm that reflect the sun onto
+       one spot. */
     {ORL_EFFECT_CAUSTICS_MIRROR,
      GREY BSDF SHELL SOUTH PANE SKY SUN_BEHIND
      "void mirror r 0 0 3 .9 .9 .9\n"
@@ -74,46 +75,46 @@ static const struct pair pairs[] = {
                   "r polygon a 0 0 12 2 1.5 .05 2.04 1.5 .05 2.04 1.54 .052 2 1.54 .052\n"
                   "r polygon b 0 0 12 2.05 1.5 .05 2.09 1.5 .053 2.09 1.54 .055 2.05 1.54 .052\n",
      false},
-    /* A pane of BSDF that the sun is behind; 0.1 m2 of one before it. */
+    /* First: a BSDF pane with the sun behind it. Second: 0.1 m2 of one facing the sun. */
     {ORL_EFFECT_CAUSTICS_BSDF, GREY BSDF SHELL SOUTH PANE SKY SUN_BEHIND,
      GREY BSDF SHELL SOUTH SMALL SKY SUN, false},
-    /* Black walls; black walls but for a small white table top. */
+    /* First: black walls. Second: black walls and a small white table top. */
     {ORL_EFFECT_INTERREFLECTION, BLACK SHELL SOUTH GLASS PANE SKY SUN,
      BLACK SHELL SOUTH GLASS PANE SKY SUN
      "void plastic t 0 0 5 .8 .8 .8 0 0\n"
      "t polygon top 0 0 12 2 1 .5 2.4 1 .5 2.4 1.4 .5 2 1.4 .5\n",
      false},
-    /* A shine of a thousand-millionth; a polished table. */
+    /* First: a gloss of a thousand-millionth. Second: a polished table. */
     {ORL_EFFECT_GLOSSY, "void plastic w 0 0 5 .5 .5 .5 1e-9 .1\n" GLASS SHELL SOUTH PANE SKY SUN,
      ROOM SKY SUN "void plastic t 0 0 5 .3 .3 .3 .1 .05\n"
                   "t polygon top 0 0 12 1 1 .5 3 1 .5 3 2.5 .5 1 2.5 .5\n",
      false},
-    /* All gray; a red wall behind a white one. */
+    /* First: all gray. Second: a red wall behind a white one. */
     {ORL_EFFECT_COLOR, ROOM SKY SUN,
      ROOM SKY SUN "void plastic r 0 0 5 .8 .05 .05 0 0\n"
                   "r polygon red 0 0 12 0.5 4.9 0 3.5 4.9 0 3.5 4.9 2 0.5 4.9 2\n"
                   "w polygon white 0 0 12 0.5 4.8 0 0.5 4.8 2 3.5 4.8 2 3.5 4.8 0\n",
      true},
-    /* Clear glass; a tinted one, of 2 cm. */
+    /* First: clear glass. Second: tinted glass of 2 cm. */
     {ORL_EFFECT_MEDIA,
      ROOM SKY SUN "void dielectric d 0 0 5 1 1 1 1.5 0\nd sphere ball 0 0 4 2 1.5 .1 .05\n",
      ROOM SKY SUN "void dielectric d 0 0 5 .01 .01 .01 1.5 0\nd sphere ball 0 0 4 2 1.5 .1 .02\n",
      false},
-    /* Nothing solid; a marble in the sun. */
+    /* First: nothing solid. Second: a marble in the sun. */
     {ORL_EFFECT_REFRACTION, ROOM SKY SUN,
      ROOM SKY SUN "void dielectric d 0 0 5 1 1 1 1.5 0\nd sphere ball 0 0 4 2 1.5 .1 .02\n", false},
-    /* A lamp that is off, as good as; a bright one behind a screen. */
+    /* First: a lamp of almost no light. Second: a bright one behind a screen. */
     {ORL_EFFECT_LAMPS,
      ROOM SKY "void light b 0 0 3 1e-7 1e-7 1e-7\nb sphere bulb 0 0 4 2 4 2 .05\n",
      ROOM SKY "void light b 0 0 3 500 500 500\nb sphere bulb 0 0 4 2 4.9 .5 .02\n"
               "w polygon screen 0 0 12 1 4.8 0 3 4.8 0 3 4.8 2 1 4.8 2\n",
      false},
-    /* A sun that no window faces; a second one that only a small pane does. */
+    /* First: a sun that no window faces. Second: a second sun that only a small pane faces. */
     {ORL_EFFECT_SUNS, ROOM SKY SUN_BEHIND,
      GREY GLASS SHELL SOUTH SMALL SKY SUN
      "void light k 0 0 3 1e5 1e5 1e5\nk source other 0 0 4 .8 -1 .8 .5\n",
      false},
-    /* A skylight, and all light comes from below; a pane of 0.1 m2 in the south as well. */
+    /* First: a skylight, with light from below only. Second: also a pane of 0.1 m2 in the south. */
     {ORL_EFFECT_PORTS,
      GREY GLASS FLOOR_AND_WALLS SKYLIGHT SOUTH
      "w polygon infill 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n" LOW_SKY,
@@ -150,7 +151,7 @@ static struct orl_result run_once(const struct pair *pair, const char *scene, en
                                          .samples = (uint32_t)extent(256, 512)});
 }
 
-/* Means of sensors over some seeds, the variance of the means, and what the work was. */
+/* Means of sensors over some seeds, the variance of the means, and the work. */
 struct outcome {
     double mean[SENSORS], variance[SENSORS], seconds;
     uint64_t rays;
@@ -182,7 +183,8 @@ static double bound_lx(const struct orl_decision *d, double lx)
     return d->unit == ORL_BOUND_LX ? d->bound : d->unit == ORL_BOUND_RELATIVE ? d->bound * lx : 0;
 }
 
-/* Skipped, cheaper, and the same within the bound and the noise: three seeds' own is rough. */
+/* Expects the effect skipped, cheaper, and an equal result within the bound and the noise; the
+ * noise estimate of three seeds is rough. */
 static void check_without(const struct pair *pair)
 {
     const char *name = orl_effect_name(pair->effect);
@@ -204,7 +206,8 @@ static void check_without(const struct pair *pair)
     }
 }
 
-/* Never skipped; and what skipping it by wish takes away is within the bound that goes with it. */
+/* Expects that the effect is never skipped, and that the light lost by a skip override is within
+ * its bound. */
 static void check_with(const struct pair *pair)
 {
     const char *name = orl_effect_name(pair->effect);

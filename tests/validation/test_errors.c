@@ -1,7 +1,7 @@
 /*
- * What sensors tell of their own errors, by every technique of photon maps: as much as they scatter
- * from seed to seed; intervals that hold the truth as often as they should; the same for any number
- * of threads. (The office and others: `make calibration`.)
+ * Stated errors of sensors, by every photon map technique: they equal the scatter from seed to
+ * seed; intervals hold the truth as often as they should; all are equal for any number of threads.
+ * (The office and other scenes: `make calibration`.)
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,9 +43,9 @@ static uint64_t count_seeds(void)
     return extent(15, 30);
 }
 
-/* Over the seeds: of all sensors' values, for they have one truth. */
+/* Sums over seeds and over all sensors, which have one true value. */
 struct told {
-    double seen, told; /* variances about the truth, relative */
+    double seen, told; /* relative variances about the truth */
     int covered;
 };
 
@@ -68,11 +68,12 @@ static struct told run_seeds(enum orl_technique technique, double truth)
 }
 
 /*
- * pi L a^2 of direct light, and the rest of a geometric series. There are six values of a seed,
- * hardly dependent: a variance of n of them is good to sqrt(2 / n), told ones of 3 to 15 degrees of
- * freedom to sqrt(2 / (3 n)) at worst; of the logarithm of their ratio four times both together is
- * allowed: 0.48 of 180 values, 0.69 of 90. Bias is within that: it is no more than a tenth of the
- * scatter here. Intervals cover 95 of 100, with a binomial scatter: down to four times that below.
+ * pi L a^2 of direct light, and the rest by a geometric series. There are six nearly independent
+ * values per seed. A variance of n of them has a relative error of sqrt(2 / n); stated ones of 3 to
+ * 15 degrees of freedom sqrt(2 / (3 n)) at worst. The logarithm of their ratio is allowed four
+ * times both together: 0.48 of 180 values, 0.69 of 90. Bias is within that: at most a tenth of the
+ * scatter here. Intervals cover 95 of 100, with a binomial scatter: four times that below is
+ * allowed.
  */
 static void test_sphere(void **state)
 {
@@ -88,7 +89,7 @@ static void test_sphere(void **state)
     }
 }
 
-/* Errors, too, are the same bytes for any crew. */
+/* The bytes of errors are equal for any crew. */
 static void test_threads(void **state)
 {
     (void)state;
@@ -104,7 +105,7 @@ static void test_threads(void **state)
     }
 }
 
-/* Two seeds are two draws: no ray of one is a ray of the other, whatever the sensor. */
+/* Two seeds are independent: they share no ray at any sensor. */
 static void test_seeds_differ(void **state)
 {
     struct orl_result r[2];

@@ -1,9 +1,9 @@
 /*
- * An evenly sunlit square, read by a final gather: all that the photons' handfuls say of it is one
- * number, which a closed form tells. How many photons a map holds decides how its runs of sixteen
- * fall into squares, and must not be seen in the mean.
+ * A uniformly sunlit square, read by a final gather: all photon groups there state one value, known
+ * in closed form. The number of photons in a map determines how its groups of sixteen divide into
+ * squares, and must not change the mean.
  *
- * Reference: the lighting of a sensor by a diffuse rectangle (Siegel and Howell, configuration
+ * Reference: the irradiance of a sensor from a diffuse rectangle (Siegel and Howell, configuration
  * factors).
  */
 #include <setjmp.h>
@@ -23,7 +23,7 @@ static const char scene[] = "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 
 
 enum { SENSORS = 8, SEEDS = 2, RAYS = 16384 };
 
-/* Lux on what faces a sun of 1e6 W/(sr m2) and .533 degrees, seen at 45 degrees. */
+/* Lux on a surface that faces a sun of 1e6 W/(sr m2) and .533 degrees, at 45 degrees. */
 static double sun_lx(void)
 {
     const double sine = sin(0.25 * 0.533 * ORL_PI / 180);
@@ -31,8 +31,8 @@ static double sun_lx(void)
 }
 
 /*
- * 262 144 rays of eight sensors, a fifth of which find the square, scatter by 0.1 % in all and the
- * values of handfuls by less. Amid their own photons they read 0.26 and 0.54 % less than there is.
+ * 262 144 rays of eight sensors, a fifth of which hit the square, scatter by 0.1 % in all, and the
+ * values of the groups by less. Amid their own photons they read 0.26 and 0.54 % too little.
  */
 static void test_square(void **state)
 {

@@ -1,7 +1,7 @@
 /*
- * Views from where no eye should be: in the plane of a wall, of the floor, in a corner; views that
- * begin in such a plane; views so narrow that pixels show less than geometry can tell. The plan
- * warns before anything is rendered, and the picture takes as many paths as any other one does.
+ * Views from unsuitable places: in the plane of a wall, of the floor, in a corner; views that begin
+ * in such a plane; views so narrow that pixels show less than the geometry's precision. The plan
+ * warns before rendering, and the picture takes as many paths as any other.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -42,10 +42,10 @@ static const char *warning_of(const struct orl_result *result, const char *words
     return NULL;
 }
 
-/* The first is an ordinary view, which the others are compared with. */
+/* The first is an ordinary view, the baseline for the others. */
 static const struct {
     const char *name, *view;
-    const char *surface; /* that the eye lies on, or NULL */
+    const char *surface; /* surface that holds the eye point, or NULL */
 } cases[] = {
     {"in the room", "-vtv -vp 2 1.5 1.2 -vd 0 1 0 -vh 90 -vv 90", NULL},
     {"in a wall, towards the room", "-vtv -vp 4 2 1.2 -vd -1 0 0 -vh 90 -vv 90", "'"},
@@ -58,8 +58,8 @@ static const struct {
     {"narrow", "-vtv -vp 2 1.5 1.2 -vd .1 1 0 -vh 1e-6 -vv 1e-6", NULL},
 };
 
-/* Paths of pictures differ by what they show: by three times are no more than that, and every pixel
- * with a hemisphere of its own would take ten times as many. */
+/* Pictures of different content differ in paths by at most a factor of three; a separate hemisphere
+ * for every pixel would take ten times as many. */
 static const double most_times = 3;
 
 static void test_paths(void **state)

@@ -1,14 +1,14 @@
 /*
- * Errors stated of DGP against errors made: how often its 95 % interval holds the DGP of many
- * samples, over seeds. Of N seeds a coverage p is found with a standard deviation of
- * sqrt(p (1 - p) / N); three of them are allowed.
+ * Compares stated errors of DGP with actual ones: how often its 95 % interval holds the DGP of many
+ * samples, over seeds. For N seeds a coverage p is measured with a standard deviation of sqrt(p (1
+ * - p) / N); three of them are allowed.
  *
- * The short form takes one scene and 12 seeds, of which 10 must hold (with 95 % fewer do once in
- * 51 times, and seeds are fixed). The long form takes 120 seeds of each of four scenes: of one
- * within 6 %, of all 480 together within 3 %, 92 to 98 % then.
+ * The short form uses one scene and 12 seeds, of which 10 must hold (at 95 % fewer do once in 51
+ * times, and seeds are fixed). The long form uses 120 seeds of each of four scenes: each within 6
+ * %, all 480 together within 3 %, then 92 to 98 %.
  *
- * The reference is one picture of 32 times a seed's samples. Its own chance, 1 / sqrt(32) of
- * theirs, takes 1.96 phi(1.96) / 32 = 0.4 % of what intervals hold, on average, and adds nothing.
+ * The reference is one picture of 32 times a seed's samples. Its own noise, 1 / sqrt(32) of theirs,
+ * lowers the coverage by 1.96 phi(1.96) / 32 = 0.4 % on average.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -44,7 +44,7 @@ static const struct glare_case {
 static const double coverage = 0.95;
 enum { CASES = sizeof cases / sizeof cases[0], SAMPLES = 16, OF_REFERENCE = 32 * SAMPLES };
 
-/* Pixels a side; the pictures of the long forms are finer. */
+/* Pixels per side; the long form's pictures are finer. */
 static uint32_t side(void)
 {
     return stability_full() ? 40 : (uint32_t)extent(28, 40);
@@ -69,7 +69,7 @@ static struct orl_glare_value dgp_of(const struct glare_case *c, uint64_t seed, 
     return dgp;
 }
 
-/* Of so many seeds, how many intervals hold the reference. */
+/* Returns the number of seeds whose intervals hold the reference. */
 static uint32_t covered(const struct glare_case *c, uint32_t seeds, double *ret_reference,
                         double *ret_error)
 {
@@ -86,7 +86,7 @@ static uint32_t covered(const struct glare_case *c, uint32_t seeds, double *ret_
     return held;
 }
 
-/* How far off the share of so many seeds may be found: relative, as references have it. */
+/* Returns the tolerance of the share for that many seeds: relative, as for references. */
 static double share_within(uint32_t seeds)
 {
     return 3 * sqrt(coverage * (1 - coverage) / seeds) / coverage;
@@ -117,7 +117,7 @@ static void test_coverage(void **state)
     assert_true(full || all >= 10);
 }
 
-/* A goal is met by the interval that is told, and a finer one takes more rounds. */
+/* The stated interval meets a goal, and a finer goal takes more rounds. */
 static void test_goals(void **state)
 {
     uint32_t rounds[2];
@@ -142,7 +142,7 @@ static void test_goals(void **state)
     assert_true(rounds[1] > rounds[0]);
 }
 
-/* Of one path a pixel nothing is known; DGP is there all the same. */
+/* One path per pixel gives no error estimate, but still a DGP. */
 static void test_unknown_errors(void **state)
 {
     (void)state;
@@ -161,7 +161,7 @@ static void test_unknown_errors(void **state)
     orl_result_done(&result);
 }
 
-/* The same bytes by any crew. */
+/* The bytes are equal for any crew. */
 static void test_any_crew(void **state)
 {
     struct orl_glare_value found[2];

@@ -1,6 +1,6 @@
 /*
- * Glare of views by every technique: sources that are smaller than a pixel come with all their
- * light, whatever the technique, and every DGP has an interval that the others' bear out.
+ * Glare of views by every technique: sources smaller than a pixel have their full light, and every
+ * DGP has an interval consistent with the others.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -34,8 +34,8 @@ static struct orl_result view_by(enum orl_technique technique, const char *scene
 
 /*
  * Two bulbs of 4 cm, 2.9 and 3.5 m away: 0.024 and 0.016 of a pixel of a fisheye of 40 x 40. Walls
- * are black: what is there beside bulbs is nothing. Rays to a sphere are uniform over its cone, so
- * that all of it is there up to rounding: of up to 1024 sums of floats, 2^-24 each.
+ * are black, so that bulbs are the only light. Rays to a sphere are uniform over its cone, so that
+ * its light is exact up to rounding: of up to 1024 sums of floats, 2^-24 each.
  */
 #define BULBS                                                                                      \
     "void light l 0 0 3 20000 20000 20000\nl sphere a 0 0 4 1 3.5 2.6 .02\n"                       \
@@ -44,7 +44,9 @@ static struct orl_result view_by(enum orl_technique technique, const char *scene
 static const double radiance = 20000, bulb_radius = 0.02, rounding = 1e-4;
 static const struct orl_vec3 bulbs[2] = {{1, 3.5, 2.6}, {3.3, 4.1, 2.1}}, eye = {2, 1, 1.2};
 
-/* What the sources within a pixel and a half of a direction give, times cosine: lx. */
+/*
+ * Returns the light of the sources within a pixel and a half of a direction, times the cosine: lx.
+ */
 static double light_from(const struct orl_glare *glare, struct orl_vec3 direction)
 {
     const double within = cos(1.5 * ORL_PI / SIDE);
@@ -76,7 +78,8 @@ static void test_bulbs(void **state)
     }
 }
 
-/* Sun on the floor and a bright sky in the window: what paths find lies within all intervals. */
+/* Sun on the floor and a bright sky in the window: the value of path tracing is within all
+ * intervals. */
 static void test_window(void **state)
 {
     double by_paths = 0;

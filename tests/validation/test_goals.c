@@ -1,6 +1,6 @@
 /*
- * Jobs for an accuracy or a deadline, in a sunny room: what they promise, against long runs of the
- * unbiased technique; that they end; and that accuracies do not depend on threads or time.
+ * Jobs with an accuracy or a deadline in a sunny room: their accuracy compared with long runs of
+ * the unbiased technique; that they end; and that accuracies depend neither on threads nor on time.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,7 +28,7 @@ static struct scene_run job(enum orl_technique technique, double relative_error,
                               .goal = {.relative_error = relative_error, .at = 0.95}};
 }
 
-/* By 2 x 16384 samples: standard errors of some 0.5 %, which is little beside 5 %. */
+/* Uses 2 x 16384 samples: standard errors of some 0.5 %, small beside 5 %. */
 static void find_truth(double ret_lx[ROOM_SENSORS])
 {
     struct scene_run run = {.scene = scene,
@@ -48,7 +48,7 @@ static void find_truth(double ret_lx[ROOM_SENSORS])
     }
 }
 
-/* Of the 0.95 of five sensors: all. */
+/* Requires all five sensors, since 0.95 of five rounds up to all. */
 static bool is_within(const struct orl_result *r, const double *truth, double target)
 {
     for (size_t i = 0; i < ROOM_SENSORS; i++)
@@ -58,9 +58,8 @@ static bool is_within(const struct orl_result *r, const double *truth, double ta
 }
 
 /*
- * The goal is thought to be met with a probability of 0.975, of which looking after every round
- * takes some. With 0.95 fewer than 9 of 10 seeds are within it once in 12, fewer than 2 of 2 once
- * in 10.
+ * A goal is met with a probability of 0.975, of which checking after every round takes some. At
+ * 0.95, fewer than 9 of 10 seeds are within it once in 12, fewer than 2 of 2 once in 10.
  */
 static void test_accuracy_is_kept(void **state)
 {
@@ -90,7 +89,7 @@ static void test_accuracy_is_kept(void **state)
     }
 }
 
-/* Counts of rounds and the last error that was told; a clock that stands on what is asked of it. */
+/* Counts of rounds and the last stated error; a clock that advances by the number of its calls. */
 struct watch {
     uint32_t rounds;
     double error, now, tick;
@@ -111,7 +110,7 @@ static void count_round(void *ctx, const struct orl_result *result)
     assert_int_equal(result->n_sensors, ROOM_SENSORS);
 }
 
-/* Neither threads nor a clock that runs wild change a bit of it. */
+/* Neither threads nor an erratic clock change a bit. */
 static void test_same_bytes(void **state)
 {
     struct watch slow = {.tick = 1e-3}, wild = {.tick = 1000};
@@ -135,7 +134,7 @@ static void test_same_bytes(void **state)
     orl_result_done(&b);
 }
 
-/* An error out of reach is told soon, not after a million samples; one in reach is named. */
+/* An unreachable error is reported soon, not after a million samples; a reachable one is named. */
 static void test_out_of_reach(void **state)
 {
     const struct scene_run run = job(ORL_TECHNIQUE_BACKWARD, 1e-6, 1);
@@ -170,8 +169,8 @@ static struct orl_result run_until(double deadline_s, struct watch *watch)
     return scene_run(&run);
 }
 
-/* By a clock that goes on by so much whenever it is asked: a round takes as long whatever its size,
- * which the run cannot know. It ends within a round of the deadline all the same. */
+/* Uses a clock that advances by a constant at every call: a round takes equal time whatever its
+ * size, which the run cannot know. It still ends within a round of the deadline. */
 static void test_deadlines(void **state)
 {
     struct watch clock = {.tick = 2}, short_clock = {.tick = 10};
@@ -188,7 +187,7 @@ static void test_deadlines(void **state)
     orl_result_done(&r);
 }
 
-/* Pixels of a view are held to it too, and pictures are written. */
+/* Pixels of a view must meet it too, and pictures are written. */
 static void test_views(void **state)
 {
     struct scene_run run = job(ORL_TECHNIQUE_BACKWARD, 0.3, 1);
@@ -206,7 +205,8 @@ static void test_views(void **state)
 
 enum { WIDTH = 32, HEIGHT = 24 };
 
-/* The sum of a view's radiances by a final gather; by the watch's clock where there is one. */
+/* Returns the sum of a view's radiances by a final gather; with the watch's clock if there is a
+ * deadline. */
 static double sum_of_view(double deadline_s, double every_s, uint32_t *ret_rounds)
 {
     struct watch watch = {.tick = every_s};
@@ -235,8 +235,8 @@ static double sum_of_view(double deadline_s, double every_s, uint32_t *ret_round
 }
 
 /*
- * Rounds of few rays and of many are one picture: by a clock that goes on when it is asked the same
- * one twice, and as bright as one in one piece.
+ * Rounds of few rays and of many give one picture: with a clock that advances at every call it is
+ * repeatable, and as bright as one in a single round.
  */
 static void test_view_by_deadline(void **state)
 {

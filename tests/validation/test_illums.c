@@ -1,6 +1,6 @@
 /*
- * Illums: what shines in place of a window lets suns through, and nothing else that is behind it,
- * by all techniques; by a material that is neither void nor glass nothing passes.
+ * Illums: the secondary source in place of a window transmits suns, and no other light behind it,
+ * by all techniques; a material that is neither void nor glass transmits nothing.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,7 +28,7 @@
 
 static const double lumens = 179;
 
-static double run(const char *scene, enum orl_technique technique, double *ret_error)
+static double run_scene(const char *scene, enum orl_technique technique, double *ret_error)
 {
     static const struct orl_sensor sensor = {{1.5, 1, .8}, {0, 0, 1}};
     const bool has_maps = technique != ORL_TECHNIQUE_BACKWARD;
@@ -48,7 +48,7 @@ static double run(const char *scene, enum orl_technique technique, double *ret_e
     return lx;
 }
 
-/* Of a black room: the sun's disc on the plane, times what a pane lets through at its angle. */
+/* Checks a black room: the sun's disc on the plane, times the pane's transmittance at its angle. */
 static void check_sun(const char *illum, double transmitted)
 {
     const double cosine = .6 / sqrt(.04 + .49 + .36);
@@ -57,8 +57,8 @@ static void check_sun(const char *illum, double transmitted)
     double error[2];
     snprintf(with, sizeof with, "%s%s", illum, SKY SUN ROOM("0") WINDOW);
     snprintf(without, sizeof without, "%s%s", illum, SKY ROOM("0") WINDOW);
-    const double a = run(with, ORL_TECHNIQUE_BACKWARD, &error[0]);
-    const double b = run(without, ORL_TECHNIQUE_BACKWARD, &error[1]);
+    const double a = run_scene(with, ORL_TECHNIQUE_BACKWARD, &error[0]);
+    const double b = run_scene(without, ORL_TECHNIQUE_BACKWARD, &error[1]);
     const double tolerance = 4 * hypot(error[0], error[1]) + 1e-3 * sun;
     if (!(b > 1000 && fabs(a - b - transmitted * sun) < tolerance))
         fail_msg("%g lx with the sun, %g without: %g more, not %g", a, b, a - b, transmitted * sun);
@@ -69,40 +69,40 @@ static void test_sun_passes(void **state)
     (void)state;
     check_sun("void illum win 0 0 3 60 50 40\n", 1);
     check_sun("void illum win 1 void 0 3 60 50 40\n", 1);
-    /* Patterns are of what it shines. */
+    /* Patterns apply to the emitted light. */
     check_sun("void brightfunc dim 2 if(Dz,.5,.25) . 0 0\ndim illum win 1 void 0 3 60 50 40\n", 1);
     check_sun("void plastic paint 0 0 5 .5 .5 .5 0 0\nvoid illum win 1 paint 0 3 60 50 40\n", 0);
 }
 
-/* By the fraction that the same pane lets through where it is no illum. */
+/* The transmitted fraction is that of the same pane outside an illum. */
 static void test_by_glass(void **state)
 {
     double error[2];
     (void)state;
-    const double bare = run(SUN ROOM("0"), ORL_TECHNIQUE_BACKWARD, &error[0]);
-    const double paned =
-        run(SUN GLASS "void alias win pane\n" ROOM("0") WINDOW, ORL_TECHNIQUE_BACKWARD, &error[1]);
+    const double bare = run_scene(SUN ROOM("0"), ORL_TECHNIQUE_BACKWARD, &error[0]);
+    const double paned = run_scene(SUN GLASS "void alias win pane\n" ROOM("0") WINDOW,
+                                   ORL_TECHNIQUE_BACKWARD, &error[1]);
     assert_true(paned > 0 && paned < .9 * bare);
     check_sun(GLASS "void illum win 1 pane 0 3 60 50 40\n", paned / bare);
 }
 
-/* What the sun makes of a bright room, by photons and by paths. */
+/* The sun's light in a bright room agrees between photons and paths. */
 static void test_techniques(void **state)
 {
     static const char scene[] =
         SKY SUN GLASS "void illum win 1 pane 0 3 60 50 40\n" ROOM(".6") WINDOW;
     static const enum orl_technique techniques[] = {ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_DIRECT};
     double error[2];
-    const double paths = run(scene, ORL_TECHNIQUE_BACKWARD, &error[0]);
+    const double paths = run_scene(scene, ORL_TECHNIQUE_BACKWARD, &error[0]);
     (void)state;
     for (size_t i = 0; i < sizeof techniques / sizeof *techniques; i++) {
-        const double maps = run(scene, techniques[i], &error[1]);
+        const double maps = run_scene(scene, techniques[i], &error[1]);
         if (!(fabs(maps - paths) < 4 * hypot(error[0], error[1]) && error[1] < .03 * paths))
             fail_msg("technique %zu: %g +- %g lx, not %g", i, maps, error[1], paths);
     }
 }
 
-/* Virtual lamps on a bright wall outdoors add nothing by way of an illum. */
+/* Virtual lamps on a bright wall outdoors add nothing through an illum. */
 static void test_surfaces_behind(void **state)
 {
 #define ILLUM_ROOM SKY "void illum win 1 void 0 3 60 50 40\n" ROOM(".6") WINDOW
@@ -115,16 +115,16 @@ static void test_surfaces_behind(void **state)
     double error[2];
     (void)state;
     for (size_t i = 0; i < sizeof techniques / sizeof *techniques; i++) {
-        const double expected = run(alone, techniques[i], &error[0]);
-        const double lx = run(before_wall, techniques[i], &error[1]);
+        const double expected = run_scene(alone, techniques[i], &error[0]);
+        const double lx = run_scene(before_wall, techniques[i], &error[1]);
         print_message("technique %zu: %g +- %g lx, alone %g\n", i, lx, error[1], expected);
         assert_true(fabs(lx - expected) < 4 * hypot(error[0], error[1]));
         assert_true(error[1] < .03 * lx);
     }
 }
 
-/* Seen from behind it is not there: a room behind one is lit as by an opening, by all techniques,
- * and what it shines is for outdoors alone. */
+/* An illum is invisible from behind: a room behind one is lit as through an opening, by all
+ * techniques, and its emission goes outdoors only. */
 static void test_from_behind(void **state)
 {
     static const char open[] = SKY SUN ROOM(".6");
@@ -134,10 +134,10 @@ static void test_from_behind(void **state)
     static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER,
                                                     ORL_TECHNIQUE_DIRECT};
     double error[2];
-    const double paths = run(open, ORL_TECHNIQUE_BACKWARD, &error[0]);
+    const double paths = run_scene(open, ORL_TECHNIQUE_BACKWARD, &error[0]);
     (void)state;
     for (size_t i = 0; i < sizeof techniques / sizeof *techniques; i++) {
-        const double lx = run(shut, techniques[i], &error[1]);
+        const double lx = run_scene(shut, techniques[i], &error[1]);
         if (!(fabs(lx - paths) < 4 * hypot(error[0], error[1]) && error[1] < .03 * paths))
             fail_msg("technique %zu: %g +- %g lx, not %g", i, lx, error[1], paths);
     }

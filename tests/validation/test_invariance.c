@@ -1,6 +1,6 @@
 /*
- * What must not matter does not: threads, repetition, units, place, orientation, the side a
- * surface's normal points to. And what a photon map is keyed by.
+ * Invariance under threads, repetition, units, position, orientation, and the direction of a
+ * surface's normal. Also the keys of photon maps.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +21,8 @@ static void assert_within(double value, double expected, double relative)
         fail_msg("%.6g is not within %.2g of %.6g", value, relative, expected);
 }
 
-/* ---- The same bytes ---------------------------------------------------------------------------
+/*
+ * ---- The same bytes ---------------------------------------------------------------------------
  */
 
 static void test_threads(void **state)
@@ -37,7 +38,7 @@ static void test_threads(void **state)
     room_free_bytes(&first);
 }
 
-/* Another seed: every number differs, by no more than noise. */
+/* Another seed changes every number, by no more than noise. */
 static void test_seeds(void **state)
 {
     struct room_bytes a = room_run_all(1, 1), b = room_run_all(1, 2);
@@ -52,13 +53,14 @@ static void test_seeds(void **state)
     room_free_bytes(&b);
 }
 
-/* ---- The same numbers -------------------------------------------------------------------------
+/*
+ * ---- The same numbers -------------------------------------------------------------------------
  */
 
 /*
- * Millimetres, kilometres, 100 km from the origin, turned by 37 degrees. Rounding sends photons
- * other ways, so that results are new draws rather than equal: single sensors of this room scatter
- * by 1 % at 2e5 photons, which makes 3 sigma of a difference 4.2 %.
+ * Millimetres, kilometres, 100 km from the origin, rotated by 37 degrees. Rounding changes photon
+ * paths, so that results are new samples rather than equal: single sensors of this room scatter by
+ * 1 % at 2e5 photons, so 3 sigma of a difference are 4.2 %.
  */
 static void test_units_and_place(void **state)
 {
@@ -77,7 +79,7 @@ static void test_units_and_place(void **state)
     }
 }
 
-/* Every wall inside out: plastic is two-sided, so nothing but the draws may change. */
+/* Every wall inverted: plastic is two-sided, so only the random samples may change. */
 static void test_flipped_normals(void **state)
 {
     struct scene_run run = {.scene = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE,
@@ -94,9 +96,9 @@ static void test_flipped_normals(void **state)
 }
 
 /*
- * Room, sky and sun are mirror images of themselves about x = 2: so are results. Over ten seeds of
- * 300000 photons the worst pair's difference scatters by 1.4 %; twice as many make that 1.0 %
- * (and rays are enough not to add to it).
+ * Room, sky and sun are mirror-symmetric about x = 2, and so are results. Over ten seeds of 300000
+ * photons the worst pair's difference scatters by 1.4 %; twice as many make that 1.0 % (there are
+ * enough rays not to add to it).
  */
 static void test_symmetry(void **state)
 {
@@ -116,13 +118,14 @@ static void test_symmetry(void **state)
         assert_within(lx[i], lx[i + 1], 0.035);
 }
 
-/* ---- Windows ----------------------------------------------------------------------------------
+/*
+ * ---- Windows ----------------------------------------------------------------------------------
  */
 
 /*
- * A clear pane across the middle of the room (index 1, nothing absorbed) is no port: it passes what
- * is there, and adds nothing. Two such panes in the window, one behind the other, pass light once.
- * The rays are many, so that what differs is the maps.
+ * A clear pane across the middle of the room (index 1, no absorption) is no port: it transmits all
+ * light, and adds none. Two such panes in the window, one behind the other, transmit light once.
+ * There are many rays, so that the difference is that of the maps.
  */
 static void test_panes_that_are_no_ports(void **state)
 {
@@ -151,16 +154,16 @@ static void test_panes_that_are_no_ports(void **state)
     scene_run_lx(&run, twice);
     for (int i = 0; i < ROOM_SENSORS; i++) {
         assert_within(inner[i], plain[i], 0.042);
-        /* The frame is two centimetres deep: it takes 1 % and more of slanting light. */
+        /* The frame is two centimetres deep: it blocks 1 % and more of slanting light. */
         assert_within(twice[i], plain[i], 0.06);
     }
 }
 
 /*
- * A window at the bottom of a light well, that sees a sliver of sky only: it is a port, and what
- * comes in is what comes through an open hole. Well and room share no plane, so that the hole's
- * density estimates cannot reach round the wall. Most light at the sensors has been reflected in
- * the well, and is found from inside by paths of few: seeds scatter by 5 % and more.
+ * A window at the bottom of a light well that sees a sliver of the sky is a port, and its light
+ * equals that of an open hole. Well and room share no plane, so that density estimates at the hole
+ * cannot reach round the wall. Most light at the sensors has been reflected in the well, where few
+ * paths from inside find it: seeds scatter by 5 % and more.
  */
 static void test_light_well(void **state)
 {
@@ -177,8 +180,8 @@ static void test_light_well(void **state)
     struct scene_run run = {
         .scene = text, .sensors = room_sensors, .n_sensors = ROOM_SENSORS, .global = 300000};
     (void)state;
-    /* The pane that is not there against the open hole: the one as a port, the other from the sky.
-     */
+    /* The invisible pane compared with the open hole: the pane is a port, the hole gets photons
+     * from the sky. */
     snprintf(text, sizeof text, "%s%s%s",
              ROOM_SKY ROOM_GREY "void glass p 0 0 4 1 1 1 1\n" ROOM_SHELL, well, ROOM_PANE);
     scene_run_lx(&run, pane);
@@ -191,7 +194,8 @@ static void test_light_well(void **state)
     }
 }
 
-/* ---- Keys -------------------------------------------------------------------------------------
+/*
+ * ---- Keys -------------------------------------------------------------------------------------
  */
 
 static void expect_cached(const struct scene_run *run, bool global, bool caustic)
@@ -203,7 +207,7 @@ static void expect_cached(const struct scene_run *run, bool global, bool caustic
     orl_result_done(&result);
 }
 
-/* A new sensor list or view is a hit; a new seed, count or scene is not. */
+/* A new sensor list or view is a cache hit; a new seed, count or scene is a miss. */
 static void test_map_keys(void **state)
 {
     char folder[64];
@@ -236,7 +240,7 @@ static void test_map_keys(void **state)
     cli_remove_folder(folder);
 }
 
-/* What a cached map gives is what a new one gave, to the bit. */
+/* Results of a cached map equal those of a new one, to the bit. */
 static void test_cached_results(void **state)
 {
     char folder[64];

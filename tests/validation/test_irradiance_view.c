@@ -1,7 +1,7 @@
 /*
- * Views of irradiance: a ground under an even sky receives pi times its radiance, whatever its
- * reflectance and specularity, seen through glass too; the sky itself is black. Within 2 %, of
- * which the sky's 4096 samples a record, or 64 a pixel, take less than half.
+ * Views of irradiance: a ground under a uniform sky receives pi times its radiance, whatever its
+ * reflectance and specularity, also seen through glass; the sky itself is black. Within 2 %, of
+ * which the sky's 4096 samples per record, or 64 per pixel, use less than half.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,8 +20,7 @@
 
 enum { SIDE = 12, PIXELS = SIDE * SIDE };
 
-/* Dark and bright halves of the ground, the bright one glossy, and a pane above the northern part.
- */
+/* A dark and a bright, glossy half of the ground, and a pane above the northern part. */
 static const char ground[] = "void plastic dark 0 0 5 .05 .1 .02 0 0\n"
                              "void plastic bright 0 0 5 .7 .7 .7 .05 .1\n"
                              "void glass pane 0 0 3 .5 .5 .5\n"
@@ -31,7 +30,7 @@ static const char ground[] = "void plastic dark 0 0 5 .05 .1 .02 0 0\n"
                              "void glow sky_glow 0 0 4 10 10 10 0\n"
                              "sky_glow source sky 0 0 4 0 0 1 180\n";
 
-static void check(enum orl_technique technique)
+static void check_view(enum orl_technique technique)
 {
     const struct scene_run run = {.scene = ground,
                                   .view = "-vtv -vp 0 0 10 -vd 0 0 -1 -vu 0 1 0 -vh 60 -vv 60",
@@ -59,16 +58,16 @@ static void check(enum orl_technique technique)
 static void test_backward(void **state)
 {
     (void)state;
-    check(ORL_TECHNIQUE_BACKWARD);
+    check_view(ORL_TECHNIQUE_BACKWARD);
 }
 
 static void test_gather(void **state)
 {
     (void)state;
-    check(ORL_TECHNIQUE_GATHER);
+    check_view(ORL_TECHNIQUE_GATHER);
 }
 
-/* Looking up there is nothing but sky, which receives nothing. */
+/* A view up shows only the sky, which receives nothing. */
 static void test_sky(void **state)
 {
     (void)state;

@@ -1,8 +1,8 @@
 /*
- * Skies in the job, all the way through orl_run: an open sensor reads what the sky was given, and a
- * photon map is known by the sky's numbers.
+ * Skies in the job, through orl_run: an open sensor reads the value given for the sky, and a photon
+ * map's key depends on the sky's numbers.
  *
- * 65536 even rays: the sky's integral is good to 1e-4, the horizon's edge to 3e-4.
+ * 65536 stratified rays: the error of the sky's integral is 1e-4, that of the horizon's edge 3e-4.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -95,7 +95,7 @@ static void key_of(const struct scene_run *run, char ret_key[ORL_DIGEST_HEX + 1]
     orl_result_done(&result);
 }
 
-/* The same numbers share a map, however they were asked for; others do not. */
+/* Equal sky numbers share a map, however they were given; other numbers do not. */
 static void test_maps_are_known_by_the_sky(void **state)
 {
     static const char wea[] = "place a_b\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\n"
@@ -135,7 +135,7 @@ static void test_maps_are_known_by_the_sky(void **state)
     for (int i = 1; i < 4; i++)
         for (int k = i + 1; k < 4; k++)
             assert_string_not_equal(keys[i], keys[k]);
-    /* Without a sky there is no light, and the plan is to trace none. */
+    /* Without a sky there is no light, and the plan traces none. */
     run.sky = NULL;
     struct orl_result dark = scene_run(&run);
     assert_int_equal(dark.n_maps, 0);
@@ -156,7 +156,7 @@ static void test_two_skies_are_refused(void **state)
     assert_string_equal(err.primitive, "sky");
 }
 
-/* A file that is not there, and one with a mistake in it: the place is said. */
+/* A missing file, and one with a mistake in it: the error names the place. */
 static void test_weather_file_mistakes(void **state)
 {
     char name[] = "x.wea", other[] = "y.wea";

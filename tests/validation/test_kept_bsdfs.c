@@ -1,6 +1,6 @@
 /*
- * BSDFs in the store: a large one is read once and found by later jobs; what they compute does not
- * depend on it, and damage is mended.
+ * BSDFs in the store: a large one is parsed once and reused by later jobs; results do not depend on
+ * it, and damaged files are rebuilt.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,9 @@
 
 enum { LARGE = 1 << 20 };
 
-/* A tree with white space behind it, to the size from which on BSDFs are kept. */
+/*
+ * Returns the XML of a tree, padded with white space to the minimum size of stored BSDFs if large.
+ */
 static char *make_xml(bool large)
 {
     struct text t = make_tree_file(3);
@@ -48,7 +50,7 @@ static struct orl_result run_in(const char *folder, const char *xml)
     return scene_run(&run);
 }
 
-/* The one kept BSDF's path; false when there is none. */
+/* Finds the path of the only stored BSDF; returns false if there is none. */
 static bool find_kept(const char *folder, char ret_path[512])
 {
     DIR *entries = opendir(folder);
@@ -74,7 +76,7 @@ static bool warns_of(const struct orl_result *result, const char *text)
     return false;
 }
 
-/* Runs again and finds the same numbers; with the warning, or without. */
+/* Runs again and expects equal numbers, with the warning or without. */
 static void check_again(const char *folder, const char *xml, const struct orl_result *first,
                         bool warns)
 {
@@ -111,7 +113,7 @@ static void test_large(void **state)
     assert_true(find_kept(folder, path));
     free(scene_read_bytes(path, &size));
     check_again(folder, xml, &first, false);
-    /* A flipped bit; a file cut short; one of an earlier version. Each is made anew. */
+    /* A flipped bit, a truncated file, and one of an earlier version: each is rebuilt. */
     const long places[] = {(long)size - 100, 5000, 8};
     for (size_t i = 0; i < 3; i++) {
         spoil(path, places[i], i == 1 ? size / 2 : 0);
@@ -126,7 +128,7 @@ static void test_large(void **state)
     free(xml);
 }
 
-/* A small one loads as fast as it would be found. */
+/* A small BSDF is not stored, since parsing is as fast as a look-up. */
 static void test_small(void **state)
 {
     char folder[64], path[512];
@@ -140,7 +142,7 @@ static void test_small(void **state)
     free(xml);
 }
 
-/* A bad file is refused as ever, and leaves nothing. */
+/* A bad file is refused as before, and nothing is stored. */
 static void test_bad(void **state)
 {
     char folder[64], path[512];

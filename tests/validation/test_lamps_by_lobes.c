@@ -1,7 +1,7 @@
 /*
- * Lamps seen by way of a BSDF's lobes: shadow rays and rays drawn by the lobes share them. Against
- * an integral over panel and lamp of the values that the file holds, in a room that is black, so
- * that nothing else gets to the sensors.
+ * Lamps seen through a BSDF's lobes, by shadow rays and by BSDF samples with MIS. Compared with an
+ * integral over panel and lamp of the values in the file, in a black room, so that no other light
+ * reaches the sensors.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -37,7 +37,7 @@ static const char lamps[2][128] = {
 static const struct orl_sensor sensors[SENSORS] = {
     {{0.7, 0.9, 2}, {0, -1, 0}}, {{0.3, 0.5, 2.2}, {0, -1, 0}}, {{1.5, 0.5, 2.7}, {-0.3, -1, 0}}};
 
-/* World to the panel's own: z its normal, y up. */
+/* World to the panel's frame: z is its normal, y is up. */
 static struct orl_vec3 local(struct orl_vec3 d)
 {
     return orl_v3(-d.x, d.z, d.y);
@@ -47,7 +47,7 @@ struct integral {
     double value, standard_error; /* lx */
 };
 
-/* By points at random on both. */
+/* Integrates with random points on both. */
 static struct integral integrate(const struct orl_bsdf *bsdf, const struct orl_sensor *sensor,
                                  double at)
 {

@@ -1,7 +1,7 @@
 /*
- * Lamps outside a sealed room, against closed forms: through a window of glass, where shadow rays
- * and photons must not both count them, and by a BSDF pane, where photons alone bring their light.
- * The room is black, so that only the first way in counts.
+ * Lamps outside a sealed room, compared with closed forms: through a glass window, where shadow
+ * rays and photons must not both count them, and through a BSDF pane, where only photons carry
+ * their light. The room is black, so that only the direct path counts.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,12 +29,12 @@
 
 static const struct orl_vec3 lamp = {2, -1.5, 2.8};
 
-/* On the floor, and in mid-air. */
+/* On the floor, and free. */
 enum { SENSORS = 2 };
 static const struct orl_sensor sensors[SENSORS] = {{{2, 1.5, 1e-4}, {0, 0, 1}},
                                                    {{2, 1, 0.8}, {0, 0, 1}}};
 
-/* Irradiance that a sphere wholly in view gives: pi L (r / d)^2 cos. */
+/* Returns the irradiance of a fully visible sphere: pi L (r / d)^2 cos. */
 static double of_lamp(struct orl_vec3 point, struct orl_vec3 normal)
 {
     const struct orl_vec3 way = orl_sub(lamp, point);
@@ -42,7 +42,8 @@ static double of_lamp(struct orl_vec3 point, struct orl_vec3 normal)
     return ORL_PI * 1e4 * 0.01 / d2 * fmax(orl_dot(way, normal), 0) / sqrt(d2);
 }
 
-static void run(void **state, const char *scene, double ret_lx[SENSORS], double ret_se[SENSORS])
+static void run_scene(void **state, const char *scene, double ret_lx[SENSORS],
+                      double ret_se[SENSORS])
 {
     char pane[2048];
     scene_uniform_bsdf(0.2, pane);
@@ -62,13 +63,14 @@ static void run(void **state, const char *scene, double ret_lx[SENSORS], double 
     orl_result_done(&r);
 }
 
-/* Walls of .01 add less than 1 %; twice the light, as photons and shadow rays together, is far off.
+/*
+ * Walls of .01 add less than 1 %; twice the light, by photons and shadow rays together, is far off.
  */
 static void check_glass(void **state, const char *scene)
 {
     struct orl_description d = scene_parse_text(scene, NULL, NULL);
     double lx[SENSORS], se[SENSORS];
-    run(state, scene, lx, se);
+    run_scene(state, scene, lx, se);
     for (int i = 0; i < SENSORS; i++) {
         const struct orl_hit anywhere = {.normal = {0, -1, 0}, .front = true};
         const struct orl_vec3 way = orl_normalize(orl_sub(lamp, sensors[i].position));
@@ -92,7 +94,7 @@ static void test_glow_behind_glass(void **state)
     check_glass(state, "void glass g 0 0 3 .9 .9 .9\n" PANE("g") ROOM GLOW);
 }
 
-/* Each point of the pane sends on .2/sr of what falls on it. */
+/* Each point of the pane transmits .2/sr of its incident light. */
 static double by_pane(const struct orl_sensor *sensor)
 {
     enum { SIDE = 200 };
@@ -109,11 +111,11 @@ static double by_pane(const struct orl_sensor *sensor)
     return ORL_EFFICACY_LM_PER_W * sum * 3.0 / (SIDE * SIDE);
 }
 
-/* Within 3.5 standard errors, which are 8 % at the most, and the 1 % that walls of .01 may add. */
+/* Within 3.5 standard errors, which are at most 8 %, and the 1 % that walls of .01 may add. */
 static void test_bsdf(void **state)
 {
     double lx[SENSORS], se[SENSORS];
-    run(state, "void BSDF g 6 0 pane.xml 0 0 1 . 0 0\n" PANE("g") ROOM LAMP, lx, se);
+    run_scene(state, "void BSDF g 6 0 pane.xml 0 0 1 . 0 0\n" PANE("g") ROOM LAMP, lx, se);
     for (int i = 0; i < SENSORS; i++) {
         const double expected = by_pane(&sensors[i]);
         print_message("%.4f of %.1f lx\n", lx[i] / expected, expected);

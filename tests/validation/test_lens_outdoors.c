@@ -1,7 +1,8 @@
 /*
- * A ball of glass before a hole, or before a window, and the sun: what it focuses into the room is
- * most of the light of some sensors. Ports would not send it in (light/focus.h). Truths are of
- * plain path tracing with 40 million paths a sensor (support/brute.h). Seeds are fixed.
+ * A ball of glass in the sun in front of a hole, or of a window: the light that it focuses into the
+ * room is most of the light of some sensors. Photons started at ports would miss it
+ * (light/focus.h). Truths are from plain path tracing with 40 million paths per sensor
+ * (support/brute.h). Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,7 +14,7 @@
 
 #include "support/rare_rooms.h"
 
-/* In the hole; it lets 81 to 84 % of the light through. */
+/* A pane in the hole, with a transmittance of 81 to 84 %. */
 static const char pane[] = "clear polygon p 0 0 12 1.8 0 1.2 1.8 0 1.6 2.2 0 1.6 2.2 0 1.2\n";
 static const double glazed = 0.82;
 

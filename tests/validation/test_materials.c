@@ -1,9 +1,9 @@
 /*
- * Whole jobs with the materials and lights that not every scene has: a translucent skylight, a
- * shade round a lamp, a solid glass block, a mirror on the floor, spotlights, illums.
+ * Whole jobs with less common materials and lights: a translucent skylight, a shade around a lamp,
+ * a solid glass block, a mirror on the floor, spotlights, illums.
  *
- * Rooms reflect 0.1 %: enough for photons to be kept, too little to matter, so that illuminances
- * are form factors and the sum of photon fluxes is what came in. Seeds are fixed.
+ * Rooms reflect 0.1 %: enough for photons to be stored, negligible otherwise, so that illuminances
+ * are form factors and the sum of photon fluxes is the incoming flux. Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -52,7 +52,7 @@ struct outcome {
     struct orl_health health;
 };
 
-static void run(struct scene_run job, struct outcome *o)
+static void run_job(struct scene_run job, struct outcome *o)
 {
     char folder[64], path[128];
     double squares;
@@ -95,7 +95,7 @@ static const struct orl_sensor under[UNDER] = {{{2, 2.5, 0}, {0, 0, 1}},
                                                {{0, 2.5, 1}, {1, 0, 0}},
                                                {{2, 2.5, 1.2}, {0, 0, 1}}};
 
-/* Irradiance from the pane at radiance 1, by midpoints. */
+/* Returns the irradiance from the pane at radiance 1, by midpoints. */
 static double form(const struct orl_sensor *sensor)
 {
     enum { STEPS = 200 };
@@ -111,8 +111,8 @@ static double form(const struct orl_sensor *sensor)
 }
 
 /*
- * Under a sky of radiance 1 it shows tau = A1 (1 - A4) A6 to all sides, and lets tau pi A in.
- * 32768 even rays a sensor, of which 2000 or more meet the pane: 1 %.
+ * Under a sky of radiance 1 the skylight shows tau = A1 (1 - A4) A6 in all directions, and
+ * transmits tau pi A. 32768 stratified rays per sensor, of which 2000 or more hit the pane: 1 %.
  */
 static void test_skylight_and_sky(void **state)
 {
@@ -120,36 +120,36 @@ static void test_skylight_and_sky(void **state)
     const double tau = .9 * .95 * .5, flux = tau * ORL_PI * 2;
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene = scene,
-                           .sensors = under,
-                           .n_sensors = UNDER,
-                           .samples = 32768,
-                           .view = "-vtv -vp 2 2.5 1 -vd 0 0 1 -vu 0 1 0 -vh 10 -vv 10"},
-        &o);
+    run_job((struct scene_run){.scene = scene,
+                               .sensors = under,
+                               .n_sensors = UNDER,
+                               .samples = 32768,
+                               .view = "-vtv -vp 2 2.5 1 -vd 0 0 1 -vu 0 1 0 -vh 10 -vv 10"},
+            &o);
     for (int i = 0; i < UNDER; i++)
         assert_within("sensor", o.w[i], tau * form(&under[i]), 0.01 * tau * form(&under[i]));
     assert_within("flux", o.global_w, flux, 3 * o.global_sigma + 0.001 * flux);
-    /* What a view from below sees of it: rays through it all find the sky; 8 bits and a mirrored
-     * room nearly black. */
+    /* A view from below: all rays through the skylight reach the sky. The tolerance covers 8 bits
+     * and a nearly black room. */
     for (int i = 0; i < SIDE * SIDE; i++)
         assert_within("pixel", o.pixels[i][1], tau, 0.01 * tau);
 }
 
-/* The sun through it comes as caustic light: tau E cos A of flux, evenly to all sides. */
+/* The sun's light through it is caustic light: a flux of tau E cos A, uniform in all directions. */
 static void test_skylight_and_sun(void **state)
 {
     const double tau = .45, arrives = sun_normal_w() * .8, flux = tau * arrives * 2;
     struct outcome o;
     double is = 0, should = 0;
     (void)state;
-    run((struct scene_run){.scene =
-                               SUN(0, -.6, .8) "void trans p 0 0 7 .9 .9 .9 0 0 .5 0\n" SKYLIGHT,
-                           .sensors = under,
-                           .n_sensors = UNDER,
-                           .caustic = 200000},
-        &o);
+    run_job((struct scene_run){.scene = SUN(0, -.6,
+                                            .8) "void trans p 0 0 7 .9 .9 .9 0 0 .5 0\n" SKYLIGHT,
+                               .sensors = under,
+                               .n_sensors = UNDER,
+                               .caustic = 200000},
+            &o);
     assert_within("flux", o.caustic_w, flux, 3 * o.caustic_sigma + 0.002 * flux);
-    /* By density of some 300 photons, 6 % each; 3 sigma of the mean of five are 8 %. */
+    /* Density of some 300 photons, 6 % each; 3 sigma of the mean of five are 8 %. */
     for (int i = 0; i < UNDER; i++) {
         const double expected = tau * arrives / ORL_PI * form(&under[i]);
         assert_within("sensor", o.w[i], expected, 0.2 * expected);
@@ -159,56 +159,57 @@ static void test_skylight_and_sun(void **state)
     assert_within("sensors", is, should, 0.08 * should);
 }
 
-/* What is transmitted specularly by a smooth pane casts a sharp patch: shadow rays pass it. */
+/* Specular transmission of a smooth pane casts a sharp patch: shadow rays pass the pane. */
 static void test_skylight_patch(void **state)
 {
-    /* The sun stands 0.6 in the south over 0.8: the patch lies 2.25 further north. */
+    /* The sun is 0.6 in the south over 0.8: the patch is 2.25 further north. */
     static const struct orl_sensor sensors[2] = {{{2, 4.75, 0}, {0, 0, 1}}, {{2, 3, 0}, {0, 0, 1}}};
     const double expected = .9 * .5 * sun_normal_w() * .8;
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene =
-                               SUN(0, -.6, .8) "void trans p 0 0 7 .9 .9 .9 0 0 .5 1\n" SKYLIGHT,
-                           .sensors = sensors,
-                           .n_sensors = 2,
-                           .caustic = 20000},
-        &o);
+    run_job((struct scene_run){.scene = SUN(0, -.6,
+                                            .8) "void trans p 0 0 7 .9 .9 .9 0 0 .5 1\n" SKYLIGHT,
+                               .sensors = sensors,
+                               .n_sensors = 2,
+                               .caustic = 20000},
+            &o);
     assert_within("in the patch", o.w[0], expected, 0.01 * expected);
     assert_within("beside it", o.w[1], 0, 0.005 * expected);
     assert_within("no caustics", o.caustic_w, 0, 0.005 * expected);
 }
 
 /*
- * A lamp in a closed shade: of what reaches the shade it lets tau out and sends rho back in, so
- * that (1 + tau) / (1 - rho) of the lamp's flux lands on shade and room in all. The lamp itself,
- * 2 cm in 60, stops 0.2 % of each of two more bounces.
+ * A lamp in a closed shade, which transmits tau of its incident light and reflects rho: (1 + tau) /
+ * (1 - rho) of the lamp's flux lands on shade and room in all. The lamp itself, 2 cm in 60, blocks
+ * 0.2 % of each of two more bounces.
  */
 static void test_lampshade(void **state)
 {
     const double flux = 1000 * ORL_PI * 4 * ORL_PI * .02 * .02, expected = flux * 1.45 / .55;
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene = DARK WALLS SOUTH CEILING
-                           "void light lamp 0 0 3 1000 1000 1000\n"
-                           "lamp sphere bulb 0 0 4 2 2.5 1.5 .02\n"
-                           "void trans shade 0 0 7 .9 .9 .9 0 0 .5 0\n"
-                           "!genbox shade s .6 .6 .6 | xform -t 1.7 2.2 1.2\n",
-                           .sensors = under,
-                           .n_sensors = 1},
-        &o);
+    run_job((struct scene_run){.scene = DARK WALLS SOUTH CEILING
+                               "void light lamp 0 0 3 1000 1000 1000\n"
+                               "lamp sphere bulb 0 0 4 2 2.5 1.5 .02\n"
+                               "void trans shade 0 0 7 .9 .9 .9 0 0 .5 0\n"
+                               "!genbox shade s .6 .6 .6 | xform -t 1.7 2.2 1.2\n",
+                               .sensors = under,
+                               .n_sensors = 1},
+            &o);
     assert_within("flux", o.global_w, expected, 3 * o.global_sigma + 0.01 * expected);
 }
 
 /* ---- A solid glass block --------------------------------------------------------------------- */
 
-/* Fills 2 x 1.5 m of the southern wall and reaches 0.2 m into the room: its sides are free, and
+/* Fills 2 x 1.5 m of the southern wall and extends 0.2 m into the room: its sides are free, and
  * light that entered by its outer face is totally reflected there. */
 #define BLOCK                                                                                      \
     DARK WALLS CEILING                                                                             \
         "w polygon south 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 "                                    \
         "1 0 .5 3 0 .5 3 0 2 1 0 2 1 0 .5\n!genbox p block 2 .2 1.5 | xform -t 1 0 .5\n"
 
-/* A slab of index 1.5 at the angle of that cosine, its passes summed; unpolarised at each face. */
+/* Returns the transmittance of a slab of index 1.5 at that cosine, all passes summed; unpolarised
+ * at each face. */
 static double slab(double cosine, double transmissivity)
 {
     const double n = 1.5, inside = sqrt(1 - (1 - cosine * cosine) / (n * n));
@@ -227,7 +228,7 @@ static double slab_of_even_light(double transmissivity)
     return sum;
 }
 
-/* Irradiance at a point that faces the inner face, its radiance being the slab's. */
+/* Returns the irradiance at a point that faces the inner face, whose radiance is the slab's. */
 static double form_of_block(struct orl_vec3 at, double transmissivity)
 {
     enum { STEPS = 200 };
@@ -242,7 +243,7 @@ static double form_of_block(struct orl_vec3 at, double transmissivity)
     return sum * 3 / (STEPS * STEPS);
 }
 
-/* Photons and eye paths both: Fresnel, Beer, and n^2 where radiance goes in and comes out. */
+/* Photons and eye paths both follow Fresnel, Beer, and n^2 for radiance at entry and exit. */
 static void test_block_and_sky(void **state)
 {
     static const char *const blocks[2] = {SKY "void dielectric p 0 0 5 1 1 1 1.5 0\n" BLOCK,
@@ -252,11 +253,11 @@ static void test_block_and_sky(void **state)
     for (int k = 0; k < 2; k++) {
         const double t = k ? .1 : 1, flux = slab_of_even_light(t) * ORL_PI * 3;
         struct outcome o;
-        run((struct scene_run){.scene = blocks[k],
-                               .sensors = sensors,
-                               .n_sensors = 2,
-                               .view = "-vtv -vp 2 2 1.25 -vd 0 -1 0 -vu 0 0 1 -vh 5 -vv 5"},
-            &o);
+        run_job((struct scene_run){.scene = blocks[k],
+                                   .sensors = sensors,
+                                   .n_sensors = 2,
+                                   .view = "-vtv -vp 2 2 1.25 -vd 0 -1 0 -vu 0 0 1 -vh 5 -vv 5"},
+                &o);
         assert_within("flux", o.global_w, flux, 3 * o.global_sigma + 0.003 * flux);
         for (int i = 0; i < 2; i++) {
             const double expected = form_of_block(sensors[i].position, t);
@@ -267,7 +268,7 @@ static void test_block_and_sky(void **state)
     }
 }
 
-/* The sun through it: caustic light, as much as the slab lets through, in a patch of its own. */
+/* The sun through the block: caustic light of the slab's transmittance, in a separate patch. */
 static void test_block_and_sun(void **state)
 {
     static const struct orl_sensor sensors[4] = {{{2, 1.3, 0}, {0, 0, 1}},
@@ -277,22 +278,23 @@ static void test_block_and_sun(void **state)
     const double c = sqrt(.5), arrives = slab(c, 1) * sun_normal_w() * c;
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene = SUN(0, -1, 1) "void dielectric p 0 0 5 1 1 1 1.5 0\n" BLOCK,
-                           .sensors = sensors,
-                           .n_sensors = 4,
-                           .caustic = 100000},
-        &o);
+    run_job((struct scene_run){.scene = SUN(0, -1, 1) "void dielectric p 0 0 5 1 1 1 1.5 0\n" BLOCK,
+                               .sensors = sensors,
+                               .n_sensors = 4,
+                               .caustic = 100000},
+            &o);
     assert_within("flux", o.caustic_w, arrives * 3, 3 * o.caustic_sigma + 0.003 * arrives * 3);
     assert_within("in the patch", o.w[0], arrives, 0.2 * arrives);
     assert_within("in the patch", o.w[1], arrives, 0.2 * arrives);
     assert_within("beyond it", o.w[2], 0, 0.005 * arrives);
-    assert_within("in mid-air", o.w[3], arrives, 0.05 * arrives); /* by photons that fly by */
+    assert_within("in mid-air", o.w[3], arrives,
+                  0.05 * arrives); /* by photons that pass the sensor */
 }
 
 /*
- * A lamp inside a clear cube: of its light, what meets no face within the critical angle stays
- * for ever; it ends by the bounce limit, counted, or on the lamp. The six cones do not overlap:
- * 3 (1 - cos(asin(1 / n))) gets out, less half a per cent that meets the lamp on its way.
+ * A lamp inside a clear cube: light outside the critical angle of every face stays for ever; it
+ * ends by the bounce limit, counted, or on the lamp. The six cones do not overlap: 3 (1 -
+ * cos(asin(1 / n))) gets out, less half a per cent that hits the lamp on its way.
  */
 static void test_trapped_light(void **state)
 {
@@ -301,15 +303,15 @@ static void test_trapped_light(void **state)
     const double free = 3 * (1 - sqrt(1 - 1 / 2.25));
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene = DARK WALLS SOUTH CEILING
-                           "void light lamp 0 0 3 1000 1000 1000\n"
-                           "lamp sphere bulb 0 0 4 2 2.5 1.5 .02\n"
-                           "void dielectric cube 0 0 5 1 1 1 1.5 0\n"
-                           "!genbox cube c 1 1 1 | xform -t 1.4 1.9 .9\n",
-                           .sensors = &sensor,
-                           .n_sensors = 1,
-                           .global = 5000},
-        &o);
+    run_job((struct scene_run){.scene = DARK WALLS SOUTH CEILING
+                               "void light lamp 0 0 3 1000 1000 1000\n"
+                               "lamp sphere bulb 0 0 4 2 2.5 1.5 .02\n"
+                               "void dielectric cube 0 0 5 1 1 1 1.5 0\n"
+                               "!genbox cube c 1 1 1 | xform -t 1.4 1.9 .9\n",
+                               .sensors = &sensor,
+                               .n_sensors = 1,
+                               .global = 5000},
+            &o);
     assert_within("flux", o.global_w, free * flux, 3 * o.global_sigma + 0.01 * flux);
     assert_within("all of it", o.health.flux_w, flux, 0.01 * flux);
     assert_true(o.health.photons_capped > 0 && o.health.flux_capped_w > 0.05 * flux);
@@ -318,7 +320,7 @@ static void test_trapped_light(void **state)
 
 /* ---- A mirror -------------------------------------------------------------------------------- */
 
-/* A square metre on the floor sends the sun to a ceiling beside it. */
+/* A square metre on the floor reflects the sun to a ceiling beside it. */
 static void test_mirror_patch(void **state)
 {
     static const struct orl_sensor sensors[6] = {
@@ -328,14 +330,14 @@ static void test_mirror_patch(void **state)
     struct outcome o;
     double mean = 0;
     (void)state;
-    run((struct scene_run){.scene = SUN(.6, 0, .8) DARK
-                           "void mirror m 0 0 3 .9 .9 .9\n"
-                           "m polygon floor 0 0 12 -.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5 0\n"
-                           "w polygon up 0 0 12 -2.5 -1 2 -2.5 1 2 -.5 1 2 -.5 -1 2\n",
-                           .sensors = sensors,
-                           .n_sensors = 6,
-                           .caustic = 100000},
-        &o);
+    run_job((struct scene_run){.scene = SUN(.6, 0, .8) DARK
+                               "void mirror m 0 0 3 .9 .9 .9\n"
+                               "m polygon floor 0 0 12 -.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5 0\n"
+                               "w polygon up 0 0 12 -2.5 -1 2 -2.5 1 2 -.5 1 2 -.5 -1 2\n",
+                               .sensors = sensors,
+                               .n_sensors = 6,
+                               .caustic = 100000},
+            &o);
     assert_within("flux", o.caustic_w, expected, 3 * o.caustic_sigma + 0.01 * expected);
     for (int i = 0; i < 6; i++)
         assert_within("sensor", o.w[i], i < 3 ? expected : 0, 0.2 * expected);
@@ -349,8 +351,8 @@ static void test_mirror_patch(void **state)
 #define LAMP(type) DARK WALLS SOUTH CEILING type "lamp ring disc 0 0 8 2 2.5 2.9 0 0 -1 0 .02\n"
 
 /*
- * L A cos / (d + f)^2 within the cone, nothing beyond it; f is the length of the aim. Photons bring
- * what the sensors see: the same summed over the floor.
+ * L A cos / (d + f)^2 within the cone, zero beyond it; f is the length of the direction vector.
+ * Photons carry the sensors' light: their sum over the floor agrees.
  */
 static void test_spotlight(void **state)
 {
@@ -367,14 +369,14 @@ static void test_spotlight(void **state)
         const double focus = k ? 1 : 1e-6;
         double flux = 0;
         struct outcome o;
-        run((struct scene_run){.scene = lamps[k], .sensors = sensors, .n_sensors = 3}, &o);
+        run_job((struct scene_run){.scene = lamps[k], .sensors = sensors, .n_sensors = 3}, &o);
         for (int i = 0; i < 3; i++) {
             const double d = hypot(off[i], height), c = height / d;
             const double expected = 1e4 * area * c * c / pow(d + focus, 2);
             assert_within("sensor", o.w[i], i < 2 ? expected : 0, 0.005 * expected);
         }
         for (int i = 0; i < 1000; i++) {
-            const double c2 = 1 - .25 * (i + 0.5) / 1000; /* even in sin^2, up to 30 degrees */
+            const double c2 = 1 - .25 * (i + 0.5) / 1000; /* uniform in sin^2, up to 30 degrees */
             const double d = height / sqrt(c2);
             flux += ORL_PI * .25 / 1000 * 1e4 * area * pow(d / (d + focus), 2);
         }
@@ -382,7 +384,7 @@ static void test_spotlight(void **state)
     }
 }
 
-/* A view sees the lamp from within its cone only. */
+/* A view sees the lamp only from within its cone. */
 static void test_spotlight_seen(void **state)
 {
     static const char scene[] = "void spotlight lamp 0 0 7 7 7 7 60 0 0 -1\n"
@@ -390,19 +392,19 @@ static void test_spotlight_seen(void **state)
                                 "w polygon floor 0 0 12 -9 -9 -1 9 -9 -1 9 9 -1 -9 9 -1\n";
     struct outcome o;
     (void)state;
-    run((struct scene_run){.scene = scene,
-                           .view = "-vtv -vp 0 0 0 -vd 0 0 1 -vu 0 1 0 -vh 5 -vv 5"},
-        &o);
+    run_job((struct scene_run){.scene = scene,
+                               .view = "-vtv -vp 0 0 0 -vd 0 0 1 -vu 0 1 0 -vh 5 -vv 5"},
+            &o);
     assert_within("from below", o.pixels[0][0], 7, 0.03);
-    run((struct scene_run){.scene = scene,
-                           .view = "-vtv -vp 3 0 0 -vd -3 0 2 -vu 0 1 0 -vh 5 -vv 5"},
-        &o);
+    run_job((struct scene_run){.scene = scene,
+                               .view = "-vtv -vp 3 0 0 -vd -3 0 2 -vu 0 1 0 -vh 5 -vv 5"},
+            &o);
     assert_within("from the side", o.pixels[0][0], 0, 0);
 }
 
 /* ---- Illums ---------------------------------------------------------------------------------- */
 
-/* To the light it is a light: the same photons, the same sensors, to the last bit. */
+/* An illum lights like a light: equal photons and sensors, to the last bit. */
 static void test_illum_is_light(void **state)
 {
     static const char *const lamps[3] = {LAMP("void light lamp 0 0 3 1e4 1e4 1e4\n"),
@@ -412,7 +414,7 @@ static void test_illum_is_light(void **state)
     struct outcome o[3];
     (void)state;
     for (int k = 0; k < 3; k++)
-        run((struct scene_run){.scene = lamps[k], .sensors = under, .n_sensors = UNDER}, &o[k]);
+        run_job((struct scene_run){.scene = lamps[k], .sensors = under, .n_sensors = UNDER}, &o[k]);
     for (int k = 1; k < 3; k++) {
         assert_true(o[k].global_w == o[0].global_w);
         for (int i = 0; i < UNDER; i++)
@@ -421,7 +423,7 @@ static void test_illum_is_light(void **state)
     assert_true(o[0].w[0] > 0);
 }
 
-/* To a view it is what it stands for: here a glow of radiance 5 is behind it. */
+/* A view shows the surface that an illum represents: here a glow of radiance 5 is behind it. */
 static void test_illum_seen(void **state)
 {
     static const struct {
@@ -442,14 +444,14 @@ static void test_illum_seen(void **state)
                  "lamp polygon p 0 0 12 -1 1 -1 1 1 -1 1 1 1 -1 1 1\n"
                  "back polygon q 0 0 12 -9 2 -9 9 2 -9 9 2 9 -9 2 9\n",
                  cases[k].lamp);
-        run((struct scene_run){.scene = scene, .view = "-vtv -vp 0 0 0 -vh 5 -vv 5"}, &o);
+        run_job((struct scene_run){.scene = scene, .view = "-vtv -vp 0 0 0 -vh 5 -vv 5"}, &o);
         for (int i = 0; i < SIDE * SIDE; i++)
             assert_within("pixel", o.pixels[i][2], cases[k].seen, 0.005 * cases[k].seen);
     }
 }
 
-/* Glow of a negative radius is seen and lights nothing. Of 32768 rays in four groups 950 meet it,
- * with a scatter of less than 1 / sqrt 950 = 3 %, a third of it for being even. */
+/* A glow of negative radius is visible and lights nothing. Of 32768 rays in four batches 950 hit
+ * it, with a scatter of less than 1 / sqrt 950 = 3 %, a third of it by stratification. */
 static void test_glow_radius(void **state)
 {
     static const double radius[3] = {0, 1, -1};
@@ -461,12 +463,12 @@ static void test_glow_radius(void **state)
                  DARK WALLS SOUTH CEILING "void glow lamp 0 0 4 100 100 100 %g\n"
                                           "lamp ring disc 0 0 8 2 2.5 2.9 0 0 -1 0 .5\n",
                  radius[k]);
-        run((struct scene_run){.scene = scene,
-                               .sensors = under,
-                               .n_sensors = 1,
-                               .samples = 32768,
-                               .view = "-vtv -vp 2 2.5 1 -vd 0 0 1 -vu 0 1 0 -vh 5 -vv 5"},
-            &o);
+        run_job((struct scene_run){.scene = scene,
+                                   .sensors = under,
+                                   .n_sensors = 1,
+                                   .samples = 32768,
+                                   .view = "-vtv -vp 2 2.5 1 -vd 0 0 1 -vu 0 1 0 -vh 5 -vv 5"},
+                &o);
         const double expected = k < 2 ? 100 * ORL_PI * .25 / (2.9 * 2.9 + .25) : 0;
         assert_within("sensor", o.w[0], expected, 0.03 * expected);
         assert_within("pixel", o.pixels[9][0], 100, 0.5);
@@ -474,9 +476,9 @@ static void test_glow_radius(void **state)
 }
 
 /*
- * A ball of glow of 2 cm, which one ray of 40 000 meets: aimed at, for its radius is above 0. As
- * many rays and shadow rays come to the closed form, 1e-3 for the shadow rays' scatter over it;
- * to a view of rough metal, which no ray of its lobe would find, as bright as a light.
+ * A glow ball of 2 cm, which one ray of 40 000 hits, is sampled as a light, because its radius is
+ * above 0. Rays and shadow rays agree with the closed form, 1e-3 for the shadow rays' scatter over
+ * it; a view of rough metal, whose lobe rays never hit it, is as bright as with a light.
  */
 static void test_small_glow(void **state)
 {
@@ -493,11 +495,11 @@ static void test_small_glow(void **state)
                  "rough polygon p 0 0 12 0 1 .01 4 1 .01 4 2.4 .01 0 2.4 .01\n"
                  "%slamp sphere ball 0 0 4 2.5 2.5 2 .02\n",
                  lamps[k]);
-        run((struct scene_run){.scene = scene,
-                               .sensors = under,
-                               .n_sensors = 1,
-                               .view = "-vtv -vp 2 .5 1 -vd 0 1 -.6 -vh 5 -vv 5"},
-            &o[k]);
+        run_job((struct scene_run){.scene = scene,
+                                   .sensors = under,
+                                   .n_sensors = 1,
+                                   .view = "-vtv -vp 2 .5 1 -vd 0 1 -.6 -vh 5 -vv 5"},
+                &o[k]);
         assert_within("sensor", o[k].w[0], expected, 1e-3 * expected);
     }
     for (int i = 0; i < SIDE * SIDE; i++)
@@ -505,9 +507,9 @@ static void test_small_glow(void **state)
 }
 
 /*
- * A lamp outside, a metre square and four metres off, seen straight through a pane that is not
- * there (index 1): by shadow rays or by rays that meet it, not by both. Parallel rectangle over a
- * point on its axis; 4096 rays and 128 shadow rays are good to 1 % of so smooth a lamp.
+ * A lamp outside, a square metre at four metres, seen through an invisible pane (index 1): counted
+ * by shadow rays or by rays that hit it, not by both. Parallel rectangle over a point on its axis;
+ * 4096 rays and 128 shadow rays have an error of 1 % for so smooth a lamp.
  */
 static void test_lamp_outside(void **state)
 {
@@ -516,7 +518,7 @@ static void test_lamp_outside(void **state)
     static const double distances[2] = {4, 1.5};
     struct outcome o;
     (void)state;
-    run(
+    run_job(
         (struct scene_run){
             .scene = DARK WALLS CEILING
             "void glass p 0 0 4 1 1 1 1\np polygon pane 0 0 12 0 0 0 0 0 3 4 0 3 4 0 0\n"
@@ -533,9 +535,9 @@ static void test_lamp_outside(void **state)
 }
 
 /*
- * A closed sphere of an exporter's white: 0.999 of its light is returned, E = E0 / (1 - 0.999), and
- * the job ends. The lamp takes 1e-6 a reflection. Each of some 2000 flights leaves a thousand
- * photons, the number of which is geometric: 2.2 %. Of 8192 paths, 1.1 %.
+ * A closed sphere of an exporter's white: 0.999 of its light is reflected, E = E0 / (1 - 0.999),
+ * and the job ends. The lamp absorbs 1e-6 per reflection. Each of some 2000 emitted photons is
+ * stored a thousand times, a geometric number: 2.2 %. For 8192 paths, 1.1 %.
  */
 static void test_white_sphere(void **state)
 {

@@ -1,6 +1,6 @@
 /*
- * Caustics at sensors in mid-air, where no photon lands, by every technique of photon maps: the sun
- * through two panes that scatter, after two mirrors, off rough metal, and lamps in mirrors. Against
+ * Caustics at free sensors, where no photon lands, by every photon map technique: the sun through
+ * two scattering panes, after two mirrors, off rough metal, and lamps in mirrors. Compared with
  * closed forms, integrals over panes, and the backward technique. Seeds are fixed.
  */
 #include <setjmp.h>
@@ -21,10 +21,11 @@ static const enum orl_technique techniques[] = {ORL_TECHNIQUE_GATHER, ORL_TECHNI
                                                 ORL_TECHNIQUE_PRECOMPUTED};
 enum { TECHNIQUES = 3 };
 
-/* What walls of a thousandth send back takes many photons to find, and is nothing. */
+/* Skips interreflection: that of walls of a thousandth takes many photons to find, and is
+ * negligible. */
 static const enum orl_wish dark[ORL_EFFECT_COUNT] = {[ORL_EFFECT_INTERREFLECTION] = ORL_WISH_SKIP};
 
-/* On a plane that faces the sun. */
+/* Irradiance of a plane that faces the sun. */
 static double sun_w(void)
 {
     const double half = 0.5 * 0.533 * ORL_DEG_TO_RAD;
@@ -32,8 +33,8 @@ static double sun_w(void)
 }
 
 /*
- * Within four standard errors, whose estimates are of sixteen batches or fewer groups, and the bias
- * that it says itself; and these are to be small.
+ * Asserts within four standard errors, whose estimates are of at most sixteen batches, plus the
+ * stated bias; both must be small.
  */
 static void assert_near(const struct orl_result *result, size_t sensor, double watts, double most)
 {
@@ -46,7 +47,7 @@ static void assert_near(const struct orl_result *result, size_t sensor, double w
 
 /* ---- Two panes ------------------------------------------------------------------------------- */
 
-/* One in the south wall, the other a tenth of a metre behind it, each evenly scattering. */
+/* One pane in the south wall, the other a tenth of a metre behind it, each scattering uniformly. */
 #define PANES                                                                                      \
     LIGHT "l source sun 0 0 4 0 -1 1 .533\n" DARK                                                  \
           "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"                                       \
@@ -67,7 +68,7 @@ static struct orl_vec3 on_pane(int side, int i, double y)
     return orl_v3(1 + 2 * (i % side + 0.5) / side, y, 1 + 1.5 * (i / side + 0.5) / side);
 }
 
-/* What a pane's place of exitance 1 / (f area) brings to a plane. */
+/* Returns the irradiance at a plane from a point of a pane with exitance 1 / (f area). */
 static double brings(struct orl_vec3 from, struct orl_vec3 to, struct orl_vec3 normal)
 {
     const struct orl_vec3 way = orl_sub(from, to);
@@ -75,7 +76,7 @@ static double brings(struct orl_vec3 from, struct orl_vec3 to, struct orl_vec3 n
     return fmax(orl_dot(way, normal), 0) * fabs(way.y) / (d2 * d2);
 }
 
-/* Whether the way from the outer pane goes past the inner one. */
+/* Returns true if the path from the outer pane passes beside the inner one. */
 static bool goes_past(struct orl_vec3 from, struct orl_vec3 to)
 {
     const double t = (0.1 - from.y) / (to.y - from.y);
@@ -104,7 +105,7 @@ static double through_panes(const struct orl_sensor *sensor)
     return sum;
 }
 
-/* The last one lies on the floor: photons land there. */
+/* The last sensor is on the floor, where photons land. */
 static void two_panes_scatter_one_after_the_other(void **state)
 {
     static const struct orl_sensor sensors[] = {{{2, 1, 0.8}, {0, 0, 1}},
@@ -135,7 +136,7 @@ static void two_panes_scatter_one_after_the_other(void **state)
 
 /* ---- Two mirrors ----------------------------------------------------------------------------- */
 
-/* A mirrored shaft of a metre by a metre, two high, open above, over a room that is dark. */
+/* A mirrored shaft of a metre by a metre, two high, open above, over a dark room. */
 #define SHAFT                                                                                      \
     LIGHT "l source sun 0 0 4 0 -1 1.2 .533\n" DARK "void mirror m 0 0 3 .9 .9 .9\n"               \
           "w polygon floor 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"                                       \
@@ -151,8 +152,8 @@ static void two_panes_scatter_one_after_the_other(void **state)
           "m polygon t 0 0 12 1.5 1.5 3 1.5 2.5 3 1.5 2.5 5 1.5 1.5 5\n"
 
 /*
- * The sun goes a metre aside for 1.2 down: by one mirror onto 1.083 < y < 1.417 half a metre below
- * the ceiling, by two onto 3.333 < y < 4 on the desk, and on the floor past its edge.
+ * The sun moves a metre sideways per 1.2 down: by one mirror onto 1.083 < y < 1.417 half a metre
+ * below the ceiling, by two onto 3.333 < y < 4 on the desk, and on the floor past its edge.
  */
 static void the_sun_comes_down_a_shaft(void **state)
 {
@@ -177,8 +178,8 @@ static void the_sun_comes_down_a_shaft(void **state)
 
 /* ---- On a surface with few photons ----------------------------------------------------------- */
 
-/* A strip of mirror a tenth of a metre wide throws the sun onto the floor, where a disc of photons
- * is wider than its light; straight, or by a mirror far off, when the strip's back shades it. */
+/* A mirror strip a tenth of a metre wide reflects the sun onto the floor, where a disc of photons
+ * is wider than its light; directly, or by a distant mirror when the strip's back shades it. */
 #define STRIP                                                                                      \
     DARK "w polygon floor 0 0 12 -5 -5 0 5 -5 0 5 5 0 -5 5 0\n"                                    \
          "void mirror m 0 0 3 .9 .9 .9\n"                                                          \
@@ -206,7 +207,7 @@ static void a_narrow_gleam_on_a_floor_is_caught(void **state)
 
 /* ---- Lamps ----------------------------------------------------------------------------------- */
 
-/* A lamp of a tenth of a square metre, and a mirror at x = 2 in which it stands at x = 4. */
+/* A lamp of a tenth of a square metre, and a mirror at x = 2 in which it appears at x = 4. */
 static void a_lamp_is_seen_in_a_mirror(void **state)
 {
     enum { SIDE = 100 };
@@ -225,7 +226,7 @@ static void a_lamp_is_seen_in_a_mirror(void **state)
         const double d2 = orl_dot(way, way);
         form += way.x * way.z / (d2 * d2) * 0.1 / (SIDE * SIDE);
     }
-    /* Straight it is behind the sensor. The number is the same by any crew. */
+    /* The lamp itself is behind the sensor. The value is equal for any crew. */
     double lx[2];
     for (uint32_t i = 0; i < 2; i++) {
         struct orl_result result = scene_run(&(struct scene_run){.scene = scene,
@@ -278,11 +279,11 @@ static void the_sun_glances_off_rough_metal(void **state)
 }
 
 /*
- * Of few photons each run is a matter of chance, but not all of them are low: of widths that are
- * read the one that has caught least must not be taken for the surest. Seeds scatter by 9 % each,
- * and a wide disc blurs a lobe by some per cent; when widths were chosen by their own scatter the
- * mean was 21 % low, and 9 of 24 intervals held. Of intervals that hold in 88 of 100 cases 17 or
- * more of 24 do in 99.8 of 100 runs, and as often 7 or more of 12, as the short form has.
+ * With few photons each run is noisy, but not all may be low: among the estimate's widths the one
+ * with the least light must not count as the most certain. Seeds scatter by 9 % each, and a wide
+ * disc blurs a lobe by some per cent. When widths were chosen by their own scatter the mean was 21
+ * % low, and 9 of 24 intervals held. With a coverage of 88 % 17 or more of 24 hold in 99.8 of 100
+ * runs, and as often 7 or more of 12, as in the short form.
  */
 static void few_photons_are_not_read_low(void **state)
 {
@@ -330,7 +331,8 @@ static void few_photons_are_not_read_low(void **state)
 
 /* ---- Outside --------------------------------------------------------------------------------- */
 
-/* A canopy beside a sealed room: what it scatters is found by rays, and not once more. */
+/* A canopy beside a sealed room: rays find the light that it scatters, and photons do not count it
+ * again. */
 static void a_canopy_outside_counts_once(void **state)
 {
     enum { SIDE = 200 };
@@ -366,9 +368,9 @@ static void a_canopy_outside_counts_once(void **state)
     orl_result_done(&result);
 }
 
-/* ---- How long ------------------------------------------------------------------------------- */
+/* ---- Cost ------------------------------------------------------------------------------------ */
 
-/* A ball of glass in the sun: just behind it all of that is felt, up in a corner nothing. */
+/* A ball of glass in the sun: its light matters just behind it, and not in an upper corner. */
 static double rays_of(const struct orl_sensor *sensor, bool bounded)
 {
     static const char scene[] = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE

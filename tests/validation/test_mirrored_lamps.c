@@ -1,7 +1,7 @@
 /*
- * Lamps that a sensor sees in a flat mirror alone, against closed forms: a sphere, a ring, a
+ * Lamps that a sensor sees only in a flat mirror, compared with closed forms: a sphere, a ring, a
  * spotlight with a focus, a narrow one, a glow, and a sphere seen through a pane. All else is
- * black, so that what the sensor gets is the light of the virtual lamp (light/lamp_images.h).
+ * black, so that the sensor's only light is that of the virtual lamp (light/lamp_images.h).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,7 +18,7 @@
 #define MIRROR                                                                                     \
     "void mirror m 0 0 3 .8 .8 .8\n"                                                               \
     "m polygon wall 0 0 12 2 -3 0 2 -3 3 2 3 3 2 3 0\n"
-/* In the way from the sensor to the mirror, and in no other. */
+/* A pane between the sensor and the mirror only. */
 #define PANE                                                                                       \
     "void glass g 0 0 3 .9 .9 .9\n"                                                                \
     "g polygon pane 0 0 12 .5 -.2 .8 .5 .2 .8 .5 .2 1.2 .5 -.2 1.2\n"
@@ -28,9 +28,9 @@
 static const struct orl_sensor sensor = {{0, 0, 1}, {1, 0, 0}};
 static const double ahead = 4.5, distance2 = 4.5 * 4.5 + 1 + 0.04, mirrored = 0.8;
 
-/* Photons bring nothing here, and rays of no technique have to meet the lamp by chance: what is
- * left is the scatter of the solid angle between points of the lamp, 1e-3 at most. */
-static void check(void **state, const char *scene, double irradiance)
+/* Photons contribute nothing here, and no technique needs random hits on the lamp: the remaining
+ * error is the scatter of the solid angle between points of the lamp, 1e-3 at most. */
+static void check_irradiance(void **state, const char *scene, double irradiance)
 {
     double lx;
     scene_run_lx(&(struct scene_run){.scene = scene,
@@ -59,43 +59,45 @@ static double of_ring(double radius)
 
 static void test_sphere(void **state)
 {
-    check(state, MIRROR "void light l 0 0 3 1e4 1e4 1e4\nl sphere lamp 0 0 4 " LAMP_AT " .1\n",
-          of_sphere(0.1));
+    check_irradiance(state,
+                     MIRROR "void light l 0 0 3 1e4 1e4 1e4\nl sphere lamp 0 0 4 " LAMP_AT " .1\n",
+                     of_sphere(0.1));
 }
 
 static void test_glow(void **state)
 {
-    check(state, MIRROR "void glow l 0 0 4 1e4 1e4 1e4 0\nl sphere lamp 0 0 4 " LAMP_AT " .1\n",
-          of_sphere(0.1));
+    check_irradiance(state,
+                     MIRROR "void glow l 0 0 4 1e4 1e4 1e4 0\nl sphere lamp 0 0 4 " LAMP_AT " .1\n",
+                     of_sphere(0.1));
 }
 
 static void test_ring(void **state)
 {
-    check(state,
-          MIRROR "void light l 0 0 3 1e4 1e4 1e4\nl ring lamp 0 0 8 " LAMP_AT " 1 0 0 0 .05\n",
-          of_ring(0.05));
+    check_irradiance(
+        state, MIRROR "void light l 0 0 3 1e4 1e4 1e4\nl ring lamp 0 0 8 " LAMP_AT " 1 0 0 0 .05\n",
+        of_ring(0.05));
 }
 
-/* Its focus widens the beam by the whole way, past the mirror: (d / (d + f))^2. */
+/* The focus widens the beam over the whole path, past the mirror: (d / (d + f))^2. */
 static void test_spotlight(void **state)
 {
     const double d = sqrt(distance2), spread = d / (d + 2);
-    check(state,
-          MIRROR "void spotlight l 0 0 7 1e4 1e4 1e4 60 2 0 0\n"
-                 "l ring lamp 0 0 8 " LAMP_AT " 1 0 0 0 .05\n",
-          of_ring(0.05) * spread * spread);
+    check_irradiance(state,
+                     MIRROR "void spotlight l 0 0 7 1e4 1e4 1e4 60 2 0 0\n"
+                            "l ring lamp 0 0 8 " LAMP_AT " 1 0 0 0 .05\n",
+                     of_ring(0.05) * spread * spread);
 }
 
-/* A beam of 1.5 degrees down onto a mirror that turns it to the sensor, 3 m and 1.9 m away. */
+/* A beam of 1.5 degrees down onto a mirror that reflects it to the sensor, over 3 m and 1.9 m. */
 static void test_narrow_beam(void **state)
 {
     const double d = 3 + 1.9, spread = d / (d + 1e-3);
-    check(state,
-          "void mirror m 0 0 3 .8 .8 .8\n"
-          "m polygon tilted 0 0 12 1.8 -.1 .9 2 -.1 1.1 2 .1 1.1 1.8 .1 .9\n"
-          "void spotlight l 0 0 7 1e4 1e4 1e4 1.5 0 0 -.001\n"
-          "l ring lamp 0 0 8 1.9 0 4 0 0 -1 0 .02\n",
-          mirrored * 1e4 * ORL_PI * 0.02 * 0.02 / (d * d) * spread * spread);
+    check_irradiance(state,
+                     "void mirror m 0 0 3 .8 .8 .8\n"
+                     "m polygon tilted 0 0 12 1.8 -.1 .9 2 -.1 1.1 2 .1 1.1 1.8 .1 .9\n"
+                     "void spotlight l 0 0 7 1e4 1e4 1e4 1.5 0 0 -.001\n"
+                     "l ring lamp 0 0 8 1.9 0 4 0 0 -1 0 .02\n",
+                     mirrored * 1e4 * ORL_PI * 0.02 * 0.02 / (d * d) * spread * spread);
 }
 
 static void test_through_pane(void **state)
@@ -107,7 +109,7 @@ static void test_through_pane(void **state)
     const struct orl_material *glass = &d.materials[d.surfaces[0].material];
     const double t = orl_glass_transmittance(glass, &anywhere, ahead / sqrt(distance2)).g;
     orl_description_done(&d);
-    check(state, scene, of_sphere(0.1) * t);
+    check_irradiance(state, scene, of_sphere(0.1) * t);
 }
 
 /* 150 spheres in a plane: more pairs than the 64 that are always kept. */
@@ -124,12 +126,12 @@ static void test_many_lamps(void **state)
                        "l sphere l%d 0 0 4 -.5 %.9g %.9g .02\n", i, y, z);
         irradiance += mirrored * ORL_PI * 1e4 * 0.02 * 0.02 / d2 * ahead / sqrt(d2);
     }
-    check(state, scene, irradiance);
+    check_irradiance(state, scene, irradiance);
 }
 
 /*
- * Between two mirrors that face each other the lamp has images without end: those ahead stand at
- * 4.5, 7.5, 12.5, 15.5, ..., one reflection more each. Only the first is a virtual lamp.
+ * Between two facing mirrors the lamp has infinitely many images: those ahead are
+ * at 4.5, 7.5, 12.5, 15.5, ..., one reflection more each. Only the first is a virtual lamp.
  */
 static const char facing[] = MIRROR "m polygon other 0 0 12 -2 -3 0 -2 3 0 -2 3 3 -2 -3 3\n"
                                     "void light l 0 0 3 1e4 1e4 1e4\n"
@@ -158,7 +160,7 @@ static struct orl_result run_facing_mirrors(enum orl_technique technique)
                                          .caustic = 100000});
 }
 
-/* Photons find what virtual lamps leave out, a third of the light here. */
+/* Photons find the light that virtual lamps leave out, a third of the light here. */
 static void test_facing_mirrors(void **state)
 {
     struct orl_result r = run_facing_mirrors(ORL_TECHNIQUE_AUTO);
@@ -173,7 +175,7 @@ static void test_facing_mirrors(void **state)
     orl_result_done(&r);
 }
 
-/* By paths alone the interval is widened, and the sensor is unreliable. */
+/* With paths only the interval is widened, and the sensor is unreliable. */
 static void test_facing_mirrors_by_paths(void **state)
 {
     struct orl_result r = run_facing_mirrors(ORL_TECHNIQUE_BACKWARD);

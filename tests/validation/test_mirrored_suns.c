@@ -1,10 +1,10 @@
 /*
- * The sun by way of several flat mirrors, against closed forms: what shadow rays to its images find
- * (light/images.h), and what photons bring to a surface.
+ * The sun by way of several flat mirrors, compared with closed forms: shadow rays to its images
+ * (light/images.h), and photons on a surface.
  *
- * A shaft of 0.6 x 0.6 x 2 m, four mirrors of 0.95, over a dark room; a sun whose light falls (0,
- * .6, -.8) comes down it after two reflections or three: those that enter in the half nearer the
- * sun fly on northwards, the others to the south. The shaft is open above, or has a pane.
+ * A shaft of 0.6 x 0.6 x 2 m, four mirrors of 0.95, over a dark room. Sunlight along (0, .6, -.8)
+ * passes it with two reflections or three: rays that enter in the half nearer the sun leave
+ * northwards, the others to the south. The shaft is open above, or has a pane.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -41,7 +41,7 @@ static const struct orl_hit anywhere = {.normal = {0, 0, 1}, .front = true};
     "void glass g 0 0 3 .96 .96 .96\n"                                                             \
     "g polygon top 0 0 12 -.3 -.3 2 .3 -.3 2 .3 .3 2 -.3 .3 2\n"
 
-/* In the middle of a beam, in mid-air and on the northern wall, and where none comes to. */
+/* In the middle of a beam, free and on the northern wall, and where there is no sun. */
 enum { SENSORS = 4, IN_AIR = 3 };
 static const struct orl_sensor sensors[SENSORS] = {
     {{0, 1.15, -1.33}, {0, 0, 1}},
@@ -71,7 +71,7 @@ static double transmittance_of_pane(void)
     return 0;
 }
 
-static void check(const char *scene, double pane, enum orl_technique technique, int n)
+static void check_shaft(const char *scene, double pane, enum orl_technique technique, int n)
 {
     struct orl_result r = scene_run(&(struct scene_run){.scene = scene,
                                                         .sensors = sensors,
@@ -81,7 +81,8 @@ static void check(const char *scene, double pane, enum orl_technique technique, 
                                                         .caustic = 50000});
     for (int i = 0; i < n; i++) {
         const double expected = expected_lx(i, pane), lx = r.illuminance_lx[i];
-        /* What the dark walls send back, at most; and four of its own standard errors. */
+        /* The upper bound of light reflected by the dark walls; and four of its own standard
+         * errors. */
         if (!(r.standard_error_lx[i] < 0.02 * expected_lx(0, pane)) ||
             !(fabs(lx - expected) <= 4 * r.standard_error_lx[i] + 1e-3 * expected_lx(0, pane)))
             fail_msg("technique %d, sensor %d: %g +- %g lx, not %g", (int)technique, i, lx,
@@ -93,22 +94,22 @@ static void check(const char *scene, double pane, enum orl_technique technique, 
 static void down_an_open_shaft(void **state)
 {
     (void)state;
-    check(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_GATHER, IN_AIR);
+    check_shaft(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check_shaft(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_GATHER, IN_AIR);
 }
 
 static void down_a_glazed_shaft(void **state)
 {
     const double pane = transmittance_of_pane();
     (void)state;
-    check(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_GATHER, IN_AIR);
+    check_shaft(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check_shaft(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_GATHER, IN_AIR);
 }
 
 /*
- * Two panes a little askew, as files round them: one class of mirrors, and a sensor that both show
- * the sun to is lit by it twice and not four times. A pane of 0.92 and n 1.52 behind another at 60
- * degrees; both stand free, over nothing.
+ * Two panes slightly misaligned, as files round them: they form one class of mirrors, and a sensor
+ * that sees the sun in both is lit twice and not four times. A pane of 0.92 and n 1.52 behind
+ * another at 60 degrees; both are free, over nothing.
  */
 static void panes_a_little_askew(void **state)
 {
@@ -131,7 +132,7 @@ static void panes_a_little_askew(void **state)
                                          .samples = 64},
                      &lx[i]);
     }
-    /* r + t^2 r / (1 - r^2): by the near pane, by the far one, and to and fro between them. */
+    /* r + t^2 r / (1 - r^2): by the near pane, by the far one, and back and forth between them. */
     struct orl_description d = scene_parse_text(SUN "void glass g 0 0 3 .92 .92 .92\n"
                                                     "g polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n",
                                                 NULL, NULL);
@@ -158,9 +159,9 @@ static void panes_a_little_askew(void **state)
     "g polygon pane 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
 
 /*
- * The tower's pane reflects R of the sun, the window lets T through, both at 0.6: 4.7 klx on a
- * floor that Radiance leaves in the dark. In the patch, and beside it. What falls on the dark
- * surfaces and goes on is a thousandth; four standard errors besides.
+ * The tower's pane reflects R of the sun, the window transmits T, both at 0.6: 4.7 klx on a floor
+ * that is dark in Radiance. Sensors in the patch, and beside it. Light reflected again by the dark
+ * surfaces is a thousandth; four standard errors are added.
  */
 static void a_tower_lights_a_northern_room(void **state)
 {
@@ -197,8 +198,9 @@ static void a_tower_lights_a_northern_room(void **state)
     "d polygon ledge 0 0 12 -.5 -.3 1 .5 -.3 1 .5 0 1 -.5 0 1\n"                                   \
     "d polygon ground 0 0 12 -200 -200 0 200 -200 0 200 200 0 -200 200 0\n"
 
-/* A ledge before the only pane of a wide site, where hardly a photon comes: both suns shine there,
- * on it and as little above it as counts as on it. The dark ground gives a thousandth at most. */
+/* A ledge in front of the only pane of a wide site, where almost no photon lands: both suns shine
+ * there, on it and so little above it that the sensor counts as on it. The dark ground adds a
+ * thousandth at most. */
 static void a_pane_on_a_wide_site(void **state)
 {
     static const struct orl_sensor places[2] = {{{0, -.1, 1}, {0, 0, 1}},

@@ -1,7 +1,7 @@
 /*
- * Mist: a furnace where it absorbs nothing, to sensors and to a view; the sun through a slab, and
- * what a slab of little albedo scatters back once, against their integrals; phase functions; a lamp
- * dimmed on its way; and what does not follow light through mist says so.
+ * Mist: a furnace without absorption, for sensors and for a view; the sun through a slab, and
+ * single backscattering of a slab of low albedo, compared with their integrals; phase functions; a
+ * lamp attenuated by mist; and warnings of techniques that do not follow light through mist.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -49,10 +49,11 @@ static struct orl_estimate_lx {
     return e;
 }
 
-/* ---- Furnaces ---------------------------------------------------------------------------------
+/*
+ * ---- Furnaces ---------------------------------------------------------------------------------
  */
 
-/* Two volumes that overlap, and differ in all; a white plate in them. */
+/* Two overlapping volumes with different parameters; a white plate in them. */
 #define CLOUDS                                                                                     \
     SKY "void mist fog 0 0 7 .5 1 2 1 1 1 .6\nfog sphere f 0 0 4 0 0 0 2\n"                        \
         "void mist haze 0 0 7 .3 .2 .1 1 1 1 -.3\n!genbox haze h 3 3 3 | xform -t -1.5 -1.5 -1\n"  \
@@ -71,7 +72,7 @@ static void test_furnace(void **state)
     }
 }
 
-/* The same for a view from within; and from without through all of it. */
+/* Views see the furnace from within, and from outside through all of it. */
 static void test_view(void **state)
 {
     enum { SIDE = 24 };
@@ -96,10 +97,11 @@ static void test_view(void **state)
     orl_result_done(&result);
 }
 
-/* ---- Closed forms ----------------------------------------------------------------------------
+/*
+ * ---- Closed forms ----------------------------------------------------------------------------
  */
 
-/* Half a metre above the ground, 1.5 m of fog over it, of which each channel has its own. */
+/* Half a metre above the ground, under 1.5 m of fog with separate coefficients for each channel. */
 static void test_sun_through(void **state)
 {
     const struct orl_sensor sensor = {{0, 0, .5}, {0, 0, 1}};
@@ -114,7 +116,8 @@ static void test_sun_through(void **state)
         fail_msg("%g lx, not %g", e.lx, expected);
 }
 
-/* What is scattered once up through the top, of even phase: by exp(-s z (1 / mu0 + 1 / mu)). */
+/* Light scattered once through the top by an isotropic phase function: by exp(-s z (1 / mu0 + 1 /
+ * mu)). */
 static double scattered_back(double extinction, double albedo, double depth)
 {
     enum { STEPS = 20000 };
@@ -126,7 +129,7 @@ static double scattered_back(double extinction, double albedo, double depth)
     return 2 * ORL_PI * sum / STEPS * sun_on_plane();
 }
 
-/* Of an albedo of 1 % what is scattered twice is below 1 % of it. */
+/* With an albedo of 1 %, double scattering is below 1 % of single scattering. */
 static void test_scattered_once(void **state)
 {
     const struct orl_sensor sensor = {{0, 0, 2.001}, {0, 0, -1}};
@@ -138,7 +141,7 @@ static void test_scattered_once(void **state)
         fail_msg("%g +- %g lx, not %g", e.lx, e.error, expected);
 }
 
-/* Draws of directions by their density: cosines in twenty bins, by chi-square. */
+/* Compares sampled directions with their density: cosines in twenty bins, by chi-square. */
 static void test_phase(void **state)
 {
     enum { BINS = 20, DRAWS = 200000, STEPS = 2000 };
@@ -167,7 +170,8 @@ static void test_phase(void **state)
     }
 }
 
-/* ---- The rest --------------------------------------------------------------------------------
+/*
+ * ---- The rest --------------------------------------------------------------------------------
  */
 
 static void test_same_bytes(void **state)

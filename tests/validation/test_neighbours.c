@@ -1,11 +1,11 @@
 /*
- * Light from behind other people's windows, in sealed scenes, where paths go out by one window and
- * in by another; against a closed form, and against the same scene with a slit in it, which is
- * open and so is computed another way.
+ * Light from behind the windows of other buildings, in sealed scenes, where paths leave by one
+ * window and enter by another. Compared with a closed form, and with the same scene with an open
+ * slit, which is computed in another way.
  *
- * A facade of glass stands two millimetres before a wall of a half, and the sky is even all round.
- * Between the two light goes to and fro: the wall's radiosity is rho T E / (1 - rho R), T and R the
- * pane's for diffuse light, E the sky's.
+ * A glass facade is two millimetres in front of a wall of reflectance a half, under a uniform sky
+ * all around. With interreflection between the two, the wall's radiosity is rho T E / (1 - rho R),
+ * T and R the pane's for diffuse light, E the sky's.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -37,7 +37,7 @@ static const struct orl_hit anywhere = {.normal = {0, 0, 1}, .front = true};
     "w polygon e 0 0 12 2 0 0 2 -4 0 2 -4 3 2 0 3\n"                                               \
     "w polygon s 0 0 12 -2 -4 0 -2 -4 3 2 -4 3 2 -4 0\n"
 
-/* Of all that falls on a pane evenly from one side. */
+/* Returns the hemispherical mean for uniform light on one side of a pane. */
 static double diffuse(const struct orl_material *glass,
                       struct orl_rgb (*share)(const struct orl_material *, const struct orl_hit *,
                                               double))
@@ -49,7 +49,8 @@ static double diffuse(const struct orl_material *glass,
     return sum;
 }
 
-/* A sensor at (0, 3, 1) that faces the facade: the sky, but for what the facade shows instead. */
+/* A sensor at (0, 3, 1) that faces the facade: the sky, and the facade's light in place of the sky
+ * that it hides. */
 static double before_the_facade(void)
 {
     enum { SIDE = 600 };
@@ -70,8 +71,8 @@ static double before_the_facade(void)
     return ORL_EFFICACY_LM_PER_W * sum;
 }
 
-static struct orl_result run(const char *scene, const struct orl_sensor *sensor,
-                             enum orl_technique technique)
+static struct orl_result run_scene(const char *scene, const struct orl_sensor *sensor,
+                                   enum orl_technique technique)
 {
     return scene_run(&(struct scene_run){.scene = scene,
                                          .sensors = sensor,
@@ -81,7 +82,7 @@ static struct orl_result run(const char *scene, const struct orl_sensor *sensor,
                                          .global = 100000});
 }
 
-/* Four of its own standard errors; and what the slit's edges lose, a thousandth. */
+/* Four of its own standard errors, and the loss at the slit's edges, a thousandth. */
 static void sees_the_wall_behind(void **state)
 {
     static const struct orl_sensor sensor = {{0, 3, 1}, {0, 1, 0}};
@@ -89,7 +90,7 @@ static void sees_the_wall_behind(void **state)
     const double expected = before_the_facade();
     (void)state;
     for (int i = 0; i < 2; i++) {
-        struct orl_result r = run(SKY FACADE ABOVE, &sensor, techniques[i]);
+        struct orl_result r = run_scene(SKY FACADE ABOVE, &sensor, techniques[i]);
         const double lx = r.illuminance_lx[0], error = r.standard_error_lx[0];
         if (!(error < 0.01 * expected) || !(fabs(lx - expected) < 4 * error + 1e-3 * expected))
             fail_msg("technique %d: %g +- %g lx, not %g", i, lx, error, expected);
@@ -97,15 +98,15 @@ static void sees_the_wall_behind(void **state)
     }
 }
 
-/* From within a room, by window and facade: sealed or open, it is the same light. */
+/* From within a room, through window and facade: sealed or open, the light is equal. */
 static void a_slit_changes_nothing(void **state)
 {
     static const struct orl_sensor sensor = {{0, -1, 1.2}, {0, 1, 0}};
     static const enum orl_technique techniques[2] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
     (void)state;
     for (int i = 0; i < 2; i++) {
-        struct orl_result sealed = run(SKY FACADE ABOVE ROOM, &sensor, techniques[i]);
-        struct orl_result open = run(SKY FACADE ROOM, &sensor, techniques[i]);
+        struct orl_result sealed = run_scene(SKY FACADE ABOVE ROOM, &sensor, techniques[i]);
+        struct orl_result open = run_scene(SKY FACADE ROOM, &sensor, techniques[i]);
         const double a = sealed.illuminance_lx[0], b = open.illuminance_lx[0];
         const double error = hypot(sealed.standard_error_lx[0], open.standard_error_lx[0]);
         if (!(error < 0.01 * a) || !(fabs(a - b) < 4 * error + 1e-3 * a))
@@ -125,8 +126,7 @@ static void a_slit_changes_nothing(void **state)
     "g polygon near 0 0 12 -1 0 -1 1 0 -1 1 0 1.5 -1 0 1.5\n"                                      \
     "w polygon far 0 0 12 40 -40 -9 41 -40 -9 41 -40 -8 40 -40 -8\n"
 
-/* A sunlit wall that a sensor 6.71 m away sees through two panes; no image of the sun comes to it.
- */
+/* A sunlit wall seen from 6.71 m away through two panes; no virtual sun reaches the sensor. */
 static double through_two_panes(void)
 {
     enum { SIDE = 400 };
@@ -147,13 +147,13 @@ static double through_two_panes(void)
     return ORL_EFFICACY_LM_PER_W * sum;
 }
 
-/* Rays to lamps that lie close to their surface leave every pane a little further on: they are not
- * to end behind the lamps. Four standard errors, and what slips by the edges of the slit. */
+/* Rays to virtual lamps close to their surface restart a little behind every pane: they must not
+ * end behind the lamps. Four standard errors, and the light through the edges of the slit. */
 static void lamps_shine_through_panes(void **state)
 {
     static const struct orl_sensor sensor = {{0, -0.7, 1}, {0, 1, 0}};
     const double expected = through_two_panes();
-    struct orl_result r = run(SUN DIM_WALL, &sensor, ORL_TECHNIQUE_BACKWARD);
+    struct orl_result r = run_scene(SUN DIM_WALL, &sensor, ORL_TECHNIQUE_BACKWARD);
     const double lx = r.illuminance_lx[0], error = r.standard_error_lx[0];
     (void)state;
     if (!(error < 0.01 * expected) || !(fabs(lx - expected) < 4 * error + 3e-3 * expected))

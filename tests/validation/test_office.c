@@ -1,10 +1,10 @@
 /*
- * The paper's office with plain glass, the example as it is shipped, against illuminances computed
- * once by long runs of an unbiased method (tests/fixtures/office_glass.csv, by the number of the
- * sensor in sensors.txt; all 57 are known to better than 1 %).
+ * The paper's office with plain glass, the shipped example, compared with illuminances of long runs
+ * of an unbiased method (tests/fixtures/office_glass.csv, by the number of the sensor in
+ * sensors.txt; all 57 are known to better than 1 %).
  *
- * At 300 000 photons of each kind, over seeds 1 to 6, the root mean square of relative errors was
- * 1.2 to 1.5 %, their mean -0.5 to 0.0 %. The bounds are those that a job has to keep.
+ * At 300 000 photons of each kind, over seeds 1 to 6, the root mean square of relative errors
+ * was 1.2 to 1.5 %, their mean -0.5 to 0.0 %. The bounds are those that a job must meet.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,15 +1,15 @@
 /*
- * The example's office, with plain glass, moved as a whole, sky and sun and all: turned by 37
- * degrees, shifted by 100 km, made a thousand times smaller and larger. Illuminances stay.
+ * The example's office with plain glass, moved as a whole with sky and sun: rotated by 37 degrees,
+ * shifted by 100 km, made a thousand times smaller and larger. Illuminances do not change.
  *
- * What is to be seen depends on the move. Scaled by a power of two every number of the scene keeps
- * its digits: then results are equal to the last bit, which shows that no length in the program is
- * absolute. A shift is taken off before anything is rounded to floats: equal, but for the last
- * digits. Scaled by 1000, coordinates are rounded anew, and a few photons go other ways. Turned,
- * every draw is another one: then only means over seeds can agree, within 0.2 % and three standard
- * errors of the difference, which are found from the seeds themselves.
+ * The expected equality depends on the move. Scaled by a power of two every number of the scene
+ * keeps its digits: results are equal to the last bit, so no length in the program is absolute. A
+ * shift is subtracted before anything is rounded to floats: equal, except for the last digits.
+ * Scaled by 1000, coordinates are rounded anew, and a few photons take other paths. After a
+ * rotation every sample differs: only means over seeds agree, within 0.2 % and three standard
+ * errors of the difference, estimated from the seeds.
  *
- * Over twelve seeds with 2 million photons of each kind the turned office was +0.06 +- 0.07 % off
+ * Over twelve seeds with 2 million photons of each kind the rotated office was +0.06 +- 0.07 % off
  * with glass and +0.08 +- 0.07 % with the laser cut panel, means of 57 sensors; scaled ones +0.005
  * +- 0.004 % and +0.004 +- 0.014 %, single sensors 0.17 % rms; shifted ones 0.000 %.
  */
@@ -61,8 +61,8 @@ static void read_sensors(const struct move *m, struct orl_sensor *sensors)
     assert_int_equal(n, SENSORS);
 }
 
-/* One run of the moved office. The provider's folder is the example's, where names are found that
- * are not beside the file that moves them. */
+/* Runs the moved office once. The provider's folder is the example's, which resolves names that are
+ * not beside the file that moves them. */
 static void run_moved(const struct move *m, uint64_t seed, double lx[SENSORS])
 {
     struct orl_sensor sensors[SENSORS];
@@ -92,7 +92,7 @@ static void run_moved(const struct move *m, uint64_t seed, double lx[SENSORS])
 
 static const struct move at_home = {"as it is", 1, 0, {0, 0, 0}};
 
-/* The state of all tests: the office at home, by seed. */
+/* State of all tests: results of the office in place, by seed. */
 static int make_base(void **state)
 {
     static double base[SEEDS][SENSORS];
@@ -102,12 +102,12 @@ static int make_base(void **state)
     return 0;
 }
 
-/* Of relative differences to the base with the same seed. */
+/* Relative differences from the office in place with the same seed. */
 struct difference {
     double mean, rms, worst;
 };
 
-static struct difference compare(const double lx[SENSORS], const double reference[SENSORS])
+static struct difference compare_office(const double lx[SENSORS], const double reference[SENSORS])
 {
     struct difference d = {0, 0, 0};
     for (int i = 0; i < SENSORS; i++) {
@@ -132,7 +132,7 @@ static void test_scaled_by_powers_of_two(void **state)
     }
 }
 
-/* A digit is lost where 100 km are added: 1e-11 m. */
+/* Adding 100 km loses a digit: 1e-11 m. */
 static void test_shifted(void **state)
 {
     double(*const base)[SENSORS] = *state;
@@ -140,13 +140,13 @@ static void test_shifted(void **state)
     struct references set = {.name = "the office moved", .tolerance = 1e-4};
     double lx[SENSORS];
     run_moved(&move, 1, lx);
-    const struct difference d = compare(lx, base[0]);
+    const struct difference d = compare_office(lx, base[0]);
     reference_row(&set, "100 km away: mean", 1, 1 + d.mean);
     reference_row(&set, "100 km away: the most changed of 57", 1, 1 + d.worst);
     references_end(&set);
 }
 
-/* The same draws, but for those on an edge. In the quick form a photon counts for 20. */
+/* Equal samples, except for photons at an edge. In the quick form a photon counts for 20. */
 static void test_scaled_by_thousand(void **state)
 {
     double(*const base)[SENSORS] = *state;
@@ -157,7 +157,7 @@ static void test_scaled_by_thousand(void **state)
     char what[64];
     for (int i = 0; i < 2; i++) {
         run_moved(&moves[i], 1, lx);
-        const struct difference d = compare(lx, base[0]);
+        const struct difference d = compare_office(lx, base[0]);
         snprintf(what, sizeof what, "%s: mean", moves[i].name);
         reference_row(&set, what, 1, 1 + d.mean);
         snprintf(what, sizeof what, "%s: rms of 57", moves[i].name);
@@ -175,8 +175,8 @@ static void test_turned(void **state)
     for (int s = 0; s < SEEDS; s++) {
         double lx[SENSORS];
         run_moved(&move, (uint64_t)s + 1, lx);
-        const struct difference d = compare(lx, base[s]);
-        const struct difference between = compare(base[s], base[(s + 1) % SEEDS]);
+        const struct difference d = compare_office(lx, base[s]);
+        const struct difference between = compare_office(base[s], base[(s + 1) % SEEDS]);
         means[s] = d.mean;
         mean += d.mean / SEEDS;
         rms += d.rms * d.rms / SEEDS;
@@ -186,7 +186,8 @@ static void test_turned(void **state)
         variance += (means[s] - mean) * (means[s] - mean) / (SEEDS * (SEEDS - 1));
     reference_row_within(&set, "turned by 37 degrees: mean", 1, 1 + mean,
                          set.tolerance + 3 * sqrt(variance));
-    /* Single sensors differ as from seed to seed; so many of them that this is known to 10 %. */
+    /* Single sensors differ as much as between seeds; there are enough of them to measure this to
+     * 10 %. */
     reference_row_within(&set, "turned: rms, seed to seed's for reference", sqrt(noise), sqrt(rms),
                          0.3);
     references_end(&set);

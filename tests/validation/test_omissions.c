@@ -1,6 +1,6 @@
 /*
- * What a plan leaves out and does instead: that clear windows change nothing, that a mirror however
- * small gets its caustic photons and all of their light, and that a skip does what it says.
+ * Omissions and substitutions of the plan: clear windows change nothing, a mirror however small
+ * gets its caustic photons and all of their light, and a skip has the stated effect.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -30,7 +30,7 @@ struct run {
     const char *folder;
 };
 
-static struct orl_result run(const struct run *r)
+static struct orl_result run_job(const struct run *r)
 {
     enum orl_wish wishes[ORL_EFFECT_COUNT] = {ORL_WISH_AUTO};
     wishes[r->effect] = r->wish;
@@ -45,7 +45,8 @@ static struct orl_result run(const struct run *r)
                                          .folder = r->folder});
 }
 
-/* With nothing outside, a ray that leaves need not look: the same light to the bit, by fewer rays.
+/*
+ * With nothing outside, a ray that leaves needs no test: equal light to the bit, with fewer rays.
  */
 static void test_clear_windows(void **state)
 {
@@ -55,9 +56,9 @@ static void test_clear_windows(void **state)
         struct run r = {.text = ROOM_SKY ROOM_SUN ROOM,
                         .technique = techniques[i],
                         .effect = ORL_EFFECT_EXTERIOR};
-        struct orl_result planned = run(&r);
+        struct orl_result planned = run_job(&r);
         r.wish = ORL_WISH_FORCE;
-        struct orl_result forced = run(&r);
+        struct orl_result forced = run_job(&r);
         assert_false(planned.plan.effects[ORL_EFFECT_EXTERIOR].simulated);
         assert_memory_equal(planned.illuminance_lx, forced.illuminance_lx,
                             ROOM_SENSORS * sizeof *forced.illuminance_lx);
@@ -76,7 +77,9 @@ static double sun_w(void)
     return 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
 }
 
-/* All that the coin mirrors lands: 45 degrees through a pane of 0.9 a pass, 0.9 mirrored. */
+/*
+ * All light that the coin mirrors lands: 45 degrees through a pane of 0.9 per pass, 0.9 mirrored.
+ */
 static void test_small_mirror(void **state)
 {
     const double area = ORL_PI * .007 * .007;
@@ -85,16 +88,16 @@ static void test_small_mirror(void **state)
     double squares;
     (void)state;
     cli_make_folder(folder);
-    struct orl_result result = run(&(struct run){.text = ROOM_SKY ROOM_SUN ROOM COIN,
-                                                 .technique = ORL_TECHNIQUE_GATHER,
-                                                 .caustic = 50000,
-                                                 .folder = folder});
+    struct orl_result result = run_job(&(struct run){.text = ROOM_SKY ROOM_SUN ROOM COIN,
+                                                     .technique = ORL_TECHNIQUE_GATHER,
+                                                     .caustic = 50000,
+                                                     .folder = folder});
     const double flux = scene_map_flux(&result, folder, "caustic", &squares);
     assert_true(result.plan.effects[ORL_EFFECT_CAUSTICS_MIRROR].simulated);
     assert_int_equal(result.maps[1].stored >= 50000, 1);
     print_message("caustic photons emitted for each stored: %.1f\n",
                   (double)result.maps[1].emitted / (double)result.maps[1].stored);
-    /* Fluxes differ from cell to cell of the window, by a factor of ten at the rim. */
+    /* Fluxes differ between the window's cells, by a factor of ten at the rim. */
     if (!(fabs(flux - watts) <= 4 * sqrt(squares) + 0.002 * watts))
         fail_msg("%g W of caustics, not %g, standard error %g", flux, watts, sqrt(squares));
     orl_result_done(&result);
@@ -116,22 +119,26 @@ static void test_kinds_of_caustics(void **state)
     for (int i = 0; i < 3; i++) {
         char folder[64];
         cli_make_folder(folder);
-        struct orl_result result = run(&(struct run){.text = both,
-                                                     .technique = ORL_TECHNIQUE_GATHER,
-                                                     .caustic = 50000,
-                                                     .effect = skipped[i % 2],
-                                                     .wish = i < 2 ? ORL_WISH_SKIP : ORL_WISH_AUTO,
-                                                     .folder = folder});
+        struct orl_result result =
+            run_job(&(struct run){.text = both,
+                                  .technique = ORL_TECHNIQUE_GATHER,
+                                  .caustic = 50000,
+                                  .effect = skipped[i % 2],
+                                  .wish = i < 2 ? ORL_WISH_SKIP : ORL_WISH_AUTO,
+                                  .folder = folder});
         flux[i] = scene_map_flux(&result, folder, "caustic", &squares);
         orl_result_done(&result);
         cli_remove_folder(folder);
     }
-    /* What goes by both, from one to the other over the ceiling, is none: photons end there. */
+    /* Light by way of both, from one to the other over the ceiling, is not counted: photons end
+     * there. */
     assert_true(flux[0] > 0 && flux[1] > 0);
     assert_true(fabs(flux[0] + flux[1] - flux[2]) < 0.03 * flux[2]);
 }
 
-/* Skipped against its advice: less light, but no less than the plan said; and a warning. */
+/*
+ * A skip against the plan's advice: less light, but no less than the plan's bound; and a warning.
+ */
 static void test_skips(void **state)
 {
     static const struct {
@@ -153,10 +160,10 @@ static void test_skips(void **state)
                         .effect = cases[k].effect,
                         .wish = ORL_WISH_SKIP};
         const char *name = orl_effect_name(cases[k].effect);
-        struct orl_result skipped = run(&r);
+        struct orl_result skipped = run_job(&r);
         bool told = false;
         r.wish = ORL_WISH_FORCE;
-        struct orl_result forced = run(&r);
+        struct orl_result forced = run_job(&r);
         const double bound = skipped.plan.effects[cases[k].effect].bound;
         for (size_t i = 0; i < skipped.n_warnings; i++)
             told = told ||
@@ -176,7 +183,7 @@ static void test_skips(void **state)
     }
 }
 
-/* Gloss folded into diffuse keeps the light in the room. */
+/* Gloss merged into the diffuse part keeps the light in the room. */
 static void test_gloss_keeps_energy(void **state)
 {
     static const char glossy[] =
@@ -184,20 +191,22 @@ static void test_gloss_keeps_energy(void **state)
     double mean[2] = {0, 0};
     (void)state;
     for (int i = 0; i < 2; i++) {
-        struct orl_result result = run(&(struct run){.text = glossy,
-                                                     .technique = ORL_TECHNIQUE_BACKWARD,
-                                                     .effect = ORL_EFFECT_GLOSSY,
-                                                     .wish = i ? ORL_WISH_FORCE : ORL_WISH_SKIP});
+        struct orl_result result =
+            run_job(&(struct run){.text = glossy,
+                                  .technique = ORL_TECHNIQUE_BACKWARD,
+                                  .effect = ORL_EFFECT_GLOSSY,
+                                  .wish = i ? ORL_WISH_FORCE : ORL_WISH_SKIP});
         for (int k = 0; k < ROOM_SENSORS; k++)
             mean[i] += result.illuminance_lx[k] / ROOM_SENSORS;
         orl_result_done(&result);
     }
-    /* A tenth of the reflected tenth goes elsewhere: some per cent at a sensor, less in the mean.
+    /*
+     * A tenth of the reflected tenth goes elsewhere: some per cent at a sensor, less in the mean.
      */
     assert_true(fabs(mean[0] - mean[1]) < 0.05 * mean[1]);
 }
 
-/* Red walls bleached: as bright by one reflection, and gray all over. */
+/* Red walls made gray: as bright by one reflection, and gray all over. */
 static void test_bleached(void **state)
 {
     static const char red[] =
@@ -205,10 +214,10 @@ static void test_bleached(void **state)
     struct orl_result result[2];
     (void)state;
     for (int i = 0; i < 2; i++)
-        result[i] = run(&(struct run){.text = red,
-                                      .technique = ORL_TECHNIQUE_BACKWARD,
-                                      .effect = ORL_EFFECT_COLOR,
-                                      .wish = i ? ORL_WISH_FORCE : ORL_WISH_SKIP});
+        result[i] = run_job(&(struct run){.text = red,
+                                          .technique = ORL_TECHNIQUE_BACKWARD,
+                                          .effect = ORL_EFFECT_COLOR,
+                                          .wish = i ? ORL_WISH_FORCE : ORL_WISH_SKIP});
     for (int k = 0; k < ROOM_SENSORS; k++) {
         const double off = fabs(result[0].illuminance_lx[k] - result[1].illuminance_lx[k]);
         assert_true(off <=
@@ -220,7 +229,7 @@ static void test_bleached(void **state)
     orl_result_done(&result[1]);
 }
 
-/* A sensor list changes no key; a sun left out does, and one that is not there does not. */
+/* A sensor list changes no key; an omitted sun does, and an omitted but absent sun does not. */
 static void test_keys(void **state)
 {
     char folder[64];
@@ -230,12 +239,12 @@ static void test_keys(void **state)
                     .technique = ORL_TECHNIQUE_GATHER,
                     .effect = ORL_EFFECT_GLOSSY,
                     .folder = folder};
-    struct orl_result first = run(&r);
-    r.wish = ORL_WISH_FORCE; /* of what is not there */
-    struct orl_result second = run(&r);
+    struct orl_result first = run_job(&r);
+    r.wish = ORL_WISH_FORCE; /* an effect that the scene lacks */
+    struct orl_result second = run_job(&r);
     r.effect = ORL_EFFECT_SUN;
     r.wish = ORL_WISH_SKIP;
-    struct orl_result third = run(&r);
+    struct orl_result third = run_job(&r);
     assert_true(!first.maps[0].cached && second.maps[0].cached && !third.maps[0].cached);
     assert_string_equal(first.maps[0].key, second.maps[0].key);
     assert_string_not_equal(first.maps[0].key, third.maps[0].key);

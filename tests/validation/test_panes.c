@@ -1,10 +1,10 @@
 /*
- * A Lambertian pane: a uniform BSDF in the wall of a dark room, under an even sky and under the
+ * A Lambertian pane: a uniform BSDF in the wall of a dark room, under a uniform sky and under the
  * sun.
  *
- * It sends tau times what arrives into the room, evenly, so that illuminances are a form factor and
- * the sum of photon fluxes is tau E A. The room reflects 0.1 %: enough for photons to be kept, too
- * little to matter. Seeds are fixed.
+ * It transmits tau of its incident light into the room, uniformly, so that illuminances are a form
+ * factor and the sum of photon fluxes is tau E A. The room reflects 0.1 %: enough for photons to be
+ * stored, negligible otherwise. Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -35,7 +35,7 @@ static const double f_per_sr = 0.2, pane_area = 3.0;
 
 enum { SENSORS = 9, IN_AIR = 3 };
 
-/* Nine on the floor and three in mid-air. */
+/* Nine on the floor and three free. */
 static const struct orl_sensor sensors[SENSORS + IN_AIR] = {
     {{1, 1, 0}, {0, 0, 1}},   {{2, 1, 0}, {0, 0, 1}},     {{3, 1, 0}, {0, 0, 1}},
     {{1, 1.6, 0}, {0, 0, 1}}, {{2, 1.6, 0}, {0, 0, 1}},   {{3, 1.6, 0}, {0, 0, 1}},
@@ -48,7 +48,8 @@ static double sun_normal_w(void)
     return 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
 }
 
-/* Irradiance from the pane at radiance 1, by midpoints: good to 1e-4 at these distances. */
+/* Returns the irradiance from the pane at radiance 1, by midpoints, accurate to 1e-4 at these
+ * distances. */
 static double form(const struct orl_sensor *sensor)
 {
     enum { SIDE = 300 };
@@ -74,7 +75,7 @@ struct outcome {
     double lx[SENSORS + IN_AIR], global_w, global_sigma, caustic_w, caustic_sigma;
 };
 
-static struct outcome run(const char *scene, uint64_t caustic)
+static struct outcome run_pane(const char *scene, uint64_t caustic)
 {
     char xml[2048], folder[64];
     struct outcome o;
@@ -105,30 +106,30 @@ static struct outcome run(const char *scene, uint64_t caustic)
 }
 
 /*
- * Under a sky of radiance 1 all around the pane shows tau: every direction in is 1, and the sum of
- * f cos is tau. Sensors gather 16384 even rays: 0.5 %, and the walls' 0.1 %.
+ * Under a sky of radiance 1 all around the pane shows tau: every incident direction has 1, and the
+ * sum of f cos is tau. Sensors gather 16384 stratified rays: 0.5 %, and the walls' 0.1 %.
  */
 static void test_even_sky(void **state)
 {
     const double tau = ORL_PI * f_per_sr;
-    const struct outcome o = run(SKY ROOM, 0);
+    const struct outcome o = run_pane(SKY ROOM, 0);
     (void)state;
     for (int i = 0; i < SENSORS + IN_AIR; i++)
         assert_within(o.lx[i], ORL_EFFICACY_LM_PER_W * tau * form(&sensors[i]), 0.01);
-    /* Light that lands a second time is counted twice, at most 0.1 %; some 3 sigma for the rest. */
+    /* Light that lands a second time counts twice, at most 0.1 %; the rest is 3 sigma. */
     const double flux = tau * ORL_PI * pane_area;
     assert_true(fabs(o.global_w - flux) < 3 * o.global_sigma + 0.001 * flux);
 }
 
 /*
- * Under the sun alone it shows tau E / pi. What lands on the floor first is caustic light, read by
- * density from some 300 photons: 6 % a sensor, 2 % for the mean of nine, so 6 % are 3 sigma. In
- * mid-air the panes are sampled: 1 %.
+ * With only the sun it shows tau E / pi. Light that lands on the floor first is caustic, read as
+ * density of some 300 photons: 6 % per sensor, 2 % for the mean of nine, so 6 % are 3 sigma. Free
+ * sensors sample the panes: 1 %.
  */
 static void test_sun(void **state)
 {
     const double tau = ORL_PI * f_per_sr, arrives = sun_normal_w() * sqrt(0.5);
-    const struct outcome o = run(SUN ROOM, 300000);
+    const struct outcome o = run_pane(SUN ROOM, 300000);
     double is = 0, should = 0;
     (void)state;
     for (int i = 0; i < SENSORS; i++) {

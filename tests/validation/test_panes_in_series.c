@@ -1,10 +1,10 @@
 /*
- * Panes that stand free before other panes, a hand's breadth apart: both are ports, and light that
- * passes both comes in by the outer one. The floor sends on what falls on it, which is the sum of
- * each place's direct light: that is what a sensor that sees the floor alone must read.
+ * Free panes a hand's breadth in front of other panes: both are ports, and light through both
+ * enters by the outer one. The floor reflects the sum of each place's direct light, which a sensor
+ * that sees only the floor must read.
  *
  * A black room of 4 x 5 x 3 m with a floor of 0.8; a window of glass in the south and a second pane
- * 10 cm outside it, under an even sky all round, or with the sun beside it.
+ * 10 cm outside it, under a uniform sky all around, or with the sun as well.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -36,9 +36,10 @@ enum { SIDE_X = 12, SIDE_Y = 15, PLACES = SIDE_X * SIDE_Y };
 /* Faces the room from beside the window, and so sees black walls and the floor. */
 static const struct orl_sensor watcher = {{2, 0.05, 2.7}, {0, 1, 0}};
 
-/* Illuminance at the middles of the floor's squares, and the watcher's, by each technique. */
-static double run(const char *scene, uint64_t photons, enum orl_technique technique,
-                  double ret_floor[PLACES], double *ret_error)
+/* Computes the illuminance at the middles of the floor's squares, and at the watcher, by each
+ * technique. */
+static double run_scene(const char *scene, uint64_t photons, enum orl_technique technique,
+                        double ret_floor[PLACES], double *ret_error)
 {
     static struct orl_sensor sensors[PLACES + 1];
     for (int i = 0; i < PLACES; i++)
@@ -60,7 +61,7 @@ static double run(const char *scene, uint64_t photons, enum orl_technique techni
     return seen;
 }
 
-/* What the floor of those illuminances sends to the watcher: squares as so many patches. */
+/* Returns the watcher's light from a floor of those illuminances: each square is a patch. */
 static double seen_of_floor(const double floor[PLACES])
 {
     enum { FINE = 8 };
@@ -79,17 +80,17 @@ static double seen_of_floor(const double floor[PLACES])
 }
 
 /*
- * Three standard errors, of a tenth at the most where the fault was four fifths, and 4 %: the
- * squares' middles stand for what is not even over them, which under the sky is a per cent and at
- * the sun's edges two, as finer grids show.
+ * Three standard errors, of a tenth at most (the former fault was four fifths), and 4 %: the
+ * squares' middles represent light that is not uniform over them, an error of a per cent under the
+ * sky and two at the sun's edges, as finer grids show.
  */
-static void check(const char *scene, uint64_t photons)
+static void check_floor(const char *scene, uint64_t photons)
 {
     static const enum orl_technique techniques[3] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER,
                                                      ORL_TECHNIQUE_PRECOMPUTED};
     double floor[PLACES], error;
     for (int t = 0; t < 3; t++) {
-        const double seen = run(scene, photons, techniques[t], floor, &error);
+        const double seen = run_scene(scene, photons, techniques[t], floor, &error);
         const double expected = seen_of_floor(floor);
         print_message("technique %d: %g +- %g lx, by the floor %g\n", (int)techniques[t], seen,
                       error, expected);
@@ -102,13 +103,13 @@ static void check(const char *scene, uint64_t photons)
 static void under_the_sky(void **state)
 {
     (void)state;
-    check(SKY ROOM, 100000);
+    check_floor(SKY ROOM, 100000);
 }
 
 static void in_the_sun(void **state)
 {
     (void)state;
-    check(SKY SUN ROOM, extent(50000, 100000));
+    check_floor(SKY SUN ROOM, extent(50000, 100000));
 }
 
 int main(void)

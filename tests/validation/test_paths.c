@@ -1,12 +1,13 @@
 /*
- * Path coverage, the short form of `make paths`: of each chain of surfaces (support/path_cells.h)
- * one source, all techniques, against plain path tracing, which can leave no path out. A kind of
- * path that no strategy finds, or that two count, shows as a value far beyond its error.
+ * Path coverage, the short form of `make paths`: for each chain of surfaces (support/path_cells.h)
+ * one source, all techniques, compared with plain path tracing, which omits no path. A kind of path
+ * that no strategy finds, or that two count, shows as a value far beyond its error.
  *
- * Truths of the short form are kept in tests/fixtures/path_truths.txt, each under the digest of its
- * scene; the long form traces all of them itself, and compares those that are kept. Where a scene
- * or a material is meant to have changed, this writes the file anew, in some minutes:
- * ORIEL_PATH_TRUTHS=tests/fixtures/path_truths.txt build/tests/validation/test_paths
+ * Truths of the short form are stored in tests/fixtures/path_truths.txt, each under the digest of
+ * its scene; the long form traces all of them itself, and compares the stored ones. After an
+ * intended change of a scene or a material, this writes the file anew, in some minutes:
+ *
+ *     ORIEL_PATH_TRUTHS=tests/fixtures/path_truths.txt build/tests/validation/test_paths
  */
 #include <math.h>
 #include <setjmp.h>
@@ -30,7 +31,7 @@ enum { TECHNIQUES = 4 };
 static const enum orl_technique techniques[TECHNIQUES] = {
     ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_DIRECT, ORL_TECHNIQUE_PRECOMPUTED};
 
-/* Chains without a truth that plain path tracing can tell: what comes is too rare. */
+/* Chains whose light is too rare for plain path tracing. */
 static bool is_too_rare(const char *chain)
 {
     return strcmp(chain, "door ajar") == 0 || strcmp(chain, "partition ajar") == 0 ||
@@ -64,7 +65,7 @@ static void trace_truth(const char *scene, uint64_t paths, struct orl_crew *crew
     orl_world_free(world);
 }
 
-/* False where the file has none of that scene. */
+/* Reads a scene's truths; returns false if the file has none. */
 static bool read_truth(const char *scene, struct brute_value truth[PATH_SENSORS])
 {
     char line[512], digest[DIGEST_TEXT];
@@ -102,8 +103,8 @@ static void write_truth(FILE *file, const char *scene, const char *name, struct 
     fflush(file);
 }
 
-/* Paths of other numbers than those that are kept: five joint standard errors, and 2 % for what a
- * few paths with much light make of an error. */
+/* Compares with stored truths of other path counts: five joint standard errors, and 2 % because a
+ * few paths with much light distort the error. */
 static void compare_truths(const char *name, const struct brute_value *truth,
                            const struct brute_value *kept)
 {
@@ -188,9 +189,9 @@ static void run_cell(size_t source, size_t chain, struct orl_crew *crew,
 }
 
 /*
- * A technique has some 150 intervals. 95 in 100 of them hold the truth, with a binomial scatter of
- * 1.8; 89 is three deviations below. No value may be off by more than 5 joint standard errors and a
- * tenth: chance alone makes one of 600 values so in one of 3000 runs.
+ * A technique has some 150 intervals. 95 in 100 of them hold the truth, with a binomial scatter
+ * of 1.8; 89 is three deviations below. No value may be off by more than 5 joint standard errors
+ * and a tenth: by chance one of 600 values is in one of 3000 runs.
  */
 static void test_every_chain(void **state)
 {

@@ -1,7 +1,7 @@
 /*
- * Plans of scenes with patterns: what an effect brings is no more than the plan's bound for it,
- * which rests on the most that patterns come to over their surfaces and skies; and the same bytes
- * for any number of threads. A room with a tiled floor and a rough wall, under a patterned sky.
+ * Plans of scenes with patterns: an effect's light is at most the plan's bound for it, which uses
+ * the maxima of patterns over their surfaces and skies; and the bytes are equal for any number of
+ * threads. A room with a tiled floor and a rough wall, under a patterned sky.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,8 +17,8 @@
 #include "support/cli.h"
 #include "support/scene_text.h"
 
-/* A sky brighter towards the south and at the horizon; tiles, of which the bright ones are brighter
- * than the plastic says; waves in the normals of a wall. */
+/* A sky brighter toward the south and at the horizon; tiles, the bright ones of which exceed the
+ * plastic's reflectance; waves in the normals of a wall. */
 static const char functions[] = "sky = if(Dz, 2 - Dy + 4*exp(-8*Dz), .2);\n"
                                 "tile = if((frac(Px) - .5)*(frac(Py) - .5), 1.5, .25);\n"
                                 "wave_x = 0; wave_y = .2*sin(9*Py); wave_z = .2*sin(9*Pz);\n";
@@ -42,8 +42,8 @@ static const struct orl_sensor sensors[SENSORS] = {{{2, 1, .8}, {0, 0, 1}},
                                                    {{1, 2, 2.9}, {0, 0, -1}},
                                                    {{3.9, 2, 1.5}, {-1, 0, 0}}};
 
-static struct orl_result run(enum orl_technique technique, enum orl_effect effect,
-                             enum orl_wish wish, uint32_t threads, const char *folder)
+static struct orl_result run_room(enum orl_technique technique, enum orl_effect effect,
+                                  enum orl_wish wish, uint32_t threads, const char *folder)
 {
     enum orl_wish wishes[ORL_EFFECT_COUNT] = {ORL_WISH_AUTO};
     wishes[effect] = wish;
@@ -64,15 +64,17 @@ static struct orl_result run(enum orl_technique technique, enum orl_effect effec
                                          .folder = folder});
 }
 
-/* Of the sun, the sky, and what surfaces send on: most of it arrives at some sensor. */
+/* The sun, the sky, and light reflected by surfaces: most of it arrives at some sensor. */
 static void test_bounds(void **state)
 {
     static const enum orl_effect effects[] = {ORL_EFFECT_SUN, ORL_EFFECT_SKY,
                                               ORL_EFFECT_INTERREFLECTION};
     (void)state;
-    struct orl_result whole = run(ORL_TECHNIQUE_BACKWARD, ORL_EFFECT_SUN, ORL_WISH_AUTO, 2, NULL);
+    struct orl_result whole =
+        run_room(ORL_TECHNIQUE_BACKWARD, ORL_EFFECT_SUN, ORL_WISH_AUTO, 2, NULL);
     for (size_t e = 0; e < sizeof effects / sizeof *effects; e++) {
-        struct orl_result without = run(ORL_TECHNIQUE_BACKWARD, effects[e], ORL_WISH_SKIP, 2, NULL);
+        struct orl_result without =
+            run_room(ORL_TECHNIQUE_BACKWARD, effects[e], ORL_WISH_SKIP, 2, NULL);
         const double bound = whole.plan.effects[effects[e]].bound;
         double most = 0;
         for (int i = 0; i < SENSORS; i++)
@@ -101,7 +103,7 @@ static void test_threads(void **state)
             size_t size = 0;
             cli_make_folder(folder);
             struct orl_result r =
-                run(techniques[t], ORL_EFFECT_SUN, ORL_WISH_AUTO, threads[i], folder);
+                run_room(techniques[t], ORL_EFFECT_SUN, ORL_WISH_AUTO, threads[i], folder);
             snprintf(path, sizeof path, "%s/view.hdr", folder);
             unsigned char *const picture = scene_read_bytes(path, &size);
             if (first) {

@@ -1,8 +1,8 @@
 /*
- * Jobs in a scene that has trees in several places and keeps them once, against the same with
- * surfaces for each: in a hall with lamps among the trees, and behind a window with trees outside.
- * Every draw goes the same way in both, but for roundings; so that the two differ, seeds do. Values
- * then agree within three joint standard errors, the bandwidth's bias beside them.
+ * Jobs in a scene that has trees in several places stored once as instances, compared with the
+ * scene that has copies of the surfaces: in a hall with lamps among the trees, and behind a window
+ * with trees outside. Every sample is equal in both, except for rounding, so the two use different
+ * seeds. Values then agree within three joint standard errors, plus the bandwidth's bias.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -24,8 +24,8 @@
 
 enum { SENSORS = 6, WIDTH_MOST = 40, HEIGHT_MOST = 30 };
 
-/* The size of images in pixels: 24 by 18, and 40 by 30 in the long suite. Where only bytes are
- * compared, or only what differs in sum, the short form has a quarter of that. */
+/* The size of images in pixels: 24 by 18, and 40 by 30 in the long suite. The short form has a
+ * quarter of that where only bytes, or sums of differences, are compared. */
 static uint32_t width, height;
 
 static void set_size(bool whole)
@@ -38,7 +38,7 @@ static const struct orl_sensor hall_sensors[SENSORS] = {
     {{1, 0.3, -1.9}, {0, 0, 1}},    {{5, -0.6, -1.9}, {0, 0, 1}}, {{9, 1, 0}, {0, 0, 1}},
     {{14, -1.5, 1}, {0, 0.6, 0.8}}, {{20, 0, -1.9}, {0, 0, 1}},   {{31, 2, 1}, {0, -1, 0}}};
 
-/* A hall about the trees, long in x, with two lamps under its ceiling. */
+/* A hall around the trees, long in x, with two lamps under its ceiling. */
 static const char hall[] = "void plastic wall 0 0 5 .6 .6 .6 0 0\n"
                            "void light lamp 0 0 3 40 40 40\n"
                            "!genbox wall hall 84 7 8 -i | xform -t -4 -3.5 -2\n"
@@ -49,7 +49,7 @@ static const struct orl_sensor room_sensors[SENSORS] = {
     {{10, -10, 0.8}, {0, 0, 1}}, {{12, -8, 0.8}, {0, 0, 1}},  {{14, -12, 0.8}, {0, 0, 1}},
     {{11, -6, 1.5}, {0, 1, 0}},  {{13, -9, 2.5}, {0, 0, -1}}, {{9, -7, 0.8}, {0, 0, 1}}};
 
-/* A room with a window towards the trees, sky and sun. */
+/* A room with a window toward the trees, sky and sun. */
 static const char room[] =
     "void plastic wall 0 0 5 .6 .6 .6 0 0\nvoid glass pane 0 0 3 .9 .9 .9\n"
     "void light sun 0 0 3 4e6 4e6 4e6\nsun source s 0 0 4 0.3 0.8 0.6 0.533\n"
@@ -66,7 +66,7 @@ struct set_up {
     const char *around;
     const struct orl_sensor *sensors;
     const char *view;
-    enum grove_leaves leaves; /* of blades of their own some that face the sky would be windows */
+    enum grove_leaves leaves; /* copied blades that face the sky would be windows */
 };
 
 static const struct set_up set_ups[] = {
@@ -108,9 +108,8 @@ static struct orl_result run_one(const struct set_up *set_up, bool shared,
                                          .folder = folder});
 }
 
-/* Two intervals of 95 % are four standard errors: of the 150 pairs that are compared (half in the
- * short form) 1 % would be further apart, if no error is known by a few degrees of freedom alone.
- */
+/* Two intervals of 95 % are four standard errors: of the 150 compared pairs (half in the short
+ * form) 1 % would be further apart, if errors were not estimated with few degrees of freedom. */
 static const double most_apart = 2;
 
 /* Returns the joint width of the part of both intervals that lies between the values. */
@@ -139,8 +138,8 @@ static void expect_alike(const struct set_up *set_up, enum orl_technique techniq
     orl_result_done(&b);
 }
 
-/* In the short form two techniques of each set-up, in turns: each meets two kinds of leaves or
- * three, in the hall or in the room. */
+/* The short form tests two techniques of each set-up, in turn: each has two or three kinds of
+ * leaves, in the hall or in the room. */
 static void test_alike(void **state)
 {
     static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER,
@@ -155,7 +154,7 @@ static void test_alike(void **state)
     }
 }
 
-/* What a view shows of both forms, by paths alone. */
+/* Renders a view of one of the forms, by paths only. */
 static void show(const struct set_up *set_up, bool shared, double (*ret_rgb)[3])
 {
     char folder[64], path[128];
@@ -169,13 +168,13 @@ static void show(const struct set_up *set_up, bool shared, double (*ret_rgb)[3])
 }
 
 /*
- * With one seed the same paths are drawn in both forms. They part where a ray passes an edge within
- * the 1e-4 by which rays start elsewhere above leaves, whose offset is that of their tree: as in
- * test_placed of unit, with a chance of 6.5e-3, so that of paths of ten rays 6 % part. Those differ
- * by no more than paths do, so that most pixels, of a hundred paths, keep to 2 % of themselves; and
- * differences have no direction: their sum is within three of its standard deviations. Of what is
- * glossy or varied only that is asked: a path that ends at a lamp by way of a leaf has forty times
- * the light of the others.
+ * With one seed equal paths are sampled in both forms. They diverge where a ray passes an edge
+ * within the 1e-4 by which ray origins above leaves differ, whose offset is that of their tree: as
+ * in test_placed of unit, with a probability of 6.5e-3, so that 6 % of paths of ten rays diverge.
+ * Those differ by no more than independent paths, so that most pixels, of a hundred paths, agree to
+ * 2 %. Differences are unbiased: their sum is within three of its standard deviations. Glossy or
+ * varied leaves are only tested for that: a path that ends at a lamp by way of a leaf has forty
+ * times the light of the others.
  */
 static void test_view(void **state)
 {
@@ -202,7 +201,7 @@ static void test_view(void **state)
     }
 }
 
-/* Same seed, same bytes, for any number of threads. */
+/* Equal seeds give equal bytes, for any number of threads. */
 static void test_threads(void **state)
 {
     static const uint32_t threads[] = {1, 7, 2};

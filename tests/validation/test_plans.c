@@ -1,6 +1,6 @@
 /*
- * A property of plans, over 50 random rooms, 200 in the long suite: what is skipped costs no more
- * than the plan says. The unbiased technique tells, for it knows its standard errors.
+ * A property of plans, over 50 random rooms, 200 in the long suite: skipped light is at most the
+ * plan's bound. The unbiased technique checks this with its standard errors.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@ struct tally {
     uint64_t rays_planned, rays_forced;
 };
 
-/* All that the plan says may be missing from a sensor, in lux. */
+/* Returns the total light that may be missing at a sensor by the plan, in lux. */
 static double bounds_lx(const struct orl_plan *plan, double lx)
 {
     double sum = 0;
@@ -65,7 +65,7 @@ static void compare_room(uint32_t index, const char *bsdf, struct tally *tally)
         const double excess = off - bounds_lx(&planned.plan, forced.illuminance_lx[i]);
         tally->compared++;
         tally->beyond_3 += excess > 3 * se + 1e-9;
-        /* Of two means of 16 groups: once in a hundred thousand. */
+        /* For two means of 16 batches: once in a hundred thousand. */
         if (excess > 6 * se + 1e-9)
             fail_msg("room %u, sensor %d: planned %g, forced %g, error %g\n%s", index, i,
                      planned.illuminance_lx[i], forced.illuminance_lx[i], se, room.text);
@@ -92,8 +92,8 @@ static void test_skipped_is_within_bounds(void **state)
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
         print_message("  %-16s skipped in %3d rooms\n", orl_effect_name((enum orl_effect)i),
                       tally.skipped[i]);
-    /* Student's t of 15 to 30 degrees is beyond 3 in 0.5 to 0.9 %: of n at most 0.9 %, and five
-     * standard deviations more; 8 of 200, 20 of 800. */
+    /* Student's t with 15 to 30 degrees of freedom exceeds 3 in 0.5 to 0.9 %: of n at most 0.9 %,
+     * and five standard deviations more; 8 of 200, 20 of 800. */
     const double expected = 0.009 * tally.compared;
     assert_true(tally.beyond_3 <= expected + 5 * sqrt(expected));
 }

@@ -1,8 +1,8 @@
 /*
- * Polygons as strangers write them, in whole jobs: walls whose window is a hole, wound either way,
- * or cut out by a seam that the outline walks elsewhere; and two in one place, of which light meets
- * the one that Radiance's rule names. A ray knows inside from outside by the number of edges that
- * it crosses; so must all that is made of the outline.
+ * Unusual polygons in whole jobs: walls whose window is a hole, with either winding, or cut out by
+ * a seam elsewhere in the outline; and two coincident polygons, of which Radiance's rule selects
+ * the visible one. A ray's parity of crossed edges separates inside from outside; all structures
+ * derived from the outline must agree.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -25,7 +25,7 @@
 
 /* The southern wall around the window of ROOM_PANE. */
 static const char *const walls[] = {
-    /* the hole the other way round than the outline, and the same way */
+    /* the hole with the opposite winding of the outline, and with the same */
     "w polygon s 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 1 0 1 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n",
     "w polygon s 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 1 0 1 1 0 2.5 3 0 2.5 3 0 1 1 0 1\n",
     /* the seam from another corner, with a corner on it; repeated corners, and a spike */
@@ -45,7 +45,7 @@ static void light_of(const char *wall, enum orl_technique technique, double ret_
                  ret_lx);
 }
 
-/* The wall is the same but for how its border is walked: so is the light, to the last bit. */
+/* The walls differ only in the order of their border: the light is equal to the last bit. */
 static void test_either_winding(void **state)
 {
     static const enum orl_technique techniques[] = {ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_BACKWARD};
@@ -59,7 +59,9 @@ static void test_either_winding(void **state)
     }
 }
 
-/* The triangles differ, and with them what is drawn: the same within the noise of 256 rays. */
+/*
+ * The triangles differ, and with them the samples: results are equal within the noise of 256 rays.
+ */
 static void test_other_seams(void **state)
 {
     double expected[ROOM_SENSORS], lx[ROOM_SENSORS];
@@ -70,7 +72,7 @@ static void test_other_seams(void **state)
         assert_true(fabs(lx[i] - expected[i]) <= 0.03 * expected[i]);
 }
 
-/* ---- Two in one place ------------------------------------------------------------------------ */
+/* ---- Coincident polygons --------------------------------------------------------------------- */
 
 #define SKY_AND_PAINTS(first, second) ROOM_SKY "void plastic " first "\nvoid plastic " second "\n"
 #define WHITE "white 0 0 5 .8 .8 .8 0 0"
@@ -91,11 +93,10 @@ static void look_down(const char *scene, enum orl_technique technique, double re
 }
 
 /*
- * A floor in its ground's plane. Seen from one metre above, a square of half side a takes
- * 4/pi s atan(s) of the view down, s = a / sqrt(1 + a^2); all of it is lit by pi. Of the paints,
- * that which is defined later is the one on top, whichever polygon is written first. 2048 rays of
- * an even sequence: 1 %; photons, 8000 of them on the floor, are good to 3 % with the bias of their
- * estimate.
+ * A floor in its ground's plane. Seen from one metre above, a square of half side a takes 4/pi s
+ * atan(s) of the view down, s = a / sqrt(1 + a^2); all of it is lit by pi. The material defined
+ * later is on top, whichever polygon is written first. 2048 rays of a low-discrepancy sequence: 1
+ * %; photons, 8000 of them on the floor, are accurate to 3 % including the bias of their estimate.
  */
 static double share_of_square(double half)
 {
@@ -122,7 +123,7 @@ static void test_floor_in_ground(void **state)
     assert_true(fabs(lx[0][0] - on_floor) <= 0.03 * on_floor);
 }
 
-/* A pane on a wall without a hole is dark; with an opaque patch on it, the patch is. */
+/* A pane on a wall without a hole is dark; an opaque patch on it shows the patch. */
 static void test_panes_on_walls(void **state)
 {
     double lx[ROOM_SENSORS], patched[ROOM_SENSORS], holed[ROOM_SENSORS];

@@ -1,6 +1,6 @@
 /*
- * Rays of technique gather that are aimed at ports from surfaces that are lit again. Seeds are
- * fixed; truths are of plain path tracing (support/brute.h).
+ * Gather rays aimed at ports from surfaces of later bounces. Seeds are fixed; truths are from plain
+ * path tracing (support/brute.h).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@ struct room {
     double truths_lx[PATH_SENSORS], off;
 };
 
-/* Asserts that all but two intervals hold the truth, that no value is off by a quarter, and that
+/* Asserts that all intervals but two hold the truth, that no value is off by a quarter, and that
  * the means of all seeds are right. */
 static void check_room(const struct room *room)
 {
@@ -51,17 +51,17 @@ static void check_room(const struct room *room)
     assert_true(missed <= MOST_MISSED);
 }
 
-/* Photons are few behind the door: rays read what they meet as near or crowded and go on, and few
- * see the window by the door. Without aim seeds gave 1.73 +- .05 to 5.7 +- 2.4 at the last sensor.
- */
+/* Photons are few behind the door: rays treat surfaces as near or crowded and continue, and few see
+ * the window by the door. Without aimed rays seeds gave 1.73 +- .05 to 5.7 +- 2.4 at the last
+ * sensor. */
 static void test_behind_a_door(void **state)
 {
     (void)state;
     check_room(&(struct room){"second room by a door", 6, 1, {0, 2.05, 1.90, 5.27, 3.09}, 0.02});
 }
 
-/* A ray that is aimed at a pane and meets another one first does not count: it is one of that
- * pane's own. Where such rays counted the last sensor had 50.6 +- .6. */
+/* A ray aimed at a pane that hits another one first does not count: that pane has its own rays.
+ * When such rays counted the last sensor had 50.6 +- .6. */
 static void test_overlapping_panes(void **state)
 {
     (void)state;

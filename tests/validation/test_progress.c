@@ -1,7 +1,7 @@
 /*
- * What a run tells of its progress, on a clock that goes on by a hundredth of a second whenever it
- * is looked at: it never falls, goes from nothing to all, and moves while photons fly of which few
- * come to anything.
+ * Progress reports of a run, on a clock that advances a hundredth of a second at every call:
+ * progress never decreases, goes from 0 to 1, and advances while photons are traced of which few
+ * are stored.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +21,8 @@ static const char scene[] = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL RO
 
 struct log {
     double now, first, last;
-    double told[ORL_STAGE_COUNT], rise[ORL_STAGE_COUNT]; /* of the stage: the last, and the most */
+    double told[ORL_STAGE_COUNT],
+        rise[ORL_STAGE_COUNT]; /* per stage: the last fraction, and the largest increase */
     unsigned calls, falls, of[ORL_STAGE_COUNT];
 };
 
@@ -31,8 +32,8 @@ static double now_s(void *ctx)
     return log->now += 0.01;
 }
 
-static void take(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
-                 double left_s)
+static void record_progress(void *ctx, enum orl_stage stage, double stage_fraction,
+                            double job_fraction, double left_s)
 {
     struct log *log = ctx;
     assert_true(left_s >= 0 && isfinite(left_s));
@@ -45,7 +46,7 @@ static void take(void *ctx, enum orl_stage stage, double stage_fraction, double 
     log->told[stage] = stage_fraction;
 }
 
-static struct log follow(uint64_t caustic, struct orl_goal goal)
+static struct log run_logged(uint64_t caustic, struct orl_goal goal)
 {
     struct log log = {.now = 0};
     struct orl_result r = scene_run(&(struct scene_run){.scene = scene,
@@ -55,7 +56,7 @@ static struct log follow(uint64_t caustic, struct orl_goal goal)
                                                         .caustic = caustic,
                                                         .goal = goal,
                                                         .now_s = now_s,
-                                                        .progress = take,
+                                                        .progress = record_progress,
                                                         .ctx = &log});
     orl_result_done(&r);
     print_message("%u reports, %u of photons; from %.3f to %.3f, falls: %u\n", log.calls,
@@ -65,20 +66,19 @@ static struct log follow(uint64_t caustic, struct orl_goal goal)
     return log;
 }
 
-/* 30 emissions a photon: rays tell how far they are, so no report stands for half of them. Rounds
- * of batches are at most 32 of 8192 emissions, a quarter of the 1.2 million. */
+/* 30 emissions per photon: rays measure progress, so no report covers half of them. Rounds of
+ * batches are at most 32 of 8192 emissions, a quarter of the 1.2 million. */
 static void test_photons_move(void **state)
 {
     (void)state;
-    const struct log log = follow(40000, (struct orl_goal){0});
+    const struct log log = run_logged(40000, (struct orl_goal){0});
     assert_true(log.of[ORL_STAGE_PHOTONS] > 8);
     assert_true(log.told[ORL_STAGE_PHOTONS] > 0.99 && log.rise[ORL_STAGE_PHOTONS] < 0.5);
 }
 
 /*
- * Every sensor and every tile of a picture that is done is told of, on one thread. A tile is a
- * sixth of this picture, a sensor an eighth of them or less; by photon maps a picture is first
- * looked over.
+ * Every finished sensor and tile of a picture is reported, on one thread. A tile is a sixth of this
+ * picture, a sensor at most an eighth of them; photon maps first render a coarse picture.
  */
 static void test_rendering_moves(void **state)
 {
@@ -94,7 +94,7 @@ static void test_rendering_moves(void **state)
                                 .technique = techniques[i / 2],
                                 .pixel_samples = 4,
                                 .now_s = now_s,
-                                .progress = take,
+                                .progress = record_progress,
                                 .ctx = &log};
         if (i % 2 == 0) {
             run.sensors = sensors;
@@ -113,7 +113,7 @@ static void test_rendering_moves(void **state)
     }
 }
 
-/* What one of a picture's two tiles is thought to take of it. */
+/* Returns the share of progress that one of a picture's two tiles counts for. */
 static double share_of_tile(const char *pane)
 {
     char text[2000];
@@ -127,13 +127,13 @@ static double share_of_tile(const char *pane)
                                       .width = 64,
                                       .height = 32,
                                       .now_s = now_s,
-                                      .progress = take,
+                                      .progress = record_progress,
                                       .ctx = &log});
     orl_result_done(&r);
     return log.rise[ORL_STAGE_RENDER];
 }
 
-/* A pane that scatters takes many rays a pixel, on which nothing is spent before. */
+/* A scattering pane takes many rays per pixel, without a preparation phase. */
 static void test_panes_take_time(void **state)
 {
     const double clear = share_of_tile(ROOM_CLEAR);
@@ -146,7 +146,7 @@ static void test_panes_take_time(void **state)
 static void test_a_goal_moves(void **state)
 {
     (void)state;
-    follow(0, (struct orl_goal){.relative_error = 0.3, .at = 0.95});
+    run_logged(0, (struct orl_goal){.relative_error = 0.3, .at = 0.95});
 }
 
 int main(void)

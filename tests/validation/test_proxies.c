@@ -1,11 +1,11 @@
 /*
- * BSDFs that stand for geometry (a thickness): light meets the BSDF and not what it stands for, so
- * the room is lit as if that were not there; views see what is there.
+ * Proxy BSDFs for geometry (a thickness): light hits the BSDF and not the hidden geometry, so the
+ * room is lit as without it; views see the geometry.
  *
- * The room is lit by a sun and an even sky through a BSDF pane; behind it lie a pane of glass and
- * slats. Photons start from the same points by the same random numbers whether those are there or
- * not; they are a little off only for the scene's middle, which moves, and what rounding makes of
- * that. So illuminances agree far better than the 2 % by which 100 000 photons scatter.
+ * The room is lit by a sun and a uniform sky through a BSDF pane; behind it are a pane of glass and
+ * slats. Photons start from the same points with the same random numbers with or without those;
+ * they differ a little only because the scene's middle moves, and by rounding. So illuminances
+ * agree far better than the 2 % by which 100 000 photons scatter.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,14 +20,14 @@
 #include "support/hdr.h"
 #include "support/room.h"
 
-/* The pane as ROOM_PANE has it, its front inside, standing for what is up to 20 cm behind it. */
+/* The pane of ROOM_PANE, its front inside, as a proxy for geometry up to 20 cm behind it. */
 #define THIN "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n" ROOM_PANE
 #define THICK "void BSDF p 6 .2 pane.xml 0 0 1 . 0 0\n" ROOM_PANE
-/* The same by a pane that faces out, with what it stands for in front of it. */
+/* The proxy as a pane that faces out, with its geometry in front of it. */
 #define TURNED                                                                                     \
     "void BSDF p 6 -.2 pane.xml 0 0 1 . 0 0\n"                                                     \
     "p polygon pane 0 0 12 1 0 1 3 0 1 3 0 2.5 1 0 2.5\n"
-/* A second one, outside, for those who look at the slats from there. */
+/* A second proxy, outside, for views of the slats from there. */
 #define PARTNER                                                                                    \
     "void BSDF q 6 .2 pane.xml 0 0 1 . 0 0\n"                                                      \
     "q polygon partner 0 0 12 1 -.19 1 3 -.19 1 3 -.19 2.5 1 -.19 2.5\n"
@@ -75,15 +75,15 @@ static void what_a_proxy_stands_for_lights_nothing(void **state)
                      0.01);
 }
 
-/* Nor do lamps among it, and a pane that faces out serves as well; being listed the other way round
- * it is sampled at other points. */
+/* Hidden lamps do not count either, and a pane that faces out works as well; listed in the opposite
+ * order it is sampled at other points. */
 static void either_side_may_be_the_hidden_one(void **state)
 {
     (void)state;
     assert_lit_alike(LIGHT_AND_ROOM TURNED GLASS "void light s 0 0 3 9 9 9\n" SLATS("s"), 0.06);
 }
 
-/* Two proxies for the same slats, one to each side, are one to the light. */
+/* Two proxies for the same slats, one on each side, count once for light. */
 static void a_pair_dims_once(void **state)
 {
     (void)state;
@@ -92,9 +92,9 @@ static void a_pair_dims_once(void **state)
 }
 
 /*
- * Such pairs lie a little further apart than either is thick, as files have them: to the light they
- * are one still, whichever way the second is written down, and a word says so. Far apart they are
- * two, and dim twice; if not by much, that is said.
+ * Such pairs lie a little further apart than either is thick, as files have them: they still count
+ * once, whichever way the second is written, with a warning. Far apart they count twice; if they
+ * are not far apart, a warning says so.
  */
 static void a_pair_further_apart_than_thick_dims_once(void **state)
 {
@@ -131,8 +131,8 @@ static void a_pair_further_apart_than_thick_dims_once(void **state)
     }
 }
 
-/* In a room that is open at the top of its north wall photons come from the sky: they meet the
- * proxy as well. Different ones, at that: each room's illuminances scatter by 2 %. */
+/* In a room open at the top of its north wall photons come from the sky: they hit the proxy as
+ * well. The photons differ, so each room's illuminances scatter by 2 %. */
 static void open_scenes_are_no_different(void **state)
 {
     static const char whole[] = "4 5 3 0 5 3\n", open[] = "4 5 2 0 5 2\n";
@@ -156,8 +156,8 @@ static void open_scenes_are_no_different(void **state)
 
 enum { SIDE = 64 };
 
-/* From inside, square on, 1 m before the window: rows run from above. */
-static void look(const char *scene, double (*ret_rgb)[3])
+/* Renders from inside, perpendicular, 1 m in front of the window: rows go from top to bottom. */
+static void render_view(const char *scene, double (*ret_rgb)[3])
 {
     char xml[2048], folder[64], path[128];
     scene_uniform_bsdf(0.2, xml);
@@ -177,7 +177,7 @@ static void look(const char *scene, double (*ret_rgb)[3])
     cli_remove_folder(folder);
 }
 
-/* The pixel that looks at height z of the plane y. */
+/* Returns the pixel that shows height z of the plane y. */
 static const double *pixel_at(double (*rgb)[3], double y, double z)
 {
     const double tangent = (z - 1.9) / (1 - y);
@@ -187,28 +187,28 @@ static const double *pixel_at(double (*rgb)[3], double y, double z)
 
 /*
  * Upright slats 20 cm high that glow, and between them the sky of radiance 1 through glass, which
- * is less than 0.7 of it. The BSDF alone would show the sky's mean, 0.2 pi.
+ * shows less than 0.7 of it. The BSDF alone would show the sky's mean, 0.2 pi.
  */
 static void views_see_what_is_there(void **state)
 {
     static double rgb[SIDE * SIDE][3];
     (void)state;
-    look(ROOM_SKY ROOM_GREY ROOM_SHELL THICK GLASS
-         "void glow s 0 0 4 5 1 .5 0\n"
-         "s polygon upright 0 0 12 1 -.1 1.4 1 -.1 1.6 3 -.1 1.6 3 -.1 1.4\n",
-         rgb);
+    render_view(ROOM_SKY ROOM_GREY ROOM_SHELL THICK GLASS
+                "void glow s 0 0 4 5 1 .5 0\n"
+                "s polygon upright 0 0 12 1 -.1 1.4 1 -.1 1.6 3 -.1 1.6 3 -.1 1.4\n",
+                rgb);
     const double *slat = pixel_at(rgb, -0.1, 1.5), *gap = pixel_at(rgb, -0.1, 2.1);
     assert_true(fabs(slat[0] / 5 - 1) < 0.02 && fabs(slat[1] - 1) < 0.02);
     /* Glass of transmissivity 0.7, index 1.52, at 11 degrees: 0.64 (two passes of Fresnel). */
     assert_true(fabs(gap[1] - 0.643) < 0.01 && fabs(gap[0] - gap[2]) < 0.01);
-    look(ROOM_SKY ROOM_GREY ROOM_SHELL THIN, rgb);
+    render_view(ROOM_SKY ROOM_GREY ROOM_SHELL THIN, rgb);
     gap = pixel_at(rgb, 0, 2.1);
     assert_true(gap[1] > 0.3 && gap[1] < 0.62);
 }
 
 /*
  * The top of a slat, lit by the sun at 45 degrees and seen from inside and above: its radiance is
- * albedo / pi times the sun's irradiance, and what the wall sends back: 1 or 2 %.
+ * albedo / pi times the sun's irradiance, plus 1 or 2 % reflected by the wall.
  */
 static void hidden_surfaces_are_lit_as_they_are_seen(void **state)
 {
@@ -217,10 +217,10 @@ static void hidden_surfaces_are_lit_as_they_are_seen(void **state)
     const double normal_w = 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
     const double expected = 0.5 / ORL_PI * normal_w * sqrt(0.5);
     (void)state;
-    look(ROOM_SUN ROOM_GREY ROOM_SHELL THICK
-         "void plastic s 0 0 5 .5 .5 .5 0 0\n"
-         "s polygon slat 0 0 12 1 -.19 1.5 3 -.19 1.5 3 -.02 1.5 1 -.02 1.5\n",
-         rgb);
+    render_view(ROOM_SUN ROOM_GREY ROOM_SHELL THICK
+                "void plastic s 0 0 5 .5 .5 .5 0 0\n"
+                "s polygon slat 0 0 12 1 -.19 1.5 3 -.19 1.5 3 -.02 1.5 1 -.02 1.5\n",
+                rgb);
     const double *top = pixel_at(rgb, -0.1, 1.5);
     assert_true(fabs(top[1] / expected - 1) < 0.05);
 }

@@ -1,7 +1,7 @@
 /*
- * Light that one of some 3000 rays meets, half of all there is: a small bright disc of glow, which
- * nothing aims at, in an even dome. Few of a sensor's rays find it, or none, and those none can
- * know of it by the others only (base/rare.h). Seeds are fixed.
+ * Light that one of some 3000 rays hits, half of the total: a small bright disc of glow, which is
+ * not sampled as a light, in a uniform dome. Few of a sensor's rays find it, or none; a sensor
+ * without such rays can only learn of it from the others (base/rare.h). Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,7 +29,8 @@ static struct orl_sensor sensor_at(size_t i)
     return (struct orl_sensor){{out * cos(turn), out * sin(turn), 0.02 * (double)i}, {0, 0, 1}};
 }
 
-/* A disc that faces the sensor's plane: its form factor, as a small one's, is good to 1e-3. */
+/* Returns the value for a disc that faces the sensor's plane: the small disc's form factor is
+ * accurate to 1e-3. */
 static double truth(const struct orl_sensor *sensor)
 {
     const double x = sensor->position.x, y = sensor->position.y, h = height - sensor->position.z;
@@ -38,13 +39,13 @@ static double truth(const struct orl_sensor *sensor)
 }
 
 /*
- * Of 192 intervals 95 in 100 hold the truth, with a binomial scatter of 1.6, and more where rays
- * that are spread evenly scatter less than by chance (unit/test_rare has counts by chance alone);
- * 90 is three deviations below. By the spread of their own rays alone 74 and 80 in 100 did, on
- * intervals 6 % narrower in the mean. A ray that meets the disc adds 0.45 of the truth, and one or
- * none does: of four groups the error is then as much, and Student's t 3.2 of it.
+ * Of 192 intervals 95 in 100 hold the truth, with a binomial scatter of 1.6, and more because
+ * stratified rays scatter less than random ones (unit/test_rare has counts for random ones); 90 is
+ * three deviations below. By the spread of their own rays only, 74 and 80 in 100 did, with
+ * intervals 6 % narrower in the mean. A ray that hits the disc adds 0.45 of the truth, and a sensor
+ * has one or none: with four groups the error is then as large, and Student's t 3.2 of it.
  */
-static void check(enum orl_technique technique)
+static void check_coverage(enum orl_technique technique)
 {
     struct orl_sensor sensors[SENSORS];
     size_t held = 0;
@@ -75,13 +76,13 @@ static void check(enum orl_technique technique)
 static void test_gather(void **state)
 {
     (void)state;
-    check(ORL_TECHNIQUE_GATHER);
+    check_coverage(ORL_TECHNIQUE_GATHER);
 }
 
 static void test_backward(void **state)
 {
     (void)state;
-    check(ORL_TECHNIQUE_BACKWARD);
+    check_coverage(ORL_TECHNIQUE_BACKWARD);
 }
 
 int main(void)

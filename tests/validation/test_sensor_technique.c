@@ -63,7 +63,7 @@ static struct scene_run with_both(void)
     return with_view(with_sensors(base()));
 }
 
-/* With a goal instead of samples and photons. */
+/* A job with a goal instead of samples and photons. */
 static struct scene_run both_with_goal(struct orl_goal goal)
 {
     struct scene_run run =
@@ -72,7 +72,7 @@ static struct scene_run both_with_goal(struct orl_goal goal)
     return run;
 }
 
-/* Renders into a folder of its own, without the maps of others; returns the picture. */
+/* Renders into a separate folder, without cached maps; returns the picture. */
 static unsigned char *picture_of(struct scene_run run, const char *folder,
                                  struct orl_result *ret_result, size_t *ret_size)
 {
@@ -84,7 +84,8 @@ static unsigned char *picture_of(struct scene_run run, const char *folder,
     return scene_read_bytes(scratch_path(picture), ret_size);
 }
 
-/* Sensors have the same bytes as in a job without views, and the picture as in one without sensors.
+/*
+ * Sensors have the same bytes as in a job without views, and the picture as in one without sensors.
  */
 static void test_results_are_those_of_separate_jobs(void **state)
 {
@@ -117,7 +118,7 @@ static void test_results_are_those_of_separate_jobs(void **state)
     orl_result_done(&alone);
 }
 
-/* One technique for both where the job names it, and where a deadline shares out the time. */
+/* One technique is used for both if the job names it, or if a deadline divides the time. */
 static void test_one_technique_for_both(void **state)
 {
     struct scene_run named = with_both();
@@ -134,7 +135,7 @@ static void test_one_technique_for_both(void **state)
     }
 }
 
-/* Each of them is rendered to the accuracy; after a round of views the sensors are known. */
+/* Both are rendered to the accuracy; the sensors are known after a round of views. */
 struct rounds {
     uint32_t count, with_sensors;
 };
@@ -163,7 +164,7 @@ static void test_an_accuracy_of_both(void **state)
     orl_result_done(&r);
 }
 
-/* The job's share never falls, and stays below 1 until all is done. */
+/* The job's fraction never decreases, and stays below 1 until the end. */
 struct course {
     double share;
     uint32_t falls, early;
@@ -200,7 +201,7 @@ static bool warns_of(const struct orl_result *result, const char *text)
     return false;
 }
 
-/* Dark sensors beside a view with light are warned of; sensors and views that are all dark are an
+/* Dark sensors beside a view with light cause a warning; sensors and views that are all dark are an
  * error. */
 static void test_darkness_of_both(void **state)
 {
@@ -226,7 +227,7 @@ static double no_clock(void *ctx)
     return 0;
 }
 
-/* A result of the sensors that a cross-check has found wrong, as fault injection makes it. */
+/* A sensor result that a cross-check rejects, made by fault injection. */
 static struct orl_result faulty_result(void)
 {
     struct orl_result r = {.n_sensors = SENSORS};
@@ -260,7 +261,7 @@ static struct orl_job sensor_job(enum orl_technique technique)
     return job;
 }
 
-/* Runs the sensors of a faulty result again, under that job. */
+/* Runs the sensors of a faulty result again, for that job. */
 static struct orl_result run_again(struct orl_job job)
 {
     struct orl_crew *crew = orl_crew_start(1);
@@ -288,7 +289,7 @@ static struct orl_result run_again(struct orl_job job)
     return result;
 }
 
-/* The planner's technique gives way to the other one, whose values are sound. */
+/* The planned technique is replaced by the other one, whose values are correct. */
 static void test_another_technique_after_the_cross_check(void **state)
 {
     struct scene_run gather = with_sensors(base());

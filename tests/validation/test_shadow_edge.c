@@ -1,7 +1,7 @@
 /*
- * A wall that stands in its own shadow on a wide sunlit ground: what lights its back is the ground
- * beyond the shadow, which photons tell of by handfuls as wide as the wall is not high. The shadow
- * itself has next to none; what their handfuls lit of it would be light out of nothing.
+ * A wall in its own shadow on a wide sunlit ground: its back is lit by the ground beyond the
+ * shadow, where photon groups are wider than the wall is high. The shadow itself has almost no
+ * photons; light of groups that overlap it would be a gain of energy.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -25,14 +25,15 @@ static const double sun[3] = {0.28, 0.77, 0.57};
 static const struct orl_sensor sensors[SENSORS] = {
     {{2, -.01, 1}, {0, -1, 0}}, {{3, -.01, 2.5}, {0, -1, 0}}, {{2, -.01, .5}, {0, -1, 0}}};
 
-/* Of the wall's shadow, made smaller all round by so much. */
+/* Returns true in the wall's shadow, shrunk on all sides by less_m. */
 static bool is_shaded(double x, double y, double less_m)
 {
     const double length = sun[1] / sun[2] * high, along = x - y * sun[0] / sun[1];
     return -y <= length - less_m && along >= less_m && along <= wide - less_m;
 }
 
-/* Lux at a sensor, by even directions about its normal: ground that is lit, but for the rest. */
+/* Returns the lux at a sensor, by stratified directions about its normal, from the lit ground
+ * outside the shrunk shadow. */
 static double light_of(const struct orl_sensor *sensor, double sun_lx, double less_m)
 {
     uint32_t lit = 0;
@@ -47,10 +48,10 @@ static double light_of(const struct orl_sensor *sensor, double sun_lx, double le
 }
 
 /*
- * A handful of 16 photons is 0.57 m wide at 50 a square metre. A shadow smaller by a quarter of
- * that, all round, is what a blur may make of it; a sensor at 1 m then has 5.6 % more than the true
- * light, and here 3.2 +- 0.5 % as measured. When handfuls at the edge served the shadow it was
- * 12.6 +- 2.3 %. Light that goes by way of the wall adds less than 0.5 %.
+ * A group of 16 photons is 0.57 m wide at 50 per square metre. A blur may shrink the shadow by a
+ * quarter of that on all sides; a sensor at 1 m then has 5.6 % more than the true light, and 3.2 +-
+ * 0.5 % as measured. When groups at the edge served the shadow it was 12.6 +- 2.3 %. Light by way
+ * of the wall adds less than 0.5 %.
  */
 static void test_behind_a_wall(void **state)
 {

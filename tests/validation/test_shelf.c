@@ -1,6 +1,6 @@
 /*
- * Jobs that find on the shelf what jobs before them worked out: by every technique of photon maps
- * their results are the same, bit for bit, as those of jobs that found nothing.
+ * Jobs that reuse results of earlier jobs in the memory cache: by every photon map technique their
+ * results equal, bit for bit, those of jobs with an empty cache.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,15 +22,15 @@
 static const char near_wall[] = "-vtv -vp 1 1 1.2 -vd 1 0.6 -0.2 -vh 70 -vv 60";
 static const char near_pane[] = "-vtv -vp 3 2 1.5 -vd -1 -0.7 -0.3 -vh 70 -vv 60";
 
-/* A job's two kinds of results: of sensors, and the picture's file. */
+/* A job's two kinds of results: sensors, and the picture's file. */
 struct outcome {
     double lx[ROOM_SENSORS], error[ROOM_SENSORS];
     unsigned char *picture;
     size_t size;
 };
 
-static struct outcome run(enum orl_technique technique, const char *view, uint32_t threads,
-                          const char *folder, struct orl_shelf *shelf)
+static struct outcome run_job(enum orl_technique technique, const char *view, uint32_t threads,
+                              const char *folder, struct orl_shelf *shelf)
 {
     const struct scene_run job = {.scene = SCENE,
                                   .sensors = room_sensors,
@@ -75,15 +75,15 @@ static void check(void **state)
     assert_non_null(shelf);
     cli_make_folder(folder);
     cli_make_folder(other);
-    struct outcome first = run(technique, near_wall, 2, folder, shelf);
-    struct outcome alone = run(technique, near_wall, 1, other, NULL);
+    struct outcome first = run_job(technique, near_wall, 2, folder, shelf);
+    struct outcome alone = run_job(technique, near_wall, 1, other, NULL);
     assert_same(&first, &alone);
     assert_true(orl_shelf_totals(shelf).bytes > 0);
-    /* Another view, then the first one: both from what is there. */
+    /* Another view, then the first one, both from the cache. */
     for (int i = 0; i < 2; i++) {
         const char *view = i == 0 ? near_pane : near_wall;
-        struct outcome again = run(technique, view, 1 + (uint32_t)i, folder, shelf);
-        alone = run(technique, view, 1, other, NULL);
+        struct outcome again = run_job(technique, view, 1 + (uint32_t)i, folder, shelf);
+        alone = run_job(technique, view, 1, other, NULL);
         assert_same(&again, &alone);
     }
     orl_shelf_free(shelf);

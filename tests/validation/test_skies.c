@@ -1,5 +1,5 @@
-/* A job under several skies is that many jobs under one: the same bytes, maps and images included.
- */
+/* A job under several skies equals that many jobs under one: the same bytes, maps and images
+ * included. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +22,7 @@ static char *const scene_files[] = {scene_file};
 static char overcast[] = "overcast", sunny[] = "sunny_1", night[] = "night-1";
 static char view_name[] = "v", view_text[] = "-vtv -vp 2 4.5 1.6 -vd 0 -1 0 -vh 70 -vv 55";
 
-/* One run: what it is told, and what it tells. */
+/* Inputs and outputs of one run. */
 struct fixture {
     char folder[64];
     struct orl_named_sky skies[SKIES];
@@ -33,13 +33,13 @@ struct fixture {
     atomic_bool cancel;
     double lx[SKIES][SENSORS];
     bool dark[SKIES], done[SKIES], keep[SKIES];
-    const char *sensor_text;       /* of the file of sensors; or NULL */
-    double fraction;               /* of the whole, as last heard */
-    struct orl_result *sensors_of; /* kept ones; or NULL */
+    const char *sensor_text;       /* text of the sensor file; or NULL */
+    double fraction;               /* fraction of the whole job, last reported */
+    struct orl_result *sensors_of; /* stored results; or NULL */
     size_t n_sensors_done;
     struct orl_shelf *shelf;
     const char *files_id;
-    int scene_reads; /* times that the scene's file was opened */
+    int scene_reads; /* number of times that the scene's file was opened */
 };
 
 static double now_s(void *ctx)
@@ -175,8 +175,8 @@ static void count_close(void *ctx, struct orl_file *file)
     c->inner.close(c->inner.ctx, file);
 }
 
-/* All skies, or with result the job's one. */
-static int run(struct fixture *f, struct orl_result *ret_result, struct orl_error *err)
+/* Runs all skies, or, with ret_result, the job's only one. */
+static int run_skies(struct fixture *f, struct orl_result *ret_result, struct orl_error *err)
 {
     static const char scene[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
     static const char weather[] = "place Test\nlatitude 38.42\nlongitude -27.14\ntime_zone -30\n"
@@ -235,7 +235,7 @@ static void test_same_as_one_by_one(void **state)
 {
     struct fixture *f = *state;
     struct orl_error err;
-    assert_int_equal(run(f, NULL, &err), 0);
+    assert_int_equal(run_skies(f, NULL, &err), 0);
     assert_true(f->fraction > 0.999);
     assert_true(f->lx[0][0] > 100 && f->lx[1][0] > f->lx[0][0]);
     f->job.skies = NULL;
@@ -243,7 +243,7 @@ static void test_same_as_one_by_one(void **state)
     for (int i = 0; i < SKIES; i++) {
         struct orl_result result;
         f->job.sky = f->skies[i].request;
-        assert_int_equal(run(f, &result, &err), 0);
+        assert_int_equal(run_skies(f, &result, &err), 0);
         assert_memory_equal(result.illuminance_lx, f->lx[i], sizeof f->lx[i]);
         assert_int_equal(result.n_maps, i == DARK ? 0 : 1);
         assert_true(i == DARK || result.maps[0].cached);
@@ -254,27 +254,27 @@ static void test_same_as_one_by_one(void **state)
     }
 }
 
-/* A scene is read once for all skies of a job; and once for all jobs of a shelf that say whose
- * files it is of. What comes of it is the same. */
+/* A scene is parsed once for all skies of a job; and once for all jobs of a memory cache that
+ * identify its files. The results are equal. */
 static void test_one_scene_for_all(void **state)
 {
     struct fixture *f = *state;
     double first[SKIES][SENSORS];
     f->job.n_views = 0;
-    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(run_skies(f, NULL, NULL), 0);
     assert_int_equal(f->scene_reads, 1);
     memcpy(first, f->lx, sizeof first);
     f->shelf = orl_shelf_new(1 << 20);
     for (int i = 0; i < 3; i++) {
         memset(f->lx, 0, sizeof f->lx);
         f->files_id = i < 2 ? "these" : "others";
-        assert_int_equal(run(f, NULL, NULL), 0);
+        assert_int_equal(run_skies(f, NULL, NULL), 0);
         assert_int_equal(f->scene_reads, i < 2 ? 2 : 3);
         assert_memory_equal(f->lx, first, sizeof first);
         assert_int_equal(orl_shelf_totals(f->shelf).shared, i < 2 ? 1 : 2);
     }
     f->files_id = NULL;
-    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(run_skies(f, NULL, NULL), 0);
     assert_int_equal(f->scene_reads, 4);
     orl_shelf_free(f->shelf);
 }
@@ -283,13 +283,13 @@ static void test_kept_skies_are_not_run(void **state)
 {
     struct fixture *f = *state;
     f->keep[1] = true;
-    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(run_skies(f, NULL, NULL), 0);
     assert_true(f->done[0] && !f->done[1] && f->done[2]);
     assert_true(f->fraction > 0.999);
     assert_int_equal(f->n_sensors_done, 2);
 }
 
-/* Sensors that an earlier run has left are taken as they are, and the rest is the same. */
+/* Sensors of an earlier run are taken unchanged, and the rest is equal. */
 static void test_kept_sensors(void **state)
 {
     struct fixture *f = *state;
@@ -297,12 +297,12 @@ static void test_kept_sensors(void **state)
     f->job.skies = NULL;
     f->job.n_skies = 0;
     f->job.sky = f->skies[0].request;
-    assert_int_equal(run(f, &first, NULL), 0);
+    assert_int_equal(run_skies(f, &first, NULL), 0);
     assert_int_equal(f->n_sensors_done, 1);
     size_t a, b;
     unsigned char *image = read_image(f, "v.hdr", &a);
     f->sensors_of = &first;
-    assert_int_equal(run(f, &second, NULL), 0);
+    assert_int_equal(run_skies(f, &second, NULL), 0);
     assert_int_equal(f->n_sensors_done, 1);
     unsigned char *again = read_image(f, "v.hdr", &b);
     assert_int_equal(a, b);
@@ -317,7 +317,7 @@ static void test_kept_sensors(void **state)
 static void expect_error(struct fixture *f, int code, const char *primitive)
 {
     struct orl_error err = {0};
-    assert_int_equal(run(f, NULL, &err), code);
+    assert_int_equal(run_skies(f, NULL, &err), code);
     assert_string_equal(err.primitive, primitive);
     assert_false(f->done[0]);
 }
@@ -334,16 +334,16 @@ static void test_file_of_sensors(void **state)
 {
     struct fixture *f = *state;
     double lx[SKIES][SENSORS];
-    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(run_skies(f, NULL, NULL), 0);
     memcpy(lx, f->lx, sizeof lx);
     use_sensor_file(f, "2 1 0.8 0 0 1\n2 4 0.8 0 0 1\n");
     memset(f->lx, 0, sizeof f->lx);
-    assert_int_equal(run(f, NULL, NULL), 0);
+    assert_int_equal(run_skies(f, NULL, NULL), 0);
     assert_memory_equal(lx, f->lx, sizeof lx);
     assert_ptr_equal(f->job.sensors_file, sensor_file);
 }
 
-/* Few enough for one sky, but not for all: nothing is rendered. */
+/* Sensors within the limit for one sky, but not for all: nothing is rendered. */
 static void test_too_many_sensors(void **state)
 {
     enum { COUNT = 4000000 / SKIES + 1 };
@@ -355,19 +355,19 @@ static void test_too_many_sensors(void **state)
     for (size_t i = 0; i < COUNT; i++)
         memcpy(text + i * (sizeof line - 1), line, sizeof line);
     use_sensor_file(f, text);
-    assert_int_equal(run(f, NULL, &err), ORL_ERR_LIMIT);
+    assert_int_equal(run_skies(f, NULL, &err), ORL_ERR_LIMIT);
     assert_string_equal(err.primitive, "skies");
     assert_false(f->done[0]);
     free(text);
 }
 
-/* Found before anything is rendered. */
+/* Mistakes are found before anything is rendered. */
 static void test_mistakes(void **state)
 {
     struct fixture *f = *state;
     struct orl_sky_request *last = &f->skies[2].request;
     struct orl_result result;
-    assert_int_equal(run(f, &result, NULL), ORL_ERR_INVALID);
+    assert_int_equal(run_skies(f, &result, NULL), ORL_ERR_INVALID);
     last->model = ORL_SKY_BY_WEATHER;
     last->weather_file = weather_file;
     last->sun_given = false;

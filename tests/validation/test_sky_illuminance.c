@@ -1,10 +1,10 @@
 /*
- * What an open sensor reads under every kind of sky that can be asked for, against what was asked
- * for: all the way through orl_run, with the input turned into lux here by formulas written anew
- * (Perez 1990, gensky's sun) and skies of scene files integrated here from their arguments.
+ * Illuminance of an open sensor under every kind of sky input, compared with the request: through
+ * orl_run, with the input converted to lux here by independent formulas (Perez 1990, gensky's sun)
+ * and skies of scene files integrated here from their arguments.
  *
- * 65536 even rays: the sky's integral is good to 1e-4 and the horizon's edge to 3e-4; the sun is
- * sampled directly. 0.2 % is what skies are to keep.
+ * 65536 stratified rays: the sky's integral has an error of 1e-4 and the horizon's edge 3e-4; the
+ * sun is sampled directly. Skies must be within 0.2 %.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,7 +24,7 @@
 static const double efficacy = ORL_EFFICACY_LM_PER_W;
 static const double deg = ORL_DEG_TO_RAD;
 
-/* ---- The model, anew ------------------------------------------------------------------------- */
+/* ---- Independent model ----------------------------------------------------------------------- */
 
 /* Perez 1990, table 4: upper clearness of each bin, then a..d of diffuse and of direct light. */
 static const double bins[8][9] = {
@@ -37,10 +37,10 @@ static const double bins[8][9] = {
     {6.200, 141.88, 1.90, -53.24, -14.03, 105.75, 0.77, -1.26, -34.44},
     {99.00, 152.23, 0.35, -45.27, -7.98, 101.18, 1.58, -1.10, -8.29}};
 
-/* Direct normal and diffuse horizontal irradiance to global horizontal illuminance. */
+/* Converts direct normal and diffuse horizontal irradiance to global horizontal illuminance. */
 static double perez_lux(double direct_w, double diffuse_w, double altitude_deg, int day)
 {
-    static const double water_cm = 2; /* what gendaylit assumes */
+    static const double water_cm = 2; /* gendaylit's assumption */
     const double z = (90 - altitude_deg) * deg, height = sin(altitude_deg * deg);
     const double k = 1.041 * z * z * z;
     const double clearness = ((diffuse_w + direct_w) / diffuse_w + k) / (1 + k);
@@ -55,7 +55,7 @@ static double perez_lux(double direct_w, double diffuse_w, double altitude_deg, 
                (b[5] + b[6] * water_cm + b[7] * exp(5.73 * z - 5) + b[8] * brightness);
 }
 
-/* The sun's altitude as gensky finds it; longitude and meridian in degrees east. */
+/* Returns the sun's altitude by gensky's formulas; longitude and meridian in degrees east. */
 static double altitude_deg(int day, double hour, double latitude, double longitude, double meridian)
 {
     const double declination = 0.4093 * sin(2 * ORL_PI / 368 * (day - 81));
@@ -127,7 +127,7 @@ static void test_job_skies(void **state)
     for (int i = 0; i < 4; i++) {
         struct orl_sky_request sky =
             by_sun(watts[i].altitude, ORL_SKY_NORMAL_W, watts[i].direct, watts[i].diffuse);
-        /* The sun given by its place has no date: gendaylit then counts day 0. */
+        /* A sun given by its position has no date: gendaylit then uses day 0. */
         job_row(&set, watts[i].what, &sky,
                 perez_lux(watts[i].direct, watts[i].diffuse, watts[i].altitude, 0));
     }
@@ -212,7 +212,7 @@ static double angle_between(const double *sun, struct orl_vec3 d)
     return acos(fmin(fmax(sun[0] * d.x + sun[1] * d.y + sun[2] * d.z, -1), 1));
 }
 
-/* skybright of the arguments A1.. (a[0]..), written from the programs' manual pages. */
+/* skybright with the arguments A1.. (a[0]..), written from the programs' manual pages. */
 static double skybright(const struct orl_sky *sky, struct orl_vec3 d)
 {
     const double *a = sky->a;
@@ -241,7 +241,9 @@ static double skybright(const struct orl_sky *sky, struct orl_vec3 d)
                    a[2]);
 }
 
-/* Irradiance from the sky above the horizon, on a plane of that normal; midpoints. */
+/*
+ * Returns the irradiance from the sky above the horizon, on a plane of that normal; by midpoints.
+ */
 static double irradiance(const struct orl_sky *sky, struct orl_vec3 normal)
 {
     enum { ROWS = 900, COLUMNS = 720 };
@@ -258,7 +260,7 @@ static double irradiance(const struct orl_sky *sky, struct orl_vec3 normal)
 
 #define SOURCE "skyfunc glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n"
 
-/* Commands in a scene keep Radiance's own numbers: what they mean is in their arguments. */
+/* Commands in a scene keep Radiance's own numbers, defined by their arguments. */
 static void test_scene_skies(void **state)
 {
     static const char *const commands[] = {"gendaylit 3 22 12 -a 38.42 -o -27.14 -m -30 -W 800 120",
@@ -294,8 +296,8 @@ static void test_scene_skies(void **state)
 
 /*
  * The overcast sky: 7 pi Lz / 9, and 0.396177 of it on a wall, where the pattern's ground continues
- * the horizon's value. The blending pulls what is near the horizon towards that value: it takes
- * 0.05 % and on a wall 0.3 %, which the closed forms do not know and the integral does.
+ * the horizon's value. The blending pulls values near the horizon toward it: it takes 0.05 %, and
+ * 0.3 % on a wall, which the integral includes and the closed forms do not.
  */
 static void test_overcast(void **state)
 {

@@ -1,10 +1,11 @@
 /*
- * Skies as Radiance has them: 20 of gendaylit and gensky, in 200 directions each, against what
- * Radiance 6.1's own programs and rtrace make of the same words (tests/fixtures/skies.txt). By the
- * command in a scene, and, where they say the same, as a job's sky in its compatible mode.
+ * Radiance's skies: 20 of gendaylit and gensky, in 200 directions each, compared with the values of
+ * Radiance 6.1's own programs and rtrace for the same words (tests/fixtures/skies.txt). By the
+ * command in a scene, and, if equivalent, as a job's sky in its compatible mode.
  *
  * The fixture has 5 digits. Scenes use the digits that the programs print, so they agree to those;
- * jobs compute in full precision, and the programs print 4 digits of a brightness: 5e-4 of it.
+ * jobs compute in full precision, and the programs print 4 digits of a brightness: a relative error
+ * of 5e-4.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +24,8 @@
 
 enum { DIRECTIONS = 200, SKIES = 20 };
 
-/* Most of them even over the sky and a little below the horizon, the last fifty close to that. */
+/* Most directions cover the sky uniformly and a little below the horizon, the last fifty are close
+ * to the horizon. */
 static struct orl_vec3 direction(int i)
 {
     const double z = i < 150 ? -0.2 + (i + 0.5) * 1.2 / 150 : -0.08 + (i - 150 + 0.5) * 0.16 / 50;
@@ -34,7 +36,7 @@ static struct orl_vec3 direction(int i)
 static const struct {
     const char *name;
     enum orl_sky_model model;
-    int kind; /* enum orl_sky_input of a Perez sky, enum orl_sky_cie of the other */
+    int kind; /* enum orl_sky_input of a Perez sky, otherwise enum orl_sky_cie */
 } inputs[] = {{"normal_w", ORL_SKY_BY_PEREZ, ORL_SKY_NORMAL_W},
               {"normal_lx", ORL_SKY_BY_PEREZ, ORL_SKY_NORMAL_LX},
               {"horizontal_w", ORL_SKY_BY_PEREZ, ORL_SKY_HORIZONTAL_W},
@@ -44,7 +46,7 @@ static const struct {
               {"uniform", ORL_SKY_BY_CIE, ORL_SKY_UNIFORM},
               {"intermediate", ORL_SKY_BY_CIE, ORL_SKY_INTERMEDIATE}};
 
-/* "job clear 20 -50 0 0": the sky it asks for. */
+/* Returns the requested sky of a line such as "job clear 20 -50 0 0". */
 static struct orl_sky sky_of_job(const char *line)
 {
     struct orl_sky_request r = {.normalise = ORL_SKY_GENDAYLIT,
@@ -84,9 +86,9 @@ static struct orl_sky sky_of_command(const char *command)
     return sky;
 }
 
-/* A row for the direction that is furthest off. */
-static void compare(struct references *set, const struct orl_sky *sky, const double *radiances,
-                    const char *place, double tolerance)
+/* Adds a row for the direction with the largest error. */
+static void compare_sky(struct references *set, const struct orl_sky *sky, const double *radiances,
+                        const char *place, double tolerance)
 {
     int worst = 0;
     double most = -1;
@@ -101,7 +103,8 @@ static void compare(struct references *set, const struct orl_sky *sky, const dou
                          tolerance);
 }
 
-/* The next line of the fixture that is no comment, without its end; false at the end. */
+/* Reads the next line of the fixture that is no comment, without its newline; returns false at the
+ * end. */
 static bool next_line(FILE *file, char *line, int room)
 {
     do {
@@ -146,11 +149,11 @@ static void test_skies(void **state)
         }
         read_radiances(file, line, radiances);
         const struct orl_sky sky = sky_of_command(command);
-        compare(&set, &sky, radiances, command, 1e-4);
+        compare_sky(&set, &sky, radiances, command, 1e-4);
         skies++;
         if (job[0]) {
             const struct orl_sky same = sky_of_job(job);
-            compare(&set, &same, radiances, job, 6e-4);
+            compare_sky(&set, &same, radiances, job, 6e-4);
             jobs++;
         }
     }

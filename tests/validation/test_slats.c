@@ -1,8 +1,8 @@
 /*
- * Slats across a window, as far apart as they are wide, and narrower than what a density estimate
- * takes in. From below one sees of their undersides the inner edges, which the sun on the slats
- * beneath lights less than the rest: an estimate that means over a slat's width is too bright. The
- * truth is by the technique that knows no density. Seeds are fixed.
+ * Slats across a window, as far apart as they are wide, and narrower than a density estimate's
+ * disc. From below the inner edges of their undersides are visible, which the sun on the slats
+ * beneath lights less than the rest: an estimate over a slat's width is too bright. The truth is
+ * from the technique without density estimates. Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,7 @@
 
 #include "support/scene_text.h"
 
-/* 3 x 3 x 2.5 m, black, of which the southern wall is a hole behind the slats. */
+/* 3 x 3 x 2.5 m, black; its southern wall is open behind the slats. */
 static const char room[] = "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 .2 -.75 .63 .533\n"
                            "void glow g 0 0 4 20 20 20 0\ng source sky 0 0 4 0 0 1 180\n"
                            "void plastic w 0 0 5 .05 .05 .05 0 0\n"

@@ -1,5 +1,5 @@
 /*
- * Pictures along lines: where walls meet, where shadows end, and where a caustic is steep.
+ * Pictures along lines: seams of walls, shadow edges, and steep caustics.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,9 +20,9 @@ struct picture {
     uint32_t width, height;
 };
 
-/* Its radiances by gather, as it is by default. */
-static void look(const struct picture *picture, uint64_t seed, uint64_t global, uint64_t caustic,
-                 double (*ret_rgb)[3])
+/* Renders its radiances by gather with default settings. */
+static void render_picture(const struct picture *picture, uint64_t seed, uint64_t global,
+                           uint64_t caustic, double (*ret_rgb)[3])
 {
     char folder[64], path[128];
     cli_make_folder(folder);
@@ -41,13 +41,15 @@ static void look(const struct picture *picture, uint64_t seed, uint64_t global, 
     cli_remove_folder(folder);
 }
 
-/* ---- Walls that meet ------------------------------------------------------------------------- */
+/* ---- Seams of walls -------------------------------------------------------------------------- */
 
 static const char room[] = ROOM_SKY ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
-/* A parallel view into the corner away from the window: it runs down the middle of the picture. */
+/* A parallel view into the corner away from the window; the seam runs down the middle of the
+ * picture. */
 static const char corner[] = "-vtl -vp 2 3 1.5 -vd 1 1 0 -vu 0 0 1 -vh .8 -vv .6";
 
-/* How a column's pixels lie off the mean of the 17 about them, relative: mean square. */
+/* Returns the mean square relative deviation of a column's pixels from the mean of the 17 around
+ * them. */
 static double off_smooth(double (*rgb)[3], int column)
 {
     enum { ABOUT = 8 };
@@ -63,10 +65,10 @@ static double off_smooth(double (*rgb)[3], int column)
 }
 
 /*
- * Along the line places are read from small records of few rays each, fitted to those about them
- * (icache_fit.h). It is 0.54 %, by discs of 24 pixels or more across of which some 40 lie
- * along the lines, so that it is known to a ninth of that; the bound is three of these above. Each
- * by itself they left 4.9 %.
+ * Along the seam pixels use small records of few rays each, fitted to their neighbours
+ * (icache_fit.h). The deviation is 0.54 %, with discs of 24 pixels or more across of which some 40
+ * lie along the lines, so that it is known to a ninth; the bound is three of these above. Without
+ * the fit it was 4.9 %.
  */
 static void test_walls_meet(void **state)
 {
@@ -75,7 +77,7 @@ static void test_walls_meet(void **state)
     double along = 0, elsewhere = 0;
     (void)state;
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-        look(&picture, seed, 200000, 0, rgb);
+        render_picture(&picture, seed, 200000, 0, rgb);
         for (int i = 1; i <= 3; i++) {
             along += off_smooth(rgb, WIDTH / 2 - i) / (6 * SEEDS);
             along += off_smooth(rgb, WIDTH / 2 + i) / (6 * SEEDS);
@@ -91,9 +93,9 @@ static void test_walls_meet(void **state)
     assert_true(sqrt(elsewhere) < 0.003);
 }
 
-/* ---- Shadows that end ------------------------------------------------------------------------ */
+/* ---- Shadow edges ---------------------------------------------------------------------------- */
 
-/* The sun in the zenith, and a plate's edge 1 m above the floor: half of it stands over y. */
+/* The sun at the zenith, and a plate's edge 1 m above the floor: half of the plate is over y. */
 static const char plate[] =
     "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 0 1 .533\n" ROOM_GREY
     "void plastic k 0 0 5 0 0 0 0 0\n"
@@ -102,9 +104,9 @@ static const char plate[] =
 static const char down[] = "-vtl -vp 0 0 .5 -vd 0 0 -1 -vu 0 1 0 -vh .024 -vv .018";
 
 /*
- * A pixel's 16 rays go to places of their own on the sun and in the pixel, and err by half of what
- * chance would do. If four that agree were enough they would err by as much as chance: some pixels
- * of a penumbra were black, and some fully lit.
+ * A pixel's 16 rays sample different points of the sun and of the pixel, and have half of the
+ * random error. If four equal samples were enough they would have the full random error: some
+ * pixels of a penumbra were black, and some fully lit.
  */
 static void test_shadow_ends(void **state)
 {
@@ -113,7 +115,7 @@ static void test_shadow_ends(void **state)
     const struct picture picture = {plate, down, WIDTH, HEIGHT};
     double squares = 0, by_chance = 0, lit = 0;
     (void)state;
-    look(&picture, 1, 1000, 0, rgb);
+    render_picture(&picture, 1, 1000, 0, rgb);
     for (int y = 0; y < HEIGHT; y++)
         lit += rgb[y * WIDTH + WIDTH - 1][1] / HEIGHT;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -132,7 +134,7 @@ static void test_shadow_ends(void **state)
 
 /* ---- Bright spots ---------------------------------------------------------------------------- */
 
-/* The sun in the zenith, and under a ball of glass the spot that it makes of it. */
+/* The sun at the zenith, and the spot that a ball of glass focuses below it. */
 static const char lens[] =
     "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 0 1 .533\n" ROOM_GREY
     "void dielectric d 0 0 5 .99 .99 .99 1.5 0\nd sphere ball 0 0 4 0 0 .2 .1\n"
@@ -140,9 +142,9 @@ static const char lens[] =
 static const char spot[] = "-vtl -vp 0 0 .03 -vd 0 0 -1 -vu .3 1 0 -vh .2 -vv .15";
 
 /*
- * A pixel is the mean of what a finer picture of the same photons has in its place, also where
- * light by photons is steep within it. It is 2.2 % off, rms of the mean (rays through pixels are
- * four to sixteen), and was 5.7 % by one ray through its middle.
+ * A pixel is the mean of a finer picture's pixels of the same photons in its place, also where the
+ * photon light is steep within it. It is 2.2 % off, rms of the mean (rays through pixels are four
+ * to sixteen), and was 5.7 % with one ray through its middle.
  */
 static void test_steep_spot(void **state)
 {
@@ -151,8 +153,8 @@ static void test_steep_spot(void **state)
     double squares = 0, mean = 0;
     (void)state;
     const struct picture whole = {lens, spot, WIDTH, HEIGHT}, small = {lens, spot, W, H};
-    look(&whole, 1, 1000, 200000, fine);
-    look(&small, 1, 1000, 200000, coarse);
+    render_picture(&whole, 1, 1000, 200000, fine);
+    render_picture(&small, 1, 1000, 200000, coarse);
     for (int y = 0; y < H; y++)
         for (int x = 0; x < W; x++) {
             double sum = 0;

@@ -1,6 +1,6 @@
 /*
- * Small studies from end to end: a room with a window under an even sky, whose errors, times and
- * files are looked at for what must hold whatever the numbers are.
+ * Small complete studies: a room with a window under a uniform sky. Errors, times and files are
+ * tested for properties that hold for any numbers.
  */
 #include <dirent.h>
 #include <setjmp.h>
@@ -33,11 +33,11 @@ static double now_s(void *ctx)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* What a study said on its way. */
+/* Reports of a study. */
 struct witness {
     atomic_bool cancel;
     size_t calls, points, cancel_after, runs;
-    struct orl_health health; /* of all runs */
+    struct orl_health health; /* counters summed over all runs */
     double last;
     bool fell;
 };
@@ -91,7 +91,7 @@ static int run_study(const struct orl_study_request *request, uint32_t threads,
                                       .ctx = witness};
     const int code = orl_study_run(request, &env, ret_study, err);
     orl_crew_stop(env.crew);
-    /* Runs leave nothing behind, however the study ended. */
+    /* Runs leave no files behind, however the study ended. */
     DIR *left = opendir(folder);
     size_t entries = 0;
     assert_non_null(left);
@@ -103,7 +103,7 @@ static int run_study(const struct orl_study_request *request, uint32_t threads,
     return code;
 }
 
-/* The arrays are the caller's own: not for orl_study_request_done. */
+/* The caller owns the arrays: do not call orl_study_request_done. */
 static struct orl_study_request make_request(void)
 {
     static enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
@@ -163,20 +163,20 @@ static void test_sensors(void **state)
     assert_int_equal(study.reference.values + study.reference.left_out, ROOM_SENSORS);
     assert_true(study.reference.values > 0 && study.reference.worst <= 0.01);
     /* Sixteen times the samples: a quarter of the noise, which the spread of 4 seeds at 5 sensors
-     * tells to within a factor of 2. */
+     * measures to a factor of 2. */
     assert_true(study.points[1].rms < 0.5 * study.points[0].rms);
     assert_int_equal(study.n_fits, 2);
     assert_true(study.fits[0].terms[ORL_FIT_SAMPLES] > 0);
     assert_int_equal(study.n_given, 2);
     assert_string_equal(study.given[0].name, request.given[0].name);
-    /* Three seconds of a machine a thousand times slower, and of one of which nothing is known. */
+    /* Three seconds of a machine a thousand times slower, and of an unknown one. */
     assert_true(study.rays_per_s > 1000);
     assert_true(fabs(study.given[0].here_s - 3000 / study.rays_per_s) < 1e-9);
     assert_true(study.given[1].here_s == 3);
     orl_study_done(&study);
 }
 
-/* The numbers, but for times, are the same for any crew; the seeds are the request's. */
+/* The numbers, except times, are equal for any crew; the seeds are the request's. */
 static void test_errors_do_not_depend_on_threads(void **state)
 {
     struct orl_study_request request = make_request();
@@ -225,7 +225,7 @@ static void test_views(void **state)
         assert_point(&study.points[i]);
         assert_true(study.points[i].peak >= 0 && isfinite(study.points[i].peak));
     }
-    /* Views of the gather technique take no notice of samples. */
+    /* Views of the gather technique ignore samples. */
     assert_int_equal(study.points[0].setting.samples, 4);
     assert_int_equal(study.points[1].setting.samples, 0);
     orl_study_done(&study);
@@ -242,7 +242,7 @@ static void test_cancelling(void **state)
     assert_int_equal(run_study(&request, 1, &w, &study, &err), ORL_ERR_CANCELLED);
     assert_int_equal(w.points, 2);
     assert_null(study.points);
-    /* The run that was broken off says what it took, like those before it. */
+    /* The interrupted run reports its cost, like those before it. */
     assert_int_equal(w.runs, request.reference_runs + 2 * request.repeats + 1);
     assert_true(w.health.rays > 0 && w.health.photons > 0);
 }

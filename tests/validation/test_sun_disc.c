@@ -1,11 +1,11 @@
 /*
  * The sun in a picture: its flux is its luminance times its solid angle, whatever the pixels' size
- * and wherever in a pixel it stands; through glass times its transmittance; half behind an edge,
- * half. Of the film's pixels as floats, by the light at the eye that they add up to.
+ * and its position in a pixel; through glass times its transmittance; half of it behind an edge.
+ * Measured on the film's pixels as floats, by the light at the eye that they add up to.
  *
- * The sun's light at the eye is its irradiance times a cosine, exactly. Disc rays fall by 32 x 32
- * strata: an edge through the disc is passed by those of some 32 of them to within half a stratum's
- * share each, 1 % at the most. HDR files round to 1/256.
+ * The sun's light at the eye is its irradiance times a cosine, exactly. Disc rays use 32 x 32
+ * strata: an edge through the disc crosses some 32 of them with an error of half a stratum each, 1
+ * % at most. HDR files round to 1/256.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -23,7 +23,7 @@
 #define DARK                                                                                       \
     "void plastic w 0 0 5 0 0 0 0 0\nw polygon far 0 0 9 900 900 -900 901 900 -900 900 901 -900\n"
 
-/* The light at the eye of a picture of that scene, lx. */
+/* Returns the light at the eye of a picture of that scene, lx. */
 static double eye_lx(const char *scene, const char *view, uint32_t side,
                      enum orl_technique technique)
 {
@@ -41,7 +41,7 @@ static double eye_lx(const char *scene, const char *view, uint32_t side,
     return lx;
 }
 
-/* Of the whole disc straight ahead, per unit of transmittance. */
+/* Returns the light of the whole disc straight ahead, per unit of transmittance. */
 static double sun_lx(void)
 {
     const double half = 0.533 / 2 * ORL_DEG_TO_RAD;
@@ -72,7 +72,7 @@ static void test_any_place_and_size(void **state)
             }
 }
 
-/* Straight through glass: 0.96 as clear as the air, transmissivity for normal incidence. */
+/* Straight through glass: 0.96 of the light in air, transmissivity for normal incidence. */
 static void test_through_glass(void **state)
 {
     static const char *const techniques[] = {"gather", "backward"};
@@ -84,7 +84,7 @@ static void test_through_glass(void **state)
                       "g polygon pane 0 0 12 -9 2 -9 9 2 -9 9 2 9 -9 2 9\n",
              0.0, 1.0, 0.0);
     const char *view = "-vta -vd 0 1 0 -vh 180 -vv 180";
-    /* Of a pane of refractive index 1.52: (1 - r)^2 t / (1 - r^2 t^2). */
+    /* A pane of refractive index 1.52 transmits (1 - r)^2 t / (1 - r^2 t^2). */
     const double r = pow(0.52 / 2.52, 2), t = 0.5;
     const double clear = (1 - r) * (1 - r) * t / (1 - r * r * t * t);
     for (int i = 0; i < 2; i++) {
@@ -111,7 +111,7 @@ static void test_half_a_disc(void **state)
     }
 }
 
-/* Halves of OpenEXR do not hold it, and the result says so; of floats there is nothing to say. */
+/* Half floats of OpenEXR overflow, and the result has a warning; floats cause none. */
 static void test_beyond_halves(void **state)
 {
     static const enum orl_picture pictures[] = {ORL_PICTURE_EXR, ORL_PICTURE_EXR_FLOAT};

@@ -1,4 +1,4 @@
-/* Hours of sun at points, against the length of days above an altitude. */
+/* Hours of sun at points, compared with the length of days above an altitude. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,10 +19,11 @@
       " polygon c 0 0 12 -1 -1 -1 -1 1 -1 -1 1 1 -1 -1 1\n" m                                      \
       " polygon d 0 0 12 1 -1 -1 1 1 -1 1 1 1 1 -1 1\n" m                                          \
       " polygon e 0 0 12 -1 -1 1 1 -1 1 1 1 1 -1 1 1\n"
-/* In front of the point: a wall without end in the west, and, north being turned, the same. */
+/* In front of the point: an endless wall in the west; and the equivalent wall for rotated north. */
 #define WALL_WEST "w polygon wall 0 0 12 -.1 -1e5 -1e5 -.1 1e5 -1e5 -.1 1e5 1e5 -.1 -1e5 1e5\n"
 #define WALL_SOUTH "w polygon wall 0 0 12 -1e5 -.1 -1e5 1e5 -.1 -1e5 1e5 -.1 1e5 -1e5 -.1 1e5\n"
-/* Above it, towards the south as far as 36 degrees of profile reach. */
+/* A roof above the point that ends in the south at a profile angle of 36 degrees, and covers higher
+ * angles. */
 #define ROOF "w polygon roof 0 0 12 -1e5 1e5 1 1e5 1e5 1 1e5 -1.37638 1 -1e5 -1.37638 1\n"
 
 struct site {
@@ -65,8 +66,8 @@ static struct orl_exposure expose(const struct site *site)
     return exposure;
 }
 
-/* At noon of a day of 2017, by the Astronomical Almanac's low-precision formulas: good to 0.01
- * degrees. */
+/* Returns the declination at noon of a day of 2017, by the Astronomical Almanac's low-precision
+ * formulas, accurate to 0.01 degrees. */
 static double declination_of(int day_of_year)
 {
     const double n = 2457754.5 + day_of_year - 1 + 10.3 / 24 - 2451545;
@@ -76,8 +77,8 @@ static double declination_of(int day_of_year)
     return asin(sin((23.439 - 4e-7 * n) * ORL_DEG_TO_RAD) * sin(longitude * ORL_DEG_TO_RAD));
 }
 
-/* Hours of a day with the sun above an altitude: from its hour angle there, by the declination of
- * noon all day. */
+/* Returns the hours of a day with the sun above an altitude: from its hour angle there, with noon's
+ * declination all day. */
 static double day_hours(double latitude_deg, int day_of_year, double altitude_deg)
 {
     const double declination = declination_of(day_of_year);
@@ -87,8 +88,8 @@ static double day_hours(double latitude_deg, int day_of_year, double altitude_de
     return 24 / ORL_PI * acos(fmax(-1, fmin(1, cosine)));
 }
 
-/* Minutes are counted by their middles: both ends of a day are half a minute off at the most. From
- * one end to the other the equation of time changes by up to 10 s. */
+/* Minutes count by their middles: each end of a day is off by at most half a minute. Between both
+ * ends the equation of time changes by up to 10 s. */
 static const double minute = (1.001 + 10.0 / 60) / 60;
 
 static void test_open_ground(void **state)
@@ -111,8 +112,8 @@ static void test_open_ground(void **state)
     }
 }
 
-/* Helsinki, where in March a horizon of 28.2 degrees lets the sun stand above it about noon: 2.70 h
- * by its true place, 2.10 h by the fit that Radiance's programs use. */
+/* Helsinki: in March with a horizon of 28.2 degrees the sun is above it around noon: 2.70 h by its
+ * true position, 2.10 h by the fit that Radiance's programs use. */
 static void test_helsinki(void **state)
 {
     const struct site helsinki = {STONE, 60.17, 0, 28.2, 24.94, ORL_SUN_ACCURATE};
@@ -126,7 +127,7 @@ static void test_helsinki(void **state)
     assert_true(fabs(fit.last_day_hours - 2.10) < 0.005);
 }
 
-/* In the south spring is in September, and the last day is its 21st. */
+/* In the south spring is in September, and the last day is the 21st. */
 static void test_south(void **state)
 {
     const struct orl_exposure e =
@@ -136,7 +137,9 @@ static void test_south(void **state)
     assert_true(fabs(e.hours - day_hours(-LATITUDE, 264, 0)) < minute);
 }
 
-/* Half of the day is behind it, the sun being in the east until noon; turned with north, too. */
+/*
+ * The wall hides half of the day, since the sun is in the east until noon; also with rotated north.
+ */
 static void test_wall(void **state)
 {
     const double half = day_hours(LATITUDE, 80, 0) / 2;
@@ -149,7 +152,7 @@ static void test_wall(void **state)
     assert_true(fabs(turned.last_day_hours - half) < minute);
 }
 
-/* Tinted glass is open, paper is not. */
+/* Tinted glass counts as open, paper does not. */
 static void test_panes(void **state)
 {
     const struct orl_exposure glass = expose(&(struct site){
@@ -161,8 +164,8 @@ static void test_panes(void **state)
     assert_true(paper.hours == 0 && paper.level == ORL_EXPOSED_LESS);
 }
 
-/* At the equinox the sun goes along a plane of 90 degrees less the latitude, 52, that the roof has
- * covered; on the first of February it stays below 35. The day told is one of those before. */
+/* At the equinox the sun moves along a plane of 90 degrees less the latitude, 52, which the roof
+ * covers; on the first of February it stays below 35. The reported day is one of those before. */
 static void test_roof(void **state)
 {
     const struct orl_exposure e =

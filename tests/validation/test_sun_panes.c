@@ -1,6 +1,6 @@
 /*
- * The sun through panes described by BSDFs, whole jobs against closed forms: the sharp patch that
- * an aBSDF lets through, beside what it scatters; and a pane whose light is all in its material's
+ * The sun through BSDF panes in whole jobs, compared with closed forms: the sharp patch that an
+ * aBSDF transmits, beside its scattered light; and a pane whose light is all in its material's
  * diffuse parts.
  *
  * A dark room of 4 x 5 x 3 m with a pane of 2 x 1.5 m in the south, from the floor up; the sun is
@@ -30,7 +30,7 @@
     "w polygon south 0 0 24 0 0 0 0 0 3 4 0 3 4 0 0 3 0 0 3 0 1.5 1 0 1.5 1 0 0\n"
 #define PANE "p polygon pane 0 0 12 1 0 0 1 0 1.5 3 0 1.5 3 0 0\n"
 
-/* Two in the patch, two out of it: its border is y = 1.5, and 0.533 degrees of penumbra wide. */
+/* Two in the patch, two outside it: its border is y = 1.5, with a penumbra of 0.533 degrees. */
 enum { SENSORS = 4, IN_PATCH = 2 };
 static const struct orl_sensor sensors[SENSORS] = {
     {{2, 0.7, 0}, {0, 0, 1}},
@@ -39,14 +39,14 @@ static const struct orl_sensor sensors[SENSORS] = {
     {{2, 2.5, 0}, {0, 0, 1}},
 };
 
-/* Irradiance of the pane and of the floor: the sun is as high over the one as over the other. */
+/* Irradiance of the pane and of the floor: both have the same angle to the sun. */
 static double sun_w(void)
 {
     const double half = 0.5 * 0.533 * ORL_DEG_TO_RAD;
     return 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half) * sqrt(0.5);
 }
 
-/* Irradiance on the floor from the pane at radiance 1, by midpoints. */
+/* Returns the irradiance on the floor from the pane at radiance 1, by midpoints. */
 static double form(const struct orl_sensor *sensor)
 {
     enum { SIDE = 400 };
@@ -83,10 +83,10 @@ static void assert_watts(int sensor, double lx, double watts, double relative)
 }
 
 /*
- * Straight 0.6, spread evenly 0.2. The patch is lit by both, everything else by the latter alone:
- * no cell of the data shows. What is spread arrives as caustic photons, read by the nearest 300: 6
- * % of it are one standard deviation, and four are allowed, for there are a dozen such readings; of
- * the patch's sum that is 0.1 %.
+ * Direct 0.6, scattered uniformly 0.2. Both light the patch; only the latter lights the rest,
+ * without any cell of the data visible. Scattered light arrives as caustic photons, read by the
+ * nearest 300: 6 % of it are one standard deviation, and four are allowed because there are a dozen
+ * such readings; of the patch's sum that is 0.1 %.
  */
 static void an_absdfs_patch_is_sharp(void **state)
 {
@@ -102,7 +102,7 @@ static void an_absdfs_patch_is_sharp(void **state)
     }
 }
 
-/* The same data as BSDF: a cell 5 degrees wide blurs the patch's border by 15 cm and more. */
+/* As BSDF instead of aBSDF: a cell 5 degrees wide blurs the patch's border by 15 cm and more. */
 static void a_bsdfs_patch_is_blurred(void **state)
 {
     double lx[SENSORS];
@@ -112,7 +112,7 @@ static void a_bsdfs_patch_is_blurred(void **state)
     assert_true(lx[1] < 0.9 * lx[0] && lx[2] > 3 * lx[3]);
 }
 
-/* Nothing in the file, 0.6 through by the material: the pane is Lambertian. */
+/* An empty file, 0.6 transmitted by the material: the pane is Lambertian. */
 static void what_is_added_lights_the_room(void **state)
 {
     double lx[SENSORS];
@@ -124,10 +124,10 @@ static void what_is_added_lights_the_room(void **state)
 }
 
 /*
- * In mid-air, near a pane whose lobe is 2.5 degrees wide: a sensor is lit from a spot of some
- * centimetres of 3 m2, which the sun's disc, on the border of two cells of the data, shares with
- * another one. Points spread over the pane missed it: 675 lx, alike in 8 seeds. Those drawn along
- * the beam find it, half of it if the beam is that of the disc's middle: 3 227 lx. Now 8 seeds
+ * A free sensor near a pane whose lobe is 2.5 degrees wide: it is lit from a spot of some
+ * centimetres in 3 m2, and the sun's disc lies on the border of two cells of the data. Points
+ * spread over the pane missed the spot: 675 lx, alike in 8 seeds. Points sampled along the lobe
+ * find it, but only half of it if the lobe is that of the disc's middle: 3 227 lx. Now 8 seeds
  * scatter by 1.4 % at most, their mean by 0.5 %, and backward, by one run of 16 times the samples,
  * by 2 %.
  */
@@ -168,8 +168,8 @@ static void a_narrow_lobe_is_found_in_mid_air(void **state)
 }
 
 /*
- * The same pane by itself, and sensors that face the sun at a slant: no window of a room, but its
- * lobe is aimed at all the same. By even rays alone one in a thousand met it: a
+ * A pane alone with those data, and sensors that face the sun at a slant: it is no window of a
+ * room, but its lobe is sampled all the same. Of uniform rays alone one in a thousand hit it: a
  * seed was off by eight times the truth.
  */
 static void a_pane_that_stands_free_is_aimed_at(void **state)
@@ -202,7 +202,7 @@ static void a_pane_that_stands_free_is_aimed_at(void **state)
     free(bsdf.data);
 }
 
-/* Red glass, so to speak: lux are Visible's, whatever the colour. */
+/* A red pane: lux are those of Visible, whatever the colour. */
 static void colour_leaves_illuminance_alone(void **state)
 {
     double lx[SENSORS];
@@ -212,7 +212,7 @@ static void colour_leaves_illuminance_alone(void **state)
     assert_watts(0, lx[0], sun_w() * (0.3 + 0.05 / ORL_PI * form(&sensors[0])), 0.01);
 }
 
-/* Under an even sky an aBSDF shows 0.6 of it straight and 0.2 scattered, and neither twice. */
+/* Under a uniform sky an aBSDF shows 0.6 of it direct and 0.2 scattered, and neither twice. */
 static void a_view_through_counts_once(void **state)
 {
     enum { SIDE = 16 };
@@ -233,7 +233,7 @@ static void a_view_through_counts_once(void **state)
         .folder = folder});
     snprintf(path, sizeof path, "%s/view.hdr", folder);
     hdr_read(path, SIDE, SIDE, rgb);
-    /* A quarter of a pixel's draws are scattered: a pixel's deviation is about 0.01, the mean's a
+    /* A quarter of a pixel's samples are scattered: a pixel's deviation is about 0.01, the mean's a
      * sixteenth of that, and RGBE rounds by up to 0.4 %. */
     for (int i = 0; i < SIDE * SIDE; i++)
         mean += rgb[i][1] / (SIDE * SIDE);

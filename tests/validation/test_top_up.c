@@ -1,6 +1,6 @@
 /*
- * More photons for a map that is there: only what is missing is traced, and the map is the same,
- * bit for bit, as one made at once.
+ * More photons for an existing map: only the missing ones are traced, and the map equals, bit for
+ * bit, one made at once.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +16,7 @@
 #include "support/cli.h"
 #include "support/room.h"
 
-/* A mirror under the window sends the sun to the ceiling. */
+/* A mirror under the window reflects the sun to the ceiling. */
 #define MIRROR                                                                                     \
     "void mirror m 0 0 3 .8 .8 .8\n"                                                               \
     "m polygon strip 0 0 12 1 .3 .05 3 .3 .05 3 2 .05 1 2 .05\n"
@@ -72,7 +72,7 @@ static void assert_same_map(const struct orl_result *a, const char *folder_a,
     assert_int_equal(find_map(a, kind)->stored, find_map(b, kind)->stored);
 }
 
-/* The steps one after the other in one folder, against the last alone in another. */
+/* Runs the steps in one folder, and the last alone in another, and compares them. */
 static void check_steps(const char *scene, const struct step *steps, size_t count)
 {
     char folder[64], other[64];
@@ -86,7 +86,8 @@ static void check_steps(const char *scene, const struct step *steps, size_t coun
             const bool is_caustic = strcmp(last.maps[k].kind, "caustic") == 0;
             const uint64_t before = is_caustic ? steps[i - 1].caustic : steps[i - 1].global;
             const uint64_t now = is_caustic ? steps[i].caustic : steps[i].global;
-            /* Of an equal count it is found, of a smaller one or none made from nothing. */
+            /* With an equal count the map is found; with a smaller one or none it is built from
+             * nothing. */
             assert_int_equal(last.maps[k].cached, before == now);
             assert_int_equal(last.maps[k].reused > 0, before > 0 && before < now);
             assert_true(last.maps[k].reused == 0 || last.maps[k].reused >= before);
@@ -129,7 +130,7 @@ static void test_open(void **state)
     check_steps(OPEN, both, 2);
 }
 
-/* A few photons, and many; a batch more or less is all that the counts differ by. */
+/* Few photons, and many; or counts that differ by one batch at most. */
 static void test_extremes(void **state)
 {
     static const struct step few[] = {{1, 1, 1}, {3, 3, 1}, {30000, 300, 2}};
@@ -140,7 +141,7 @@ static void test_extremes(void **state)
     cli_make_folder(folder);
     struct orl_result first = run_step(CLOSED, folder, near[0]);
     struct orl_result second = run_step(CLOSED, folder, near[1]);
-    /* Within the same batch: there is nothing to trace. */
+    /* The count is within the same batch: nothing is traced. */
     assert_true(first.maps[0].stored > near[1].global);
     assert_int_equal(second.maps[0].stored, first.maps[0].stored);
     assert_int_equal(second.maps[0].reused, first.maps[0].stored);
@@ -151,7 +152,8 @@ static void test_extremes(void **state)
     check_steps(CLOSED, near, 2);
 }
 
-/* What is traced is what is missing: photons started by the second job, against both at once. */
+/* Only the missing photons are traced: photons started by the second job, compared with both at
+ * once. */
 static void test_only_the_rest_is_traced(void **state)
 {
     char folder[64], other[64];
@@ -172,7 +174,7 @@ static void test_only_the_rest_is_traced(void **state)
     cli_remove_folder(other);
 }
 
-/* Without caustics there is no map to go on from, with or without an empty one. */
+/* Without caustics there is no map to extend, with or without an empty one. */
 static void test_nothing_to_go_on_from(void **state)
 {
     static const struct step empty[] = {{5000, 5000, 1}, {5000, 9000, 1}};
@@ -195,7 +197,7 @@ static void test_nothing_to_go_on_from(void **state)
     cli_remove_folder(other);
 }
 
-/* Precomputed irradiance is made anew, of a global map that is topped up. */
+/* Precomputed irradiance is rebuilt from the extended global map. */
 static void test_precomputed(void **state)
 {
     char folder[64], other[64];
@@ -247,9 +249,7 @@ static bool warned(const struct orl_result *result, const char *words)
     return false;
 }
 
-/* A smaller map that is damaged is passed over, for the next smaller or for none; a warning says
- * so.
- */
+/* A smaller map that is damaged is skipped, for the next smaller or for none, with a warning. */
 static void test_damaged(void **state)
 {
     char folder[64], other[64];
@@ -277,7 +277,7 @@ static void test_damaged(void **state)
     cli_remove_folder(other);
 }
 
-/* Another seed is another family. */
+/* Another seed does not extend the map. */
 static void test_families(void **state)
 {
     char folder[64];

@@ -1,5 +1,5 @@
 /*
- * Unglazed openings are ports: which are found, and the light of small ones in deep rooms.
+ * Unglazed openings as photon ports: which are detected, and the light of small ones in deep rooms.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -59,7 +59,7 @@ static void test_found(void **state)
                           "w polygon c 0 0 12 3.9 0 1.8 4.2 0 1.8 4.2 .05 1.8 3.9 .05 1.8\n"
                           "w polygon d 0 0 12 3.9 0 1.5 3.9 .05 1.5 4.2 .05 1.5 4.2 0 1.5\n" SKY,
          0, 1},
-        {"round pane in the hole", /* what is free beside it is no rectangle */
+        {"round pane in the hole", /* the free part beside it is no rectangle */
          BLACK HOLE GLASS "p ring p 0 0 8 4.05 0 1.65 0 -1 0 0 .15\n" SKY, 0, 0},
         {"shutter in the hole", BLACK HOLE "w ring p 0 0 8 4.05 0 1.65 0 -1 0 0 .3\n" SKY, 0, 0},
         {"cabinet of glass inside",
@@ -83,7 +83,7 @@ static void test_found(void **state)
          "w polygon g 0 0 12 4 4 0 4 4 3 4 8 3 4 8 0\nw polygon h 0 0 12 8 4 0 8 8 0 8 8 3 8 4 "
          "3\n" SKY,
          0, 2},
-        {"diamond", /* its rectangle is not all free */
+        {"diamond", /* its rectangle is not completely free */
          BLACK "w polygon south 0 0 30 0 0 0 0 0 3 8 0 3 8 0 0 0 0 0 4 0 1 5 0 1.5 4 0 2 3 0 1.5 4 "
                "0 1\n" SKY,
          0, 0},
@@ -111,8 +111,8 @@ static void test_found(void **state)
     orl_crew_stop(crew);
 }
 
-/* The opening is found, too, in a room that is turned about the vertical by odd angles and stands
- * away from the origin. */
+/* The opening is also detected in a room that is rotated about the vertical by odd angles and away
+ * from the origin. */
 static void test_turned(void **state)
 {
     static const double angles_deg[] = {13.7, 45, 199.3};
@@ -149,9 +149,9 @@ static void test_turned(void **state)
     orl_crew_stop(crew);
 }
 
-/* Irradiance over radiance at a point, by a rectangle in the plane y = 0, for a normal along y
- * (towards it, 0) or up (2): the sum over its edges (Lambert 1760; Baum, Rushmeier and Winget
- * 1989). */
+/* Returns irradiance over radiance at a point, by a rectangle in the plane y = 0, for a normal
+ * along y (towards it, 0) or up (2): the sum over its edges (Lambert 1760; Baum, Rushmeier and
+ * Winget 1989). */
 static double seen_through(struct orl_vec3 p, struct orl_vec3 normal)
 {
     static const double x[] = {3.9, 4.2, 4.2, 3.9}, z[] = {1.5, 1.5, 1.8, 1.8};
@@ -166,7 +166,7 @@ static double seen_through(struct orl_vec3 p, struct orl_vec3 normal)
     return fabs(sum);
 }
 
-/* Rays by the cosine stand for up to this share of the hole's light, and hardly any of them meets
+/* Cosine-sampled rays represent up to this share of the hole's light, and almost none of them hits
  * the hole. */
 static const double by_chance = 0.005;
 

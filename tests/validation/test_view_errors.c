@@ -1,13 +1,13 @@
 /*
- * What error maps state against what pixels do between seeds, for every technique.
+ * Compares the errors of error maps with the scatter of pixels between seeds, for every technique.
  *
- * Of seed k let q_k be the sum over pixels of their squared distances from the mean over all N
- * seeds, times N / (N - 1), and p_k the sum of the squared errors stated. Both have the same
- * expectation where errors are rightly stated, whatever the pixels share (photons, lamps) and
- * whatever bias they have. Seeds are independent (but for the mean that the q_k share, which the
- * factor makes up for), so that mean(q) - mean(p) is known to sd(q - p) / sqrt(N): four times that
- * is the tolerance. Errors may be stated too large where samples are spread evenly, or rays lie on
- * a grid: by half at the most, which is 2.25 in squares.
+ * For seed k let q_k be the sum over pixels of their squared distances from the mean over all N
+ * seeds, times N / (N - 1), and p_k the sum of the squared stated errors. Both have the same
+ * expectation if errors are stated correctly, whatever the pixels share (photons, lamps) and
+ * whatever bias they have. Seeds are independent (except for the mean that the q_k share, which the
+ * factor corrects), so that mean(q) - mean(p) is known to sd(q - p) / sqrt(N): four times that is
+ * the tolerance. Errors may be stated too large if samples are stratified, or rays lie on a grid:
+ * by half at most, which is 2.25 in squares.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,7 +29,7 @@ static const double most_stated = 2.25;
 static const char sphere[] = "void light l 0 0 3 100 100 100\nl sphere lamp 0 0 4 0 0 0 .1\n"
                              "void plastic w 0 0 5 .5 .5 .5 0 0\nw bubble wall 0 0 4 0 0 0 1\n";
 static const char at_wall[] = "-vtv -vp 0 .3 -.5 -vd 0 1 0 -vh 60 -vv 60";
-/* The sun through a pane that scatters it, onto the floor: caustic photons. */
+/* The sun through a scattering pane onto the floor: caustic photons. */
 static const char room[] = ROOM_SUN ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE;
 static const char at_floor[] = "-vtv -vp 2 4 2 -vd 0 -.1 -1 -vu 0 1 0 -vh 25 -vv 25";
 
@@ -37,7 +37,7 @@ struct errors {
     double values[SEEDS][PIXELS], stated[SEEDS][PIXELS]; /* W/sr/m2 */
 };
 
-static void take(const char *folder, const char *file, double ret_values[PIXELS])
+static void read_values(const char *folder, const char *file, double ret_values[PIXELS])
 {
     char path[128];
     double rgb[PIXELS][3];
@@ -58,8 +58,8 @@ static void render(struct scene_run run, struct errors *ret)
         struct orl_result result = scene_run(&run);
         assert_string_equal(result.views[0].files[ORL_PICTURE_ERROR_HDR], "view.error.hdr");
         assert_string_equal(result.views[0].files[ORL_PICTURE_ERROR_PNG], "view.error.png");
-        take(folder, "view.hdr", ret->values[seed]);
-        take(folder, "view.error.hdr", ret->stated[seed]);
+        read_values(folder, "view.hdr", ret->values[seed]);
+        read_values(folder, "view.error.hdr", ret->stated[seed]);
         orl_result_done(&result);
         cli_remove_folder(folder);
     }
@@ -73,7 +73,7 @@ static double mean_of(const double *values, int n)
     return sum / n;
 }
 
-/* Sums over pixels, seed by seed: what they do, and what they state. */
+/* Sums over pixels for each seed: the squared scatter, and the squared stated errors. */
 static void sum_up(const struct errors *e, double ret_done[SEEDS], double ret_stated[SEEDS])
 {
     memset(ret_done, 0, SEEDS * sizeof *ret_done);
@@ -90,7 +90,7 @@ static void sum_up(const struct errors *e, double ret_done[SEEDS], double ret_st
     }
 }
 
-/* How well the mean of a - share * b is known, by how that lies between seeds. */
+/* Returns the tolerance of the mean of a - share * b, from its scatter between seeds. */
 static double tolerance(const double a[SEEDS], const double b[SEEDS], double share)
 {
     double differences[SEEDS], squares = 0;
@@ -102,7 +102,7 @@ static double tolerance(const double a[SEEDS], const double b[SEEDS], double sha
     return 4 * sqrt(squares / (SEEDS - 1.0) / SEEDS);
 }
 
-static void check(const char *name, struct scene_run run)
+static void check_errors(const char *name, struct scene_run run)
 {
     static struct errors e;
     double done[SEEDS], stated[SEEDS];
@@ -121,19 +121,20 @@ static void check(const char *name, struct scene_run run)
 static void test_sphere(void **state)
 {
     (void)state;
-    check("sphere, backward", (struct scene_run){.scene = sphere,
-                                                 .view = at_wall,
-                                                 .technique = ORL_TECHNIQUE_BACKWARD,
-                                                 .pixel_samples = 16});
-    check("sphere, gather", (struct scene_run){.scene = sphere, .view = at_wall, .global = 10000});
-    check("sphere, direct", (struct scene_run){.scene = sphere,
-                                               .view = at_wall,
-                                               .technique = ORL_TECHNIQUE_DIRECT,
-                                               .global = 10000});
-    check("sphere, precomputed", (struct scene_run){.scene = sphere,
-                                                    .view = at_wall,
-                                                    .technique = ORL_TECHNIQUE_PRECOMPUTED,
-                                                    .global = 10000});
+    check_errors("sphere, backward", (struct scene_run){.scene = sphere,
+                                                        .view = at_wall,
+                                                        .technique = ORL_TECHNIQUE_BACKWARD,
+                                                        .pixel_samples = 16});
+    check_errors("sphere, gather",
+                 (struct scene_run){.scene = sphere, .view = at_wall, .global = 10000});
+    check_errors("sphere, direct", (struct scene_run){.scene = sphere,
+                                                      .view = at_wall,
+                                                      .technique = ORL_TECHNIQUE_DIRECT,
+                                                      .global = 10000});
+    check_errors("sphere, precomputed", (struct scene_run){.scene = sphere,
+                                                           .view = at_wall,
+                                                           .technique = ORL_TECHNIQUE_PRECOMPUTED,
+                                                           .global = 10000});
 }
 
 static void test_caustics(void **state)
@@ -141,18 +142,19 @@ static void test_caustics(void **state)
     char pane[2048];
     (void)state;
     scene_uniform_bsdf(0.2, pane);
-    check("scattering pane, gather", (struct scene_run){.scene = room,
-                                                        .resource_name = "pane.xml",
-                                                        .resource_text = pane,
-                                                        .view = at_floor,
-                                                        .global = 10000,
-                                                        .caustic = 10000});
-    check("scattering pane, backward", (struct scene_run){.scene = room,
-                                                          .resource_name = "pane.xml",
-                                                          .resource_text = pane,
-                                                          .view = at_floor,
-                                                          .technique = ORL_TECHNIQUE_BACKWARD,
-                                                          .pixel_samples = 16});
+    check_errors("scattering pane, gather", (struct scene_run){.scene = room,
+                                                               .resource_name = "pane.xml",
+                                                               .resource_text = pane,
+                                                               .view = at_floor,
+                                                               .global = 10000,
+                                                               .caustic = 10000});
+    check_errors("scattering pane, backward",
+                 (struct scene_run){.scene = room,
+                                    .resource_name = "pane.xml",
+                                    .resource_text = pane,
+                                    .view = at_floor,
+                                    .technique = ORL_TECHNIQUE_BACKWARD,
+                                    .pixel_samples = 16});
 }
 
 int main(void)

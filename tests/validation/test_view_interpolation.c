@@ -1,7 +1,7 @@
 /*
- * Errors stated of a view by irradiance records, under an even sky, against a long picture by
- * backward: where light is smooth but curved the interpolation between records is most of the
- * error, and it has to be in what is stated.
+ * Stated errors of a view by irradiance records, under a uniform sky, compared with a converged
+ * picture by backward: where light is smooth but curved the interpolation between records is most
+ * of the error, and the stated error must include it.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -53,9 +53,9 @@ static void render(enum orl_technique technique, uint32_t pixel_samples, struct 
 }
 
 /*
- * Were errors normal and known, 95 in 100 pixels would be within 1.96 joint errors. Errors are
- * estimated from a few records each, and neighbours are off together: the test asks for 85 in 100.
- * 89 are; 79 were when the error held only the rays and photons of records.
+ * With normal and known errors, 95 in 100 pixels would be within 1.96 joint errors. Errors are
+ * estimated from a few records each, and neighbours are correlated: the test requires 85 in 100. 89
+ * are; 79 were when the error included only the rays and photons of records.
  */
 static void test_even_sky(void **state)
 {

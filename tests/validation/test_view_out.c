@@ -1,4 +1,4 @@
-/* Views out of a room, against angles and distances in closed form. */
+/* Views out of a room, compared with angles and distances in closed form. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 #define MATERIALS                                                                                  \
     "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid glass g 0 0 3 .9 .9 .9\nvoid glass h 0 0 3 .9 .9 "    \
     ".9\nvoid trans t 0 0 7 .8 .8 .8 0 0 .7 .5\n"
-/* 6 m wide, 6 deep, 3 high; its south side is the case's. */
+/* 6 m wide, 6 deep, 3 high; the case adds its south side. */
 #define ROOM                                                                                       \
     "w polygon floor 0 0 12 -3 0 0 3 0 0 3 6 0 -3 6 0\n"                                           \
     "w polygon north 0 0 12 -3 6 0 3 6 0 3 6 3 -3 6 3\n"                                           \
@@ -30,8 +30,9 @@ struct text {
     size_t length;
 };
 
-static void add(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void add(struct text *text, const char *format, ...)
+static void add_text(struct text *text, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+static void add_text(struct text *text, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -41,13 +42,13 @@ static void add(struct text *text, const char *format, ...)
     assert_true(text->length < TEXT);
 }
 
-/* A rectangle in the plane of y. */
+/* Adds a rectangle in the plane of y. */
 static void add_upright(struct text *text, const char *modifier, double y, const double x[2],
                         const double z[2])
 {
     static int number = 0;
-    add(text, "%s polygon p%d 0 0 12 %g %g %g %g %g %g %g %g %g %g %g %g\n", modifier, number++,
-        x[0], y, z[0], x[1], y, z[0], x[1], y, z[1], x[0], y, z[1]);
+    add_text(text, "%s polygon p%d 0 0 12 %g %g %g %g %g %g %g %g %g %g %g %g\n", modifier,
+             number++, x[0], y, z[0], x[1], y, z[0], x[1], y, z[1], x[0], y, z[1]);
 }
 
 /* The south side with panes of glass, one above the other, and wall around them. */
@@ -74,7 +75,7 @@ static void add_south(struct text *text, double width, const struct pane *panes,
 static struct text room(double width, const struct pane *panes, size_t n)
 {
     struct text text = {.length = 0};
-    add(&text, MATERIALS ROOM CEILING LAWN);
+    add_text(&text, MATERIALS ROOM CEILING LAWN);
     add_south(&text, width, panes, n);
     return text;
 }
@@ -105,7 +106,7 @@ static int try_look(const struct text *scene, const struct orl_view_out_wish *wi
     return code;
 }
 
-static struct orl_view_out look(const struct text *scene, double x, double y)
+static struct orl_view_out view_out_at(const struct text *scene, double x, double y)
 {
     static char name[] = "eye";
     struct orl_named_place eye = {name, {x, y, 1.2}};
@@ -117,7 +118,7 @@ static struct orl_view_out look(const struct text *scene, double x, double y)
     return view;
 }
 
-/* Each edge is known to half a column. */
+/* Asserts an angle; each edge is known to half a column. */
 static void assert_angle(double found, double expected)
 {
     if (!(fabs(found - expected) <= 0.2501))
@@ -131,7 +132,7 @@ static double between(double x, double y, double from, double to)
 
 #define ALL (ORL_VIEW_SKY | ORL_VIEW_LANDSCAPE | ORL_VIEW_GROUND)
 
-/* To the horizon: the angle is the window's, and the level goes by it. */
+/* A view to the horizon: the angle is the window's, and determines the level. */
 static void test_open_view(void **state)
 {
     static const struct {
@@ -145,7 +146,7 @@ static void test_open_view(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const struct text scene = room(cases[i].width, &usual, 1);
-        const struct orl_view_out view = look(&scene, cases[i].x, cases[i].y);
+        const struct orl_view_out view = view_out_at(&scene, cases[i].x, cases[i].y);
         assert_angle(view.sight_angle_deg,
                      between(cases[i].x, cases[i].y, -cases[i].width / 2, cases[i].width / 2));
         assert_true(isinf(view.distance_m));
@@ -154,7 +155,7 @@ static void test_open_view(void **state)
     }
 }
 
-/* A wall across all of the view: so far away, and no sky; 3.2 m of window are wide enough. */
+/* A wall across the whole view at that distance, and no sky; 3.2 m of window are wide enough. */
 static void test_distance(void **state)
 {
     static const struct {
@@ -171,7 +172,7 @@ static void test_distance(void **state)
         struct text scene = room(3.2, &usual, 1);
         add_upright(&scene, "w", -cases[i].distance, (double[2]){-beyond, beyond},
                     (double[2]){0, beyond});
-        const struct orl_view_out view = look(&scene, 0.7, 3);
+        const struct orl_view_out view = view_out_at(&scene, 0.7, 3);
         assert_true(fabs(view.distance_m - cases[i].distance) < 1e-4 * cases[i].distance);
         assert_true((view.layers & ORL_VIEW_LANDSCAPE) && !(view.layers & ORL_VIEW_SKY));
         /* From 1.2 m over the sill of 0.9 m, 3 m away: the lawn from 9 m on. */
@@ -180,7 +181,7 @@ static void test_distance(void **state)
     }
 }
 
-/* Major is what stands in more than half of the view, and no lower than the eye. */
+/* A major layer fills more than half of the view, and is not below the eye. */
 static void test_what_is_major(void **state)
 {
     const double half = 1.6, y = 3;
@@ -189,34 +190,34 @@ static void test_what_is_major(void **state)
         struct text scene = room(2 * half, &usual, 1);
         const double from = atan2(half, y), to = from - 2 * from * share / 100;
         add_upright(&scene, "w", -30, (double[2]){-100, -(y + 30) * tan(to)}, (double[2]){0, 500});
-        const struct orl_view_out view = look(&scene, 0, y);
+        const struct orl_view_out view = view_out_at(&scene, 0, y);
         assert_true(share < 50 ? isinf(view.distance_m) : fabs(view.distance_m - 30) < 0.01);
         assert_angle(view.sight_angle_deg, between(0, y, -half, half));
     }
     struct text scene = room(2 * half, &usual, 1);
     add_upright(&scene, "w", -30, (double[2]){-500, 500}, (double[2]){0, 1.1});
-    assert_true(isinf(look(&scene, 0, y).distance_m));
+    assert_true(isinf(view_out_at(&scene, 0, y).distance_m));
 }
 
-/* Sky by itself is no view, nor a roof light. */
+/* Sky alone is no view, and neither is a roof light. */
 static void test_sky_alone(void **state)
 {
     const struct pane high = {1.8, 2.4, "g"};
     const struct text scene = room(3.2, &high, 1);
-    const struct orl_view_out view = look(&scene, 0, 3);
+    const struct orl_view_out view = view_out_at(&scene, 0, 3);
     struct text roof = {.length = 0};
     (void)state;
     assert_int_equal(view.layers, ORL_VIEW_SKY);
     assert_true(view.sight_angle_deg == 0 && view.level == ORL_VIEW_NONE);
-    add(&roof, MATERIALS ROOM "g polygon ceiling 0 0 12 -3 0 3 3 0 3 3 6 3 -3 6 3\n");
+    add_text(&roof, MATERIALS ROOM "g polygon ceiling 0 0 12 -3 0 3 3 0 3 3 6 3 -3 6 3\n");
     add_south(&roof, 1, NULL, 0);
-    const struct orl_view_out up = look(&roof, 0, 3);
+    const struct orl_view_out up = view_out_at(&roof, 0, 3);
     assert_int_equal(up.layers, ORL_VIEW_SKY);
     assert_true(up.sight_angle_deg == 0 && up.level == ORL_VIEW_NONE);
 }
 
-/* The lower pane shows lawn and horizon, the upper one sky: together they are one opening where a
- * bar is between them, and two where a wall is. */
+/* The lower pane shows lawn and horizon, the upper one sky: they are one opening with a bar between
+ * them, and two with a wall. */
 static void test_bars(void **state)
 {
     static const double bars[] = {0.2, 0.4};
@@ -225,22 +226,22 @@ static void test_bars(void **state)
         const struct pane panes[2] = {{0.5, 1.22, "g"}, {1.22 + bars[i], 2.6, "g"}};
         struct text scene = room(3.2, panes, 2);
         add_upright(&scene, "w", -60, (double[2]){-500, 500}, (double[2]){0, 5});
-        const struct orl_view_out view = look(&scene, 0, 3);
+        const struct orl_view_out view = view_out_at(&scene, 0, 3);
         assert_int_equal(view.level, i == 0 ? ORL_VIEW_HIGH : ORL_VIEW_MEDIUM);
         assert_int_equal((view.layers & ORL_VIEW_SKY) != 0, i == 0);
     }
 }
 
-/* Paper is no opening, nor a pane behind a shutter, nor one that is not named. */
+/* Paper is no opening, and neither is a pane behind a shutter or one that is not named. */
 static void test_what_is_no_opening(void **state)
 {
     const struct pane paper = {0.9, 2.4, "t"};
     const struct text papered = room(3.2, &paper, 1);
     struct text shut = room(3.2, &usual, 1);
     (void)state;
-    assert_int_equal(look(&papered, 0, 3).layers, 0);
+    assert_int_equal(view_out_at(&papered, 0, 3).layers, 0);
     add_upright(&shut, "w", -0.2, (double[2]){-500, 500}, (double[2]){-1, 500});
-    assert_int_equal(look(&shut, 0, 3).layers, 0);
+    assert_int_equal(view_out_at(&shut, 0, 3).layers, 0);
 }
 
 static void test_names(void **state)
@@ -269,20 +270,20 @@ static void test_names(void **state)
     assert_int_equal(try_look(&scene, &wish, 1, &view, &err), ORL_ERR_LIMIT);
 }
 
-/* Hills that nobody calls ground are landscape. */
+/* Hills that are not named as ground are landscape. */
 static void test_what_is_ground(void **state)
 {
     struct text scene = {.length = 0};
     (void)state;
-    add(&scene, MATERIALS ROOM CEILING);
+    add_text(&scene, MATERIALS ROOM CEILING);
     add_south(&scene, 3.2, &usual, 1);
-    add(&scene, "w polygon hill 0 0 12 -500 -500 90 500 -500 90 500 -.01 -.1 -500 -.01 -.1\n");
-    const struct orl_view_out view = look(&scene, 0, 3);
+    add_text(&scene, "w polygon hill 0 0 12 -500 -500 90 500 -500 90 500 -.01 -.1 -500 -.01 -.1\n");
+    const struct orl_view_out view = view_out_at(&scene, 0, 3);
     assert_int_equal(view.layers & ORL_VIEW_GROUND, 0);
     assert_int_equal(view.layers & ORL_VIEW_LANDSCAPE, ORL_VIEW_LANDSCAPE);
 }
 
-/* Same bytes, whoever does the work. */
+/* The bytes are equal for any crew. */
 static void test_crews(void **state)
 {
     static char name[] = "eye";
@@ -303,7 +304,7 @@ static void test_crews(void **state)
     }
 }
 
-/* 75 % of the area, met exactly, are enough. */
+/* Exactly 75 % of the area is enough. */
 static void test_shares(void **state)
 {
     static const enum orl_view_level levels[4] = {ORL_VIEW_HIGH, ORL_VIEW_MEDIUM, ORL_VIEW_MEDIUM,

@@ -1,8 +1,8 @@
 /*
- * A house of a few metres on a ground of 300 m, beside a lamp that hardly shines: what light it has
- * within, the sun sends through a doorway and the ground throws up. Nearly all photons of the sky
- * would light the ground and be gone, or start at the lamp; a sensor within would live on a few
- * that weigh as much as thousands. Seeds are fixed.
+ * A house of a few metres on a ground of 300 m, beside a lamp of almost no light: its inside is lit
+ * by the sun through a doorway and by reflection from the ground. Most photons of the sky would
+ * light the ground and be lost, or start at the lamp; a sensor inside would get a few that weigh as
+ * much as thousands. Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -36,7 +36,7 @@ static const struct orl_sensor sensors[SENSORS] = {{{3, 6, .8}, {0, 0, 1}},
                                                    {{5, 7, 1.5}, {-1, 0, 0}},
                                                    {{3, 7.5, 1.2}, {0, 1, 0}}};
 
-/* Of what seeds find at a sensor the standard deviation, over their mean. */
+/* Returns the standard deviation over seeds at a sensor, over their mean. */
 static double spread_of(double lx[SEEDS][SENSORS], int sensor)
 {
     double mean = 0, squares = 0;
@@ -49,8 +49,8 @@ static double spread_of(double lx[SEEDS][SENSORS], int sensor)
 
 /*
  * 14.8 % as measured; the rms of four spreads by 8 seeds each scatters by 13 % of itself (28
- * degrees of freedom), and twice as much is far beyond that. Before photons were sent by the root
- * of what they bring, and away from the lamp, it was 143 %.
+ * degrees of freedom), and twice as much is far beyond that. Before emission was importance-sampled
+ * by the root of the contribution, and away from the lamp, it was 143 %.
  */
 static void test_within_a_house(void **state)
 {
