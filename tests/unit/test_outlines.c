@@ -235,7 +235,7 @@ static double mesh_area(const struct mesh *mesh)
     return sum;
 }
 
-/* Returns the distance of a point from the line through a and b. */
+/* Returns the distance of a point from the segment from a to b. */
 static double off_line(const double *a, const double *b, double x, double y)
 {
     const double dx = b[0] - a[0], dy = b[1] - a[1], l2 = dx * dx + dy * dy;
