@@ -180,7 +180,7 @@ static void test_what_a_year_does_not_follow(void **state)
     year_room_expect(f, text, "failed", 1, &reply);
     assert_non_null(strstr(reply_text(&reply, "error.detail"), "lens"));
     reply_done(&reply);
-    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    daemon_expect_no_files(&f->daemon, "partial");
 }
 
 #define EACH(test) cmocka_unit_test_setup_teardown(test, year_room_set_up, year_room_tear_down)

@@ -70,7 +70,7 @@ static void test_progress_and_cancelling(void **state)
     year_room_expect(f, job, "cancelled", 1, &reply);
     assert_true(!reply_at(&reply, "links.result"));
     reply_done(&reply);
-    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    daemon_expect_no_files(&f->daemon, "partial");
     free(text);
 }
 
@@ -128,7 +128,7 @@ static void test_goes_on_after_a_kill(void **state)
     assert_true(first_percent(f, job) >= 100.0 * 5 * BLOCK / MANY);
     year_room_expect(f, job, "succeeded", 2, &reply);
     reply_done(&reply);
-    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    daemon_expect_no_files(&f->daemon, "partial");
     /* Runs the job again without interruption. */
     year_room_submit(f, text, again);
     year_room_expect(f, again, "succeeded", 1, &reply);

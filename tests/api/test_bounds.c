@@ -182,7 +182,7 @@ static void test_chunked(void **state)
         close(fds[i]);
     }
     assert_in_range(most, 1, BUDGET_MIB * MIB);
-    assert_int_equal(daemon_count_files(&daemon, "tmp"), 0);
+    daemon_expect_no_files(&daemon, "tmp");
     daemon_remove(&daemon);
 }
 
@@ -202,7 +202,7 @@ static void test_unpacked(void **state)
         fail_msg("%ld %s", reply.status, reply.body);
     reply_done(&reply);
     free(zip);
-    assert_int_equal(daemon_count_files(&daemon, "tmp"), 0);
+    daemon_expect_no_files(&daemon, "tmp");
     daemon_remove(&daemon);
 }
 

@@ -251,7 +251,7 @@ static void it_is_followed_and_cancelled(void **state)
     reply_done(&reply);
     expect_end(b, job, "cancelled", 1, &reply);
     reply_done(&reply);
-    assert_int_equal(daemon_count_files(&b->daemon, "tmp"), 0);
+    daemon_expect_no_files(&b->daemon, "tmp");
     submit(b, "\"basis\":\"klems_full\",\"paths\":16384", job);
     daemon_wait_running(&b->daemon, job, 3);
     get(b, job, "", &reply);
@@ -280,7 +280,7 @@ static void a_kill_changes_nothing(void **state)
     get(b, job, "/files/bsdf.xml", &reply);
     assert_same_data(here, reply.body);
     reply_done(&reply);
-    assert_int_equal(daemon_count_files(&b->daemon, "tmp"), 0);
+    daemon_expect_no_files(&b->daemon, "tmp");
     cli_remove_folder(folder);
     free(here);
 }

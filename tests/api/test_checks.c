@@ -174,8 +174,8 @@ static void test_a_child_dies(void **state)
     const pid_t client = upload_beside(daemon, &bomb, 422);
     kill(await_check(daemon, true), SIGSEGV);
     expect_uploaded(client);
-    assert_int_equal(daemon_count_files(daemon, "tmp"), 0);
-    assert_int_equal(daemon_count_files(daemon, "blobs"), 0);
+    daemon_expect_no_files(daemon, "tmp");
+    daemon_expect_no_files(daemon, "blobs");
     daemon_upload_room(daemon, id);
 }
 
@@ -202,7 +202,7 @@ static void test_hanging_up_ends_the_check(void **state)
     await_check(daemon, true);
     close(fd);
     await_check(daemon, false);
-    assert_int_equal(daemon_count_files(daemon, "tmp"), 0);
+    daemon_expect_no_files(daemon, "tmp");
 }
 
 /* Stopping the daemon does not wait for checks. */

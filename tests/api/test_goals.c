@@ -107,7 +107,7 @@ static void test_results_before_the_end(void **state)
     get_below(f, job, "result", &reply);
     assert_int_equal(reply.status, 409);
     reply_done(&reply);
-    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    daemon_expect_no_files(&f->daemon, "tmp");
 }
 
 /* A cancelled job's files are removed a moment before its state changes. */

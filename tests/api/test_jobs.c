@@ -266,7 +266,7 @@ static void test_cancel(void **state)
     daemon_cancel(&f->daemon, running, &reply);
     assert_int_equal(reply.status, 200);
     reply_done(&reply);
-    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    daemon_expect_no_files(&f->daemon, "tmp");
 }
 
 static void test_finished_jobs_cannot_be_cancelled(void **state)

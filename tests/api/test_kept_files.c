@@ -32,7 +32,7 @@ static void test_delete_job(void **state)
     storage_expect(&f->daemon, "GET", done, 404, "no-such-resource");
     snprintf(path, sizeof path, "%s/result", done);
     storage_expect(&f->daemon, "GET", path, 404, "no-such-resource");
-    assert_int_equal(daemon_count_files(&f->daemon, "results"), 0);
+    daemon_expect_no_files(&f->daemon, "results");
     assert_int_equal(daemon_count_files(&f->daemon, "blobs"), blobs - 1);
     assert_true(storage_bytes_of(&f->daemon, "results") == 0);
     daemon_submit(&f->daemon, f->scene, 50000000, 2, NULL, running);
@@ -226,8 +226,8 @@ static void test_orphans(void **state)
     assert_int_equal(daemon_count_files(&f->daemon, "blobs"), blobs);
     assert_int_equal(daemon_count_files(&f->daemon, "results"), results);
     assert_int_equal(daemon_count_files(&f->daemon, "maps"), maps);
-    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
-    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    daemon_expect_no_files(&f->daemon, "partial");
+    daemon_expect_no_files(&f->daemon, "tmp");
     storage_fetch(&f->daemon, done, 200);
 }
 

@@ -70,7 +70,7 @@ static void test_as_the_job_has_it(void **state)
         reply_done(&reply);
         reply_done(&plan);
     }
-    assert_int_equal(daemon_count_files(&room->daemon, "tmp"), 0);
+    daemon_expect_no_files(&room->daemon, "tmp");
 }
 
 /* The accuracy curve does not depend on the job's goal: decreasing errors, increasing times. */

@@ -56,7 +56,7 @@ static void test_killed_in_the_middle(void **state)
     expect_state(&f->daemon, running, "succeeded", 2);
     expect_file(&f->daemon, running, "torn.png");
     expect_state(&f->daemon, waiting, "succeeded", 1);
-    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    daemon_expect_no_files(&f->daemon, "tmp");
     /* The map built before the kill is still a hit. */
     daemon_get(&f->daemon, waiting, &reply);
     assert_true(json_is_true(reply_at(&reply, "maps.0.cached")));
@@ -323,7 +323,7 @@ static void test_file_size_limit(void **state)
     assert_string_equal(reply_text(&reply, "state"), "failed");
     assert_non_null(strstr(reply_text(&reply, "error.detail"), "File too large"));
     reply_done(&reply);
-    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    daemon_expect_no_files(&f->daemon, "tmp");
     assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
     daemon_restart(&f->daemon, NULL);
 }

@@ -202,7 +202,7 @@ static void test_torn_between_skies(void **state)
     assert_true(written(f, "results", torn, "0322-0930.json") > first);
     assert_true(written(f, "results", torn, "+key") == 0);
     assert_true(written(f, "results", torn, "global-0.opm.part") == 0);
-    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    daemon_expect_no_files(&f->daemon, "partial");
     run_job(f, more, whole);
     expect_same(f, torn, "files/0322-0930.v.hdr", whole, "files/0322-0930.v.hdr");
     expect_same(f, torn, "files/0322-1530.v.error.hdr", whole, "files/0322-1530.v.error.hdr");
@@ -246,7 +246,7 @@ static void test_other_programs_leave_nothing(void **state)
         assert_true((written(f, "partial", job, "0322-0930.+sensors") == sensors) == (i == 0));
     }
     cancel(f, job);
-    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    daemon_expect_no_files(&f->daemon, "partial");
 }
 
 /*
@@ -282,7 +282,7 @@ static void test_cancelled_between_skies(void **state)
         char below[64];
         snprintf(below, sizeof below, "results/%s", strrchr(job, '/') + 1);
         assert_int_equal(daemon_count_files(&f->daemon, below), done * 5 + 1);
-        assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+        daemon_expect_no_files(&f->daemon, "partial");
         daemon_end(&f->daemon, restarted ? SIGTERM : SIGKILL);
         daemon_restart(&f->daemon, NULL);
     }
@@ -368,8 +368,8 @@ static void test_last_of_two_is_cancelled(void **state)
         assert_true(reply_number(&reply, "sensors.0.illuminance_lx") > 10000);
         reply_done(&reply);
         snprintf(below, sizeof below, "results/%s", strrchr(jobs[1 - last], '/') + 1);
-        assert_int_equal(daemon_count_files(&f->daemon, below), 0);
-        assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+        daemon_expect_no_files(&f->daemon, below);
+        daemon_expect_no_files(&f->daemon, "partial");
     }
 }
 

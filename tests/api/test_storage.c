@@ -60,8 +60,8 @@ static void test_longest_unused_goes_first(void **state)
         storage_expect(&f->daemon, "GET", file, 404, "no-such-resource");
     }
     assert_int_equal(storage_count_maps(&f->daemon), 0);
-    assert_int_equal(daemon_count_files(&f->daemon, "maps"), 0);
-    assert_int_equal(daemon_count_files(&f->daemon, "results"), 0);
+    daemon_expect_no_files(&f->daemon, "maps");
+    daemon_expect_no_files(&f->daemon, "results");
 }
 
 /* Results that have not been fetched stay, and new jobs are refused. */
@@ -93,7 +93,7 @@ static void test_full(void **state)
     daemon_upload(&f->daemon, &other, 1, NULL, &reply);
     assert_int_equal(reply.status, 507);
     reply_done(&reply);
-    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    daemon_expect_no_files(&f->daemon, "tmp");
     /* An accepted job's result exists, and is removable once fetched. */
     storage_fetch(&f->daemon, job, 200);
     daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);

@@ -161,8 +161,8 @@ static void test_life_of_a_study(void **state)
     daemon_get(&f->daemon, "/v1/maps", &reply);
     assert_int_equal(json_array_size(reply_at(&reply, "maps")), 0);
     reply_done(&reply);
-    assert_int_equal(daemon_count_files(&f->daemon, "maps"), 0);
-    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    daemon_expect_no_files(&f->daemon, "maps");
+    daemon_expect_no_files(&f->daemon, "tmp");
 }
 
 static void test_views_have_a_peak(void **state)
@@ -250,7 +250,7 @@ static void test_progress_and_cancelling(void **state)
     cancel(f, waiting, 200);
     cancel(f, job, 202);
     expect_state(f, job, "cancelled", 1);
-    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    daemon_expect_no_files(&f->daemon, "tmp");
 }
 
 /* ---- Restarts ------------------------------------------------------------------------------- */
@@ -283,7 +283,7 @@ static void test_killed_in_the_middle(void **state)
     expect_state(f, torn, "cancelled", 2);
     expect_state(f, waiting, "succeeded", 1);
     check_file(f, waiting, "study.csv", "text/csv", "technique,");
-    assert_int_equal(daemon_count_files(&f->daemon, "tmp"), 0);
+    daemon_expect_no_files(&f->daemon, "tmp");
 }
 
 /* ---- Refusals ------------------------------------------------------------------------------- */

@@ -105,7 +105,7 @@ static void test_bad_bsdfs(void **state)
         reply_done(&reply);
     }
     assert_int_equal(daemon_count_files(*state, "blobs"), before);
-    assert_int_equal(daemon_count_files(*state, "tmp"), 0);
+    daemon_expect_no_files(*state, "tmp");
 }
 
 /* ---- Scenes --------------------------------------------------------------------------------- */
@@ -247,7 +247,7 @@ static void test_bad_scenes_leave_nothing(void **state)
         reply_done(&reply);
     }
     assert_int_equal(daemon_count_files(*state, "blobs"), blobs);
-    assert_int_equal(daemon_count_files(*state, "tmp"), 0);
+    daemon_expect_no_files(*state, "tmp");
 }
 
 /* The error of a truncated BSDF has its own name and line. */
@@ -336,7 +336,7 @@ static void test_bad_json_uploads(void **state)
             fail_msg("%s: %ld %s", bad[i].text, reply.status, reply.body);
         reply_done(&reply);
     }
-    assert_int_equal(daemon_count_files(*state, "tmp"), 0);
+    daemon_expect_no_files(*state, "tmp");
 }
 
 #define PART(headers, body) "--XX\r\nContent-Disposition: form-data" headers "\r\n\r\n" body "\r\n"
@@ -368,7 +368,7 @@ static void test_malformed_multipart(void **state)
             fail_msg("case %zu: %ld %s", i, reply.status, reply.body);
         reply_done(&reply);
     }
-    assert_int_equal(daemon_count_files(*state, "tmp"), 0);
+    daemon_expect_no_files(*state, "tmp");
 }
 
 static bool tmp_is_empty_soon(struct daemon *daemon)

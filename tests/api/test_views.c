@@ -114,7 +114,7 @@ static void test_views_before_the_end(void **state)
     }
     cancel(f, job);
     expect_status(f, job, "files/a.hdr", 409);
-    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    daemon_expect_no_files(&f->daemon, "partial");
 }
 
 static void expect_same(struct daemon_room *f, const char *one, const char *other, const char *file)
@@ -163,7 +163,7 @@ static void test_torn_job_ends_the_same(void **state)
         expect_same(f, torn, whole, "files/a.hdr");
         expect_same(f, torn, whole, "files/b.hdr");
         expect_same(f, torn, whole, "files/c.hdr");
-        assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+        daemon_expect_no_files(&f->daemon, "partial");
     }
     print_message("# %d of 3 jobs were torn in time\n", n_torn);
     assert_true(n_torn > 0);
@@ -193,7 +193,7 @@ static void test_leader_is_cancelled(void **state)
         assert_true(wait_for_files(f, follower, 8));
         assert_true(written(f, "partial", follower, "a.hdr") == first);
         cancel(f, follower);
-        assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+        daemon_expect_no_files(&f->daemon, "partial");
     }
 }
 
@@ -213,7 +213,7 @@ static void test_waiting_leader_is_cancelled(void **state)
     assert_true(wait_for_files(f, follower, 8));
     assert_true(written(f, "partial", follower, "a.hdr") == first);
     cancel(f, follower);
-    assert_int_equal(daemon_count_files(&f->daemon, "partial"), 0);
+    daemon_expect_no_files(&f->daemon, "partial");
 }
 
 /* Files that a killed daemon left of jobs without waiting clients are removed at the start. */

@@ -193,7 +193,7 @@ static void expect_refusal(struct daemon *daemon, const char *what, long status,
         strlen(reply_text(reply, "detail")) == 0)
         fail_msg("%s: %ld %s", what, reply->status, reply->body);
     reply_done(reply);
-    assert_int_equal(daemon_count_files(daemon, "tmp"), 0);
+    daemon_expect_no_files(daemon, "tmp");
 }
 
 static void test_entries_refused(void **state)
@@ -285,7 +285,7 @@ static void test_bombs_refused(void **state)
     assert_true(size < 1U << 20);
     post_bytes(*state, zip, size, "a thousand to one", 413, "zeros.rad");
     free(zip);
-    assert_int_equal(daemon_count_files(*state, "tmp"), 0);
+    daemon_expect_no_files(*state, "tmp");
 }
 
 int main(void)

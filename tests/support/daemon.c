@@ -23,6 +23,7 @@
 #include <unistd.h>
 
 #include "process/sanitized.h"
+#include "support/patience.h"
 
 static double now_s(void)
 {
@@ -172,6 +173,13 @@ size_t daemon_count_files(const struct daemon *daemon, const char *folder)
         counted = 0;
     while (nftw(path, count_entry, 16, FTW_PHYS) < 0 && errno == ENOENT && access(path, F_OK) == 0);
     return counted; /* the count of a walk during which no folder was removed */
+}
+
+void daemon_expect_no_files(const struct daemon *daemon, const char *folder)
+{
+    for (double until = patience_until(); daemon_count_files(daemon, folder) > 0;)
+        if (!patience_nap(until))
+            fail_msg("%zu files stay in %s", daemon_count_files(daemon, folder), folder);
 }
 
 /* ---- Requests ------------------------------------------------------------------------------- */

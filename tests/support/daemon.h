@@ -47,6 +47,8 @@ void daemon_remove(struct daemon *daemon);
 double daemon_memory_mb(const struct daemon *daemon, const char *name);
 /* Counts the files below a subfolder of the data folder ("blobs"). */
 size_t daemon_count_files(const struct daemon *daemon, const char *folder);
+/* Waits until there are none: the daemon may remove files after it has answered. */
+void daemon_expect_no_files(const struct daemon *daemon, const char *folder);
 
 /* Sends a request. method "GET", "POST", ...; body and type may be NULL; header may be NULL or one
  * line. */
