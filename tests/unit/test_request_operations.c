@@ -51,6 +51,11 @@ static void handle_twice(struct orl_request *request)
 
 static struct orl_http_server *http;
 
+static void on_served(struct orl_server *server)
+{
+    (void)server;
+}
+
 static void on_worked(struct orl_server *server)
 {
     (void)server;
@@ -82,8 +87,11 @@ static void serve(int out)
         {.method = "GET", .path = "/twice", .handler = handle_twice},
     };
     static const struct orl_routes routes = {table, 2};
-    static const struct orl_http_calls calls = {
-        .room = find_room, .budget = budget_bytes, .worked = on_worked, .swept = on_swept};
+    static const struct orl_http_calls calls = {.room = find_room,
+                                                .budget = budget_bytes,
+                                                .worked = on_worked,
+                                                .swept = on_swept,
+                                                .served = on_served};
     static const struct orl_config config = {.idle_timeout_s = 60, .address_connections = 8};
     static const struct orl_log log;
     static const struct orl_folders folders;
