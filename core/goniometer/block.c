@@ -89,7 +89,7 @@ static bool fill_block(struct orl_gonio_block *block, const struct kept *kept, c
         forest->hues = get_array(&from, branches * sizeof *forest->hues, &fine);
     }
     forest->count = forest->room = forest->hues_room = branches;
-    fine = fine && (tops == 0 || is_sound(block->tops.nodes, tops, branches));
+    fine = fine && (!block->tops.nodes || is_sound(block->tops.nodes, tops, branches));
     for (size_t i = 0; i < branches && fine; i++)
         fine = is_sound(forest->branches[i].child, ORL_GONIO_FAN_MOST, i);
     return fine;

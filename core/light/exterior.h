@@ -46,8 +46,8 @@ struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_v
 bool orl_exterior_pass(struct orl_eye_path *p, struct orl_health *health);
 
 /*
- * As orl_exterior_radiance without entry, for a known first hit (NULL: none). omit.exterior must be
- * false.
+ * Returns the radiance of orl_exterior_radiance without entry, for a known first hit (NULL: none).
+ * omit.exterior must be false.
  */
 struct orl_rgb orl_exterior_radiance_from(const struct orl_world *world, struct orl_vec3 direction,
                                           const struct orl_hit *first, struct orl_chance chance,

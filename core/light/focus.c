@@ -16,12 +16,7 @@ static bool is_convex(const struct orl_facet *f, const struct orl_hit *hit)
 {
     const bool inwards =
         f->kind == ORL_SURFACE_BUBBLE || f->kind == ORL_SURFACE_TUBE || f->kind == ORL_SURFACE_CUP;
-    return f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING || hit->front != inwards;
-}
-
-static bool is_flat(const struct orl_facet *f)
-{
-    return f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
+    return orl_surface_kind_is_flat(f->kind) || hit->front != inwards;
 }
 
 bool orl_focus_exists(const struct orl_scene *scene)
@@ -31,7 +26,8 @@ bool orl_focus_exists(const struct orl_scene *scene)
         struct orl_facet own;
         const struct orl_facet *f = orl_facet_of(scene->geometry, walk.facet, &own);
         const struct orl_material *m = &scene->description.materials[f->material];
-        if (orl_material_bends(m) || (orl_material_is_mirror(m) && (!is_flat(f) || m->texture)))
+        if (orl_material_bends(m) ||
+            (orl_material_is_mirror(m) && (!orl_surface_kind_is_flat(f->kind) || m->texture)))
             return true;
     }
     return false;
@@ -43,7 +39,7 @@ static double weight_of(struct orl_focus *focus, const struct orl_hit *hit)
     struct orl_facet own;
     const struct orl_facet *f = orl_facet_of(focus->scene->geometry, hit->facet, &own);
     const struct orl_material *m = orl_scene_material(focus->scene, hit->facet);
-    const bool flat = is_flat(f);
+    const bool flat = orl_surface_kind_is_flat(f->kind);
     if (!orl_material_bends(m)) {
         const bool curved = !flat || m->texture;
         return !orl_material_is_mirror(m) || !curved ? 0 : is_convex(f, hit) ? convex_weight : 1;

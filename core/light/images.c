@@ -36,7 +36,7 @@ static const struct orl_material *material_of(const struct orl_world *world, siz
 static bool is_flat_mirror(const struct orl_world *world, const struct orl_facet *f)
 {
     const struct orl_material *const m = &world->materials[f->material];
-    const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
+    const bool flat = orl_surface_kind_is_flat(f->kind);
     return flat && f->area > 0 && !m->texture && orl_material_is_mirror(m);
 }
 

@@ -29,7 +29,7 @@ static bool aim_at_sphere(const struct orl_facet *facet, struct orl_vec3 from, c
  */
 static double float_room(const struct orl_facet *facet, const struct orl_lamp_aim *aim)
 {
-    if (facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING)
+    if (orl_surface_kind_is_flat(facet->kind))
         return 0;
     const struct orl_curved *const round = facet->round;
     const double r = orl_larger(round->radius[0], round->radius[1]);

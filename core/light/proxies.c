@@ -24,7 +24,7 @@ static bool is_proxy(const struct orl_scene *scene, uint32_t facet)
     struct orl_facet own;
     const struct orl_facet *f = orl_facet_own(scene->geometry, facet, &own);
     return orl_facet_beyond(scene->geometry, facet) != 0 && f->area > 0 &&
-           (f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING);
+           orl_surface_kind_is_flat(f->kind);
 }
 
 static struct orl_vec3 way_across(const struct orl_geometry *geometry, uint32_t facet)

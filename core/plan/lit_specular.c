@@ -23,7 +23,7 @@ struct look {
 static bool is_kind(enum orl_surface_kind shape, const struct orl_material *m,
                     enum orl_lit_kind kind)
 {
-    const bool flat = !m->texture && (shape == ORL_SURFACE_POLYGON || shape == ORL_SURFACE_RING);
+    const bool flat = !m->texture && orl_surface_kind_is_flat(shape);
     const bool bends = orl_material_bends(m);
     if (kind == ORL_LIT_LOBE)
         return orl_material_has_lobes(m);

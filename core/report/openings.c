@@ -47,7 +47,7 @@ static int mark_names(const struct orl_scene *scene, char *const *names, size_t 
 static bool is_ground(const struct orl_geometry *g, const struct orl_facet *f)
 {
     double top = -INFINITY;
-    if (f->kind != ORL_SURFACE_POLYGON && f->kind != ORL_SURFACE_RING)
+    if (!orl_surface_kind_is_flat(f->kind))
         return false;
     if (fabs(f->normal.z) < least_level)
         return false;

@@ -59,7 +59,7 @@ bool orl_bsdf_up_is_undefined(const struct orl_material *material,
                               const struct orl_surface *surface)
 {
     static const double parallel = 1e-6; /* sine of the angle between both */
-    const bool flat = surface->kind == ORL_SURFACE_POLYGON || surface->kind == ORL_SURFACE_RING;
+    const bool flat = orl_surface_kind_is_flat(surface->kind);
     return material->kind == ORL_MATERIAL_BSDF && flat &&
            !(orl_length(orl_cross(orl_normalize(material->up), surface->normal)) > parallel);
 }

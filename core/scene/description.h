@@ -139,6 +139,11 @@ enum orl_surface_kind {
     ORL_SURFACE_RING,     /* center[0], normal, radius[0] < radius[1] */
 };
 
+static inline bool orl_surface_kind_is_flat(enum orl_surface_kind kind)
+{
+    return kind == ORL_SURFACE_POLYGON || kind == ORL_SURFACE_RING;
+}
+
 /* Centres and radii of quadrics, stored separately because nearly all surfaces are polygons. */
 struct orl_curved {
     struct orl_vec3 center[2];

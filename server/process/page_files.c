@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* As in carried.c: gcc and clang accept literals of any length. */
+/* The literals are long: gcc and clang accept literals of any length. */
 #pragma GCC diagnostic ignored "-Woverlength-strings"
 #include "dashboard.h"
 

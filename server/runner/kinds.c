@@ -63,7 +63,7 @@ static uint64_t render_result_bytes(const struct orl_task *task)
         bytes += sequence_bytes(job);
     if (job->heat_map.asked)
         bytes += HEAT_MAPS + HEAT_MAP_SENSOR * (uint64_t)job->n_sensors;
-    /* As much for each sky; results of all skies together take less than one more. */
+    /* Each sky needs as much; results of all skies together take less than one more. */
     return job->n_skies > 0 ? (job->n_skies + 1) * bytes : bytes;
 }
 

@@ -84,7 +84,7 @@ struct bench_env {
     const char *output;      /* folder of images */
     struct orl_shelf *shelf; /* shared by successive jobs; or NULL */
     double (*now_s)(void *ctx);
-    /* As in orl_run_env; NULL: no callback. ctx is passed to both callbacks. */
+    /* Callback of orl_run_env; NULL: none. ctx is passed to both callbacks. */
     void (*view_ready)(void *ctx, size_t index, float (*const pixels)[3], const float *errors,
                        size_t count);
     void *ctx;

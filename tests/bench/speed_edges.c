@@ -83,7 +83,7 @@ static void render_half(const void *ctx, uint64_t seed, double *ret_values)
     render(sitting, seed, sitting->speed->reference.edge_samples, ret_values);
 }
 
-/* As for the office, the digest identifies the scene. */
+/* The digest identifies the scene, as it does for the office. */
 static void name_file(const struct sitting *sitting, char ret_name[BENCH_PATH])
 {
     const bool is_office = !sitting->picture->file;

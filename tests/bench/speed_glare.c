@@ -13,7 +13,7 @@
 #define EYE "-vta -vp 1.3 2.5 1.2 -vd 0 -1 0 -vu 0 0 1 -vh 180 -vv 180"
 enum { SIDE = 400 };
 static const double wanted_error = 0.01, wanted_share = 0.1;
-/* As for sensors (speed_radiance.c). */
+/* The options that speed_radiance.c uses for sensors. */
 static const char rpict_options[] = "-ps 1 -ab 4 -aa .1 -ar 128 -ad 4096 -as 2048 -lw 1e-4";
 
 /* Results of the runs. */

@@ -324,8 +324,8 @@ static void test_bent_polygons(void **state)
     orl_description_done(&d);
 }
 
-/* As in a shell, '#' at the beginning of a word ends a command; within a word it is an ordinary
- * character. */
+/* '#' works as in a shell: at the beginning of a word ends a command; within a word it is an
+ * ordinary character. */
 static void test_command_comments(void **state)
 {
     struct orl_description d =

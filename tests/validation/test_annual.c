@@ -28,7 +28,10 @@ static uint32_t year_samples(void)
 static const char glass_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND;
 static const char pool_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND
     "void mirror m 0 0 3 .8 .8 .8\nm polygon pool 0 0 12 0 -4 -.2 4 -4 -.2 4 -.5 -.2 0 -.5 -.2\n";
-/* That room with a panel that deflects light. */
+static const char mirror_room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE ROOM_GROUND
+    "void mirror m 0 0 3 .9 .9 .9\nm polygon tray 0 0 12 1.8 1.2 .7 2.2 1.2 .7 2.2 1.5 .8 1.8 1.5 "
+    ".8\n";
+/* The glass room with a BSDF pane that deflects light, in place of the glass. */
 static const char panel_room[] = ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE ROOM_GROUND;
 /* Four walls of 6 m around a yard of 8 x 8 m, without glazing. */
 static const char courtyard[] =
@@ -102,6 +105,15 @@ static void test_pool(void **state)
     static const struct orl_sensor sensors[] = {{{2, 1, .8}, {0, 0, 1}}, {{1, 4, .8}, {0, 0, 1}}};
     (void)state;
     check_hours(&(struct year_run){.scene = pool_room, .sensors = sensors, .n_sensors = 2});
+}
+
+/* A small tilted mirror indoors, below sensors that face down: rays are aimed at it. */
+static void test_small_mirror(void **state)
+{
+    static const struct orl_sensor sensors[] = {{{2, 2.5, 1.5}, {0, 0, -1}},
+                                                {{2.6, 2.5, 1}, {0, 0, -1}}};
+    (void)state;
+    check_hours(&(struct year_run){.scene = mirror_room, .sensors = sensors, .n_sensors = 2});
 }
 
 /* Coplanar mirrors count as one, however many: 320 tiles reflect as much light as the pool. */
@@ -422,12 +434,12 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_glass_room), cmocka_unit_test(test_slats),
-        cmocka_unit_test(test_screen),     cmocka_unit_test(test_panel_room),
-        cmocka_unit_test(test_pool),       cmocka_unit_test(test_tiles),
-        cmocka_unit_test(test_courtyard),  cmocka_unit_test(test_open_ground),
-        cmocka_unit_test(test_threads),    cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_kept_rows),
+        cmocka_unit_test(test_glass_room),  cmocka_unit_test(test_slats),
+        cmocka_unit_test(test_screen),      cmocka_unit_test(test_panel_room),
+        cmocka_unit_test(test_pool),        cmocka_unit_test(test_small_mirror),
+        cmocka_unit_test(test_tiles),       cmocka_unit_test(test_courtyard),
+        cmocka_unit_test(test_open_ground), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_refusals),    cmocka_unit_test(test_kept_rows),
     };
     return cmocka_run_group_tests_name("annual", tests, NULL, NULL);
 }

@@ -81,7 +81,7 @@ static int run_room(enum orl_technique technique, const char *folder, struct tra
  * last stage's none does, so the job may succeed. Maps finished before remain complete, and the
  * next run finds them.
  */
-static void check(void **state)
+static void cancel_at_points(void **state)
 {
     const enum orl_technique technique = of_technique(state);
     char folder[64];
@@ -113,10 +113,10 @@ static void check(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        OF_TECHNIQUE(check, BACKWARD),
-        OF_TECHNIQUE(check, GATHER),
-        OF_TECHNIQUE(check, DIRECT),
-        OF_TECHNIQUE(check, PRECOMPUTED),
+        OF_TECHNIQUE(cancel_at_points, BACKWARD),
+        OF_TECHNIQUE(cancel_at_points, GATHER),
+        OF_TECHNIQUE(cancel_at_points, DIRECT),
+        OF_TECHNIQUE(cancel_at_points, PRECOMPUTED),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,8 +12,8 @@
  * Skies: the fifteen of ISO 15469 and the overcast one of 1955, sun in the south at 60 degrees; no
  * direct sun. Masks run along the whole facade. Ground and masks reflect 30 %.
  *
- * As in the report the ground is uniformly lit and endless: here it is the lower half of the sky,
- * of radiance 0.3 E_h / pi. The masks are surfaces that reflect the light that arrives there.
+ * The ground is that of the report, uniformly lit and endless: here it is the lower half of the
+ * sky, of radiance 0.3 E_h / pi. The masks are surfaces that reflect the light that arrives there.
  *
  * The skies are written as scene files can express them, by perezlum.cal, which blends sky and
  * ground about the horizon: by half there, by 5 % at 8 degrees. The references blend likewise,

@@ -64,10 +64,10 @@ static double truth(const struct orl_material *pane, const struct orl_sensor *se
 }
 
 /*
- * Of 4096 rays some 100 to 400 hit the pane, stratified: the remaining error is its outline, 2 % of
- * such a count and less; a root mean square of 5 % is twice that. With roulette, 4 to 40 would get
- * through, for 15 to 50 %. Of 40 intervals 95 % cover, with a binomial scatter of 1.4: 32 is four
- * times that below.
+ * About 100 to 400 of 4096 stratified rays hit the pane. The remaining error comes from the pane's
+ * outline and is at most 2 % of such a count; the bound on the root mean square, 5 %, is twice
+ * that. With roulette only 4 to 40 rays would pass, for an error of 15 to 50 %. The truth lies in
+ * 95 % of 40 intervals, with a binomial scatter of 1.4; the bound, 32, is four times that below.
  */
 static void check_pane(enum orl_technique technique, const char *pane)
 {

@@ -39,11 +39,12 @@ static double truth(const struct orl_sensor *sensor)
 }
 
 /*
- * Of 192 intervals 95 in 100 hold the truth, with a binomial scatter of 1.6, and more because
- * stratified rays scatter less than random ones (unit/test_rare has counts for random ones); 90 is
- * three deviations below. By the spread of their own rays only, 74 and 80 in 100 did, with
- * intervals 6 % narrower in the mean. A ray that hits the disc adds 0.45 of the truth, and a sensor
- * has one or none: with four groups the error is then as large, and Student's t 3.2 of it.
+ * The truth lies in 95 of 100 intervals, with a binomial scatter of 1.6 for 192 of them. It lies in
+ * more, because stratified rays scatter less than random ones (unit/test_rare has counts for random
+ * ones); the bound, 90, is three deviations below. If errors came from the spread of a sensor's own
+ * rays only, 74 and 80 in 100 held the truth, with intervals 6 % narrower in the mean. A ray that
+ * hits the disc adds 0.45 of the truth, and a sensor has one or none: with four groups the error is
+ * then as large, and Student's t 3.2 of it.
  */
 static void check_coverage(enum orl_technique technique)
 {

@@ -67,7 +67,7 @@ static void assert_same(struct outcome *a, struct outcome *b)
     free(b->picture);
 }
 
-static void check(void **state)
+static void compare_with_shelf(void **state)
 {
     const enum orl_technique technique = of_technique(state);
     struct orl_shelf *shelf = orl_shelf_new(SHELF_BYTES);
@@ -94,9 +94,9 @@ static void check(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        OF_TECHNIQUE(check, GATHER),
-        OF_TECHNIQUE(check, DIRECT),
-        OF_TECHNIQUE(check, PRECOMPUTED),
+        OF_TECHNIQUE(compare_with_shelf, GATHER),
+        OF_TECHNIQUE(compare_with_shelf, DIRECT),
+        OF_TECHNIQUE(compare_with_shelf, PRECOMPUTED),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

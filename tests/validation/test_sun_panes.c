@@ -102,7 +102,7 @@ static void an_absdfs_patch_is_sharp(void **state)
     }
 }
 
-/* As BSDF instead of aBSDF: a cell 5 degrees wide blurs the patch's border by 15 cm and more. */
+/* With BSDF instead of aBSDF a cell 5 degrees wide blurs the patch's border by 15 cm and more. */
 static void a_bsdfs_patch_is_blurred(void **state)
 {
     double lx[SENSORS];

@@ -73,7 +73,7 @@ size_t orl_annual_count_curved(const struct orl_world *world, uint32_t *ret_firs
     for (struct orl_kept_walk walk = orl_kept_walk(world->geometry); orl_kept_next(&walk);) {
         struct orl_facet room;
         const struct orl_facet *facet = orl_facet_of(world->geometry, walk.facet, &room);
-        const bool flat = facet->kind == ORL_SURFACE_POLYGON || facet->kind == ORL_SURFACE_RING;
+        const bool flat = orl_surface_kind_is_flat(facet->kind);
         const bool textured = world->materials[facet->material].texture != NULL;
         if ((flat && !textured) || !orl_material_is_mirror(&world->materials[facet->material]))
             continue;

@@ -52,10 +52,10 @@ void orl_adaptive_density_done(
     struct orl_adaptive_density *adapt); /* a struct that is all zero is allowed */
 
 /*
- * As orl_density_estimate; radius is the mean of the discs' radii, weighted as in the result. The
- * standard error is by Tukey's jackknife over batches, so it includes the choice of discs. The bias
- * is the difference of wider discs to those used, beyond its scatter, less the part that was
- * subtracted.
+ * Estimates density as orl_density_estimate does; radius is the mean of the discs' radii, weighted
+ * as in the result. The standard error is by Tukey's jackknife over batches, so it includes the
+ * choice of discs. The bias is the difference of wider discs to those used, beyond its scatter,
+ * less the part that was subtracted.
  */
 struct orl_density orl_adaptive_density_estimate(const struct orl_adaptive_density *adapt,
                                                  const struct orl_density_query *query,

@@ -27,7 +27,7 @@ struct orl_leaf_sites *orl_leaf_sites_new(const struct orl_photon_map *map,
                                           const struct orl_world *world, double max_radius,
                                           struct orl_crew *crew);
 void orl_leaf_sites_free(struct orl_leaf_sites *sites);
-/* As orl_leaves_rebind. */
+/* Replaces the map and the world, as orl_leaves_rebind does. */
 void orl_leaf_sites_rebind(struct orl_leaf_sites *sites, const struct orl_photon_map *map,
                            const struct orl_world *world);
 uint64_t orl_leaf_sites_bytes(const struct orl_leaf_sites *sites); /* memory, bytes */

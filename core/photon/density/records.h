@@ -77,8 +77,8 @@ struct orl_density orl_records_estimate(const struct orl_photon_map *records,
                                         struct orl_search *search);
 
 /*
- * As orl_records_estimate, but uses the mean of the few nearest records without an occlusion test:
- * for rays of a hemisphere, which are averaged themselves.
+ * Estimates irradiance as orl_records_estimate does, but from the mean of the few nearest records
+ * without an occlusion test: for rays of a hemisphere, which are averaged themselves.
  */
 struct orl_density orl_records_glance(const struct orl_photon_map *records,
                                       const struct orl_footing *footing, double max_radius,

@@ -19,7 +19,8 @@ void orl_table_done(struct orl_table *table);
  * distribution). */
 double orl_table_sample(const struct orl_table *table, const double u[2], double ret_point[2]);
 
-/* As orl_table_sample for many pairs; fastest in groups of ORL_TABLE_ABREAST. */
+/* Samples the table for many pairs of numbers, as orl_table_sample does for one; fastest in groups
+ * of ORL_TABLE_ABREAST. */
 enum { ORL_TABLE_ABREAST = 16 };
 void orl_table_sample_many(const struct orl_table *table, const double (*u)[2], size_t n,
                            double (*ret_points)[2], double *ret_densities);

@@ -122,7 +122,7 @@ int orl_photon_map_write(const char *path, const struct orl_photon *photons, siz
                          const struct orl_map_build *build, struct orl_crew *crew,
                          struct orl_error *err);
 
-/* As orl_photon_map_write, but in memory that belongs to the map. */
+/* Builds the map that orl_photon_map_write writes, in memory that belongs to the map. */
 int orl_photon_map_make(const struct orl_photon *photons, size_t count,
                         const struct orl_map_build *build, struct orl_crew *crew,
                         struct orl_photon_map **ret_map, struct orl_error *err);

@@ -57,8 +57,8 @@ uint16_t orl_map_encode_normal(const struct orl_map_encoder *packing, size_t ind
 struct orl_photon_words orl_map_encode_words(const struct orl_map_encoder *packing, size_t index);
 
 /*
- * As orl_map_encode_words for ORL_PACKED_AT_ONCE consecutive new photons. Requires cells that are
- * not too far from the origin (orl_map_encode_is_near).
+ * Encodes as orl_map_encode_words does, for ORL_PACKED_AT_ONCE consecutive new photons. Requires
+ * cells that are not too far from the origin (orl_map_encode_is_near).
  */
 enum { ORL_PACKED_AT_ONCE = 64 };
 bool orl_map_encode_is_near(const struct orl_map_encoder *packing);

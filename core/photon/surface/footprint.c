@@ -73,8 +73,7 @@ static struct orl_vec3 in_plane(const struct orl_frame *frame, const double dire
 
 static bool is_flat(const struct orl_world *world, uint32_t facet)
 {
-    const enum orl_surface_kind kind = orl_facet_kind(world->geometry, facet);
-    return kind == ORL_SURFACE_POLYGON || kind == ORL_SURFACE_RING;
+    return orl_surface_kind_is_flat(orl_facet_kind(world->geometry, facet));
 }
 
 static bool is_diffuse(const struct orl_world *world, const struct orl_hit *hit)

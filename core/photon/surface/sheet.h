@@ -24,7 +24,7 @@ static inline bool orl_chord_fits(struct orl_vec3 normal, struct orl_vec3 chord,
 /* Slope for points whose coded normals are equal. */
 static const double orl_sheet_flat_slope = 0.035;
 
-/* As orl_chord_fits with that slope, without branches. */
+/* Tests a chord as orl_chord_fits does with that slope, without branches. */
 static inline uint32_t orl_chord_fits_flat(struct orl_vec3 normal, struct orl_vec3 chord)
 {
     const double rounding = 4, off = fabs(orl_dot(chord, normal)) - rounding;

@@ -38,7 +38,7 @@ static bool is_pane(const struct orl_world *world, uint32_t facet)
 {
     struct orl_facet own;
     const struct orl_facet *f = orl_facet_own(world->geometry, facet, &own);
-    return (f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING) && f->area > 0 &&
+    return orl_surface_kind_is_flat(f->kind) && f->area > 0 &&
            orl_material_transmits_lobes(&world->materials[f->material]);
 }
 

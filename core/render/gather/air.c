@@ -121,8 +121,7 @@ static bool may_focus(const struct orl_world *world, const struct orl_hit *hit)
 {
     const struct orl_material *m = orl_world_material(world, hit);
     const enum orl_surface_kind kind = orl_facet_kind(world->geometry, hit->facet);
-    return orl_material_bends(m) ||
-           (kind != ORL_SURFACE_POLYGON && kind != ORL_SURFACE_RING && orl_material_is_mirror(m));
+    return orl_material_bends(m) || (!orl_surface_kind_is_flat(kind) && orl_material_is_mirror(m));
 }
 
 /* Makes the disc of a place. Objects that stand in its plane reduce the reach of its sectors. */

@@ -11,11 +11,6 @@ static bool has_lamps(const struct orl_world *world)
     return false;
 }
 
-static bool is_flat(const struct orl_facet *f)
-{
-    return f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
-}
-
 /* Returns true if two flat facets lie in one plane. */
 static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_facet *a,
                              const struct orl_facet *b)
@@ -48,8 +43,8 @@ static bool caustics_need_photons(const struct orl_world *world)
         const bool mirrors = orl_material_is_mirror(m), lobes = orl_material_has_lobes(m);
         if (!(f->area > 0) || (!mirrors && !lobes && !orl_material_bends(m)))
             continue;
-        if (lamps || orl_facet_is_placed(g, walk.facet) || !is_flat(f) || m->texture ||
-            orl_material_bends(m) || (lobes && !orl_material_transmits_lobes(m)))
+        if (lamps || orl_facet_is_placed(g, walk.facet) || !orl_surface_kind_is_flat(f->kind) ||
+            m->texture || orl_material_bends(m) || (lobes && !orl_material_transmits_lobes(m)))
             return true;
         if (!any_plane)
             first = *f;

@@ -34,11 +34,6 @@ struct finder {
 
 /* ---- Selection of targets -------------------------------------------------------------------- */
 
-static bool is_flat(enum orl_surface_kind kind)
-{
-    return kind == ORL_SURFACE_POLYGON || kind == ORL_SURFACE_RING;
-}
-
 static enum rule rule_of(const struct orl_material *m)
 {
     if (orl_material_bends(m))
@@ -57,7 +52,7 @@ static void find_solids(struct finder *f, const struct orl_geometry *geometry)
     for (size_t i = 0; i < geometry->n_facets; i++) {
         const struct orl_facet *facet = orl_facet_own(geometry, i, &own);
         struct orl_vec3 *const faces = f->faces[facet->material];
-        if (f->rules[facet->material] != RULE_ROUND || !is_flat(facet->kind))
+        if (f->rules[facet->material] != RULE_ROUND || !orl_surface_kind_is_flat(facet->kind))
             continue;
         bool known = false;
         for (int side = 0; side < 2 && !known; side++) {
@@ -73,7 +68,7 @@ static void find_solids(struct finder *f, const struct orl_geometry *geometry)
 static bool is_target(const struct finder *f, const struct orl_facet *facet)
 {
     const enum rule rule = f->rules[facet->material];
-    return rule == RULE_ALL || (rule == RULE_ROUND && !is_flat(facet->kind));
+    return rule == RULE_ALL || (rule == RULE_ROUND && !orl_surface_kind_is_flat(facet->kind));
 }
 
 /* ---- Bounding spheres ------------------------------------------------------------------------ */

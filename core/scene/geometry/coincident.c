@@ -100,7 +100,7 @@ static int warn_of_open(struct settling *t, const struct orl_pairs *open)
         struct orl_vec3 corners[2][2 * RING_CORNERS + 2];
         const struct orl_surface *a = &t->d->surfaces[open->items[i].a];
         const struct orl_surface *b = &t->d->surfaces[open->items[i].b];
-        const bool flat = a->kind == ORL_SURFACE_POLYGON || a->kind == ORL_SURFACE_RING;
+        const bool flat = orl_surface_kind_is_flat(a->kind);
         const bool alike = orl_surfaces_alike(t->d, a, b) &&
                            orl_material_is_two_sided(&t->d->materials[a->material]);
         if (flat) {

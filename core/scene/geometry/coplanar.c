@@ -27,11 +27,6 @@ struct search {
     struct orl_box_tree tree;
 };
 
-static bool is_flat(const struct orl_surface *s)
-{
-    return s->kind == ORL_SURFACE_POLYGON || s->kind == ORL_SURFACE_RING;
-}
-
 static struct orl_vec3 point_of(const struct orl_surface *s)
 {
     return s->kind == ORL_SURFACE_RING ? s->round->center[0] : s->vertices[0];
@@ -99,7 +94,7 @@ static bool list_flats(struct search *t)
         return false;
     for (size_t i = 0; i < d->n_surfaces; i++) {
         struct flat *f = &t->flats[t->n_flats];
-        if (!is_flat(&d->surfaces[i]))
+        if (!orl_surface_kind_is_flat(d->surfaces[i].kind))
             continue;
         f->box = orl_box_of_flat(&d->surfaces[i]);
         f->surface = (uint32_t)i;

@@ -97,7 +97,7 @@ static int make_tables(const struct orl_geometry *g, const struct orl_material *
     const struct orl_facet *const f = orl_facet_own(g, facet, &own);
     const uint64_t inputs = orl_function_inputs(lobes->function) |
                             (lobes->values ? orl_function_inputs(lobes->values) : 0);
-    const bool flat = f->kind == ORL_SURFACE_POLYGON || f->kind == ORL_SURFACE_RING;
+    const bool flat = orl_surface_kind_is_flat(f->kind);
     if (!flat || inputs & place || (m->pattern && inputs >> ORL_RAY_CRP & 7) ||
         lobes->n_known == MOST_KNOWN)
         return 0;
