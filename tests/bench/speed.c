@@ -51,11 +51,11 @@ bool speed_wants(const char *key)
     return bench_lists("ORIEL_BENCH_ROWS", key);
 }
 
-void speed_merge(struct bench_deviation *pool, const struct bench_deviation *error, int before)
+void speed_merge(struct bench_deviation *pooled, const struct bench_deviation *error, int before)
 {
     const double share = 1.0 / (before + 1);
-    pool->rms = sqrt(pool->rms * pool->rms * (1 - share) + error->rms * error->rms * share);
-    pool->bias += (error->bias - pool->bias) * share;
+    pooled->rms = sqrt(pooled->rms * pooled->rms * (1 - share) + error->rms * error->rms * share);
+    pooled->bias += (error->bias - pooled->bias) * share;
 }
 
 struct speed_fact *speed_add_fact(struct speed *speed, const char *key, const char *unit,

@@ -120,7 +120,7 @@ double speed_sensors(struct speed *speed, const struct speed_setting *setting, u
 void speed_measure_goal(struct speed *speed, const struct speed_row *row);
 
 /* Adds a deviation to pooled ones as number before + 1. */
-void speed_merge(struct bench_deviation *pool, const struct bench_deviation *error, int before);
+void speed_merge(struct bench_deviation *pooled, const struct bench_deviation *error, int before);
 
 /* Runs the same work with Radiance, once each. */
 void speed_add_radiance(struct speed *speed);

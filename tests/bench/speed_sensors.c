@@ -46,7 +46,7 @@ double speed_sensors(struct speed *s, const struct speed_setting *setting, uint6
 /* Tries a setting with three seeds; reuses a trial of another row. */
 static const struct speed_trial *try_setting(struct speed *s, const struct speed_setting *setting)
 {
-    struct bench_deviation pool = {0}, error;
+    struct bench_deviation pooled = {0}, error;
     double seconds[SEEDS];
     for (int i = 0; i < s->n_trials; i++)
         if (s->trials[i].setting.technique == setting->technique &&
@@ -57,10 +57,10 @@ static const struct speed_trial *try_setting(struct speed *s, const struct speed
         bench_fail("too many settings", NULL);
     for (int seed = 0; seed < SEEDS; seed++) {
         seconds[seed] = speed_sensors(s, setting, (uint64_t)seed + 1, &error);
-        speed_merge(&pool, &error, seed);
+        speed_merge(&pooled, &error, seed);
     }
     struct speed_trial *trial = &s->trials[s->n_trials++];
-    *trial = (struct speed_trial){*setting, bench_median(seconds, SEEDS), pool.rms};
+    *trial = (struct speed_trial){*setting, bench_median(seconds, SEEDS), pooled.rms};
     fprintf(stderr, "    %s, %llu photons, %u samples: %.2f %% in %.2f s\n",
             orl_technique_name(setting->technique), (unsigned long long)setting->photons,
             setting->samples, 100 * trial->rms, trial->seconds);
@@ -110,7 +110,7 @@ void speed_measure_goal(struct speed *s, const struct speed_row *row)
 {
     const struct orl_goal goal = {.relative_error = 2 * row->wanted_error, .at = 0.95};
     double ray_times[SEEDS];
-    struct bench_deviation pool = {0};
+    struct bench_deviation pooled = {0};
     char maps[BENCH_PATH + 16];
     snprintf(maps, sizeof maps, "%s/sensors", s->office.folder);
     for (int seed = 0; seed < SEEDS; seed++) {
@@ -126,12 +126,12 @@ void speed_measure_goal(struct speed *s, const struct speed_row *row)
         ray_times[seed] = r.total_s * rate;
         const struct bench_deviation error =
             bench_compare(&s->reference.sensors, r.illuminance_lx, 0);
-        speed_merge(&pool, &error, seed);
+        speed_merge(&pooled, &error, seed);
         orl_result_done(&r);
         bench_remove_folder(maps);
     }
     speed_add_fact(s, row->wanted_error > 0.02 ? "goal_5" : "goal_1", "M ray-times",
                    bench_median(ray_times, SEEDS) / 1e6, 0,
                    "a job by relative_error %g: its sensors' rms %.2f %%", goal.relative_error,
-                   100 * pool.rms);
+                   100 * pooled.rms);
 }
